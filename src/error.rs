@@ -1,0 +1,130 @@
+//! The two error types: [`InputError`] for input refused where it is constructed, [`SolveError`] for numbers
+//! that break down during a run. A run that merely does not converge is a status in its solution, not an error.
+
+use std::path::PathBuf;
+
+/// Input that was refused: names the field, the value found, and what is allowed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InputError {
+    /// A number outside its legal range (NaN and infinities included).
+    #[error("{field} = {value}: must be {allowed}")]
+    Value {
+        /// Path of the offending field, for example `rods[0].section.bending`.
+        field: String,
+        /// The value found.
+        value: f64,
+        /// The legal range in words.
+        allowed: &'static str,
+    },
+    /// A count (elements, order, steps, nodes …) outside its legal range.
+    #[error("{field} = {value}: must be {allowed}")]
+    Count {
+        /// Path of the offending field.
+        field: String,
+        /// The value found.
+        value: usize,
+        /// The legal range in words.
+        allowed: &'static str,
+    },
+    /// A vector or point that is unusable (zero direction, NaN coordinate …).
+    #[error("{field} = ({}, {}, {}): must be {allowed}", value[0], value[1], value[2])]
+    Vector {
+        /// Path of the offending field.
+        field: String,
+        /// The value found.
+        value: [f64; 3],
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
+    /// A name (of a rod, a node, a key …) that is unknown or ambiguous.
+    #[error("{field} = \"{name}\": must be {allowed}")]
+    Name {
+        /// Path of the offending field.
+        field: String,
+        /// The name found.
+        name: String,
+        /// What is allowed, in words.
+        allowed: String,
+    },
+    /// Input whose parts contradict each other or make an ill-posed problem.
+    #[error("{field}: {reason}")]
+    Inconsistent {
+        /// Path of the offending field.
+        field: String,
+        /// Why it is refused and what to do instead.
+        reason: String,
+    },
+    /// Text that could not be parsed (TOML, CSV, XYZ).
+    #[error("{file}: {reason}")]
+    Parse {
+        /// File or section the text came from.
+        file: String,
+        /// The parser's words, with line and column where known.
+        reason: String,
+    },
+    /// A file that could not be read or written.
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// The file's path.
+        path: PathBuf,
+        /// The operating system's words.
+        reason: String,
+    },
+}
+
+impl InputError {
+    /// Refuses `value` unless it is finite and `ok`.
+    pub(crate) fn check(field: &str, value: f64, ok: bool, allowed: &'static str) -> Result<(), Self> {
+        if value.is_finite() && ok { Ok(()) } else { Err(Self::Value { field: field.to_owned(), value, allowed }) }
+    }
+
+    /// Refuses `value` unless it is finite and greater than zero.
+    pub(crate) fn positive(field: &str, value: f64) -> Result<(), Self> {
+        Self::check(field, value, value > 0.0, "a finite number greater than 0")
+    }
+}
+
+/// Numbers that broke down during a run; the last accepted state stays available to the caller.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// A residual, tangent or increment became NaN or infinite.
+    #[error("iteration {iteration}: {quantity} of unknown {index} is {value}")]
+    NotFinite {
+        /// Newton iteration.
+        iteration: usize,
+        /// Which quantity (residual, increment …).
+        quantity: &'static str,
+        /// Index of the first offending entry.
+        index: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// The factorisation failed although the matrix was finite and shifted.
+    #[error("iteration {iteration}: the tangent could not be factorised (largest shift tried {shift:e})")]
+    Factorisation {
+        /// Newton iteration.
+        iteration: usize,
+        /// Largest relative shift tried.
+        shift: f64,
+    },
+    /// Contact geometry that cannot be resolved on this mesh.
+    #[error("segment {segment} of curve {curve} turns by {turning:.3} rad, more than {limit:.3}: use more elements")]
+    TooCoarse {
+        /// Curve (rod) index.
+        curve: usize,
+        /// Segment index within the curve.
+        segment: usize,
+        /// Upper bound of the turning of the tangent along the segment, rad.
+        turning: f64,
+        /// Largest turning a segment may have, rad.
+        limit: f64,
+    },
+    /// Not enough memory or index range for the factorisation.
+    #[error("the sparse factorisation could not be set up: {reason}")]
+    Symbolic {
+        /// The library's words.
+        reason: String,
+    },
+}

@@ -1,0 +1,5 @@
+//! (to be written)
+
+pub mod vtk;
+pub mod csv;
+pub mod picture;

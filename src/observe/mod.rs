@@ -1,0 +1,4 @@
+//! (to be written)
+
+pub mod link;
+pub mod report;

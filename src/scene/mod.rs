@@ -1,0 +1,4 @@
+//! (to be written)
+
+pub mod model;
+pub mod file;
