@@ -1,4 +1,7 @@
-//! (to be written)
+//! What is to be solved: [`model`] holds rods, supports, loads, contact choice and stages as plain data;
+//! [`file`](mod@file) reads them from a scene file (TOML).
 
-pub mod model;
 pub mod file;
+pub mod model;
+
+pub use model::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};

@@ -1,1 +1,179 @@
-//! (to be written)
+//! The problem as plain data: rods, supports, loads, contact, stages. Everything is checked by [`Model::check`],
+//! which the solver calls at its door.
+
+use crate::math::Vec3;
+use crate::rod::Rod;
+
+/// A node of a rod.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct NodeRef {
+    /// Index of the rod in [`Model::rods`].
+    pub rod: usize,
+    /// Index of the node along the rod, 0 at s = 0.
+    pub node: usize,
+}
+
+/// Fixes components of position and rotation of one node, in the global axes x, y, z.
+///
+/// Rotation components are spatial: fixing all three clamps the cross-section's frame, fixing z alone
+/// forbids spin about the global z axis and so on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Support {
+    /// Supported node.
+    pub node: NodeRef,
+    /// Fixed position components.
+    pub position: [bool; 3],
+    /// Fixed rotation components.
+    pub rotation: [bool; 3],
+}
+
+impl Support {
+    /// Position and rotation all fixed.
+    pub fn clamp(node: NodeRef) -> Self {
+        Self { node, position: [true; 3], rotation: [true; 3] }
+    }
+
+    /// Position fixed, rotation free.
+    pub fn pin(node: NodeRef) -> Self {
+        Self { node, position: [true; 3], rotation: [false; 3] }
+    }
+}
+
+/// Dead force \[F\] and dead (fixed-axis) moment \[F·L\] at a node, in the global axes.
+///
+/// Multiplied by the load factor of the running stage, see [`Ramp::Load`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeLoad {
+    /// Loaded node.
+    pub node: NodeRef,
+    /// Force \[F\].
+    pub force: Vec3,
+    /// Moment \[F·L\]; keeps its direction in space while the node turns.
+    pub moment: Vec3,
+}
+
+/// Dead force per reference arc length \[F/L\] on a whole rod, in the global axes (self-weight, a uniform line load).
+///
+/// Multiplied by the load factor like [`NodeLoad`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineLoad {
+    /// Loaded rod.
+    pub rod: usize,
+    /// Force per length \[F/L\].
+    pub force: Vec3,
+}
+
+/// How contact is enforced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ContactLaw {
+    /// No contact: no tree, no candidate, no site.
+    None,
+    /// p = κ⟨−gap⟩ with κ = `stiffness`·B/ε⁴ (B smallest bending stiffness, ε smallest contact radius).
+    Penalty {
+        /// Dimensionless stiffness; raising it lowers penetration (as κ^(−2/3) at points, κ^(−1) along lines) at the
+        /// price of more iterations. Legal: > 0.
+        stiffness: f64,
+    },
+    /// p = κ⟨c − gap⟩ with an offset field c raised until no penetration beyond the tolerance is left.
+    AugmentedLagrangian {
+        /// Dimensionless stiffness as in `Penalty`; resultants depend on it only through the width κ^(−1/3) over which
+        /// a point contact is spread.
+        stiffness: f64,
+        /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
+        tol_penetration: f64,
+    },
+}
+
+/// Contact choice of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The law.
+    pub law: ContactLaw,
+}
+
+impl Contact {
+    /// Default dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is then a sixth of the radius.
+    pub const DEFAULT_STIFFNESS: f64 = 1e3;
+    /// Default penetration tolerance relative to the contact radius.
+    pub const DEFAULT_TOL_PENETRATION: f64 = 1e-8;
+
+    /// No contact.
+    pub const NONE: Self = Self { law: ContactLaw::None };
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            law: ContactLaw::AugmentedLagrangian {
+                stiffness: Self::DEFAULT_STIFFNESS,
+                tol_penetration: Self::DEFAULT_TOL_PENETRATION,
+            },
+        }
+    }
+}
+
+/// One quantity moved linearly from its present value to `to` during a stage.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ramp {
+    /// Excess link of a closed rod, in turns (continuous: the seam of the rod is turned).
+    ExcessLink {
+        /// The closed rod.
+        rod: usize,
+        /// Value at the end of the stage, turns.
+        to: f64,
+    },
+    /// Rotates a node (whose rotation is fixed by a support) about a global axis; many turns are fine.
+    Rotation {
+        /// The supported node.
+        node: NodeRef,
+        /// Axis (need not be unit), global.
+        axis: Vec3,
+        /// Total angle turned at the end of the stage since the start of the run, turns.
+        to: f64,
+    },
+    /// Moves a node (whose position is fixed by a support) along a straight line.
+    Displacement {
+        /// The supported node.
+        node: NodeRef,
+        /// Total displacement at the end of the stage since the start of the run \[L\].
+        to: Vec3,
+    },
+    /// The factor on all [`NodeLoad`]s and [`LineLoad`]s (0 at the start of a run; dimensionless).
+    Load {
+        /// Factor at the end of the stage.
+        to: f64,
+    },
+    /// Pressure on a planar closed rod: force per *current* length, along the inward normal in the x-y plane \[F/L\].
+    Pressure {
+        /// The closed rod.
+        rod: usize,
+        /// Pressure at the end of the stage \[F/L\]; positive pushes inwards.
+        to: f64,
+    },
+}
+
+/// A stage of the path: all its ramps move together from where they are to their targets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    /// What moves.
+    pub ramps: Vec<Ramp>,
+    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: ≥ 1.
+    pub steps: usize,
+}
+
+/// A complete problem.
+#[derive(Debug, Clone, Default)]
+pub struct Model {
+    /// The rods.
+    pub rods: Vec<Rod>,
+    /// Supports; several may act on one node.
+    pub supports: Vec<Support>,
+    /// Dead nodal loads at load factor 1.
+    pub loads: Vec<NodeLoad>,
+    /// Dead line loads at load factor 1.
+    pub line_loads: Vec<LineLoad>,
+    /// Contact choice.
+    pub contact: Contact,
+    /// Planar scene: all rods lie in the x-y plane; z, and rotations about x and y, are no unknowns.
+    pub planar: bool,
+}
