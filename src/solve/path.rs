@@ -1,1 +1,1 @@
-//! (to be written)
+//! Load stepping: runs the stages of a model with adaptive steps.
