@@ -1,5 +1,7 @@
 //! Sections: the stiffnesses of the quadratic Cosserat energy and the contact radius.
 
+use std::f64::consts::PI;
+
 use crate::error::InputError;
 
 /// Stiffnesses of a section (axes d1, d2; d3 along the rod) and its contact radius.
@@ -36,10 +38,98 @@ pub enum CrossSection {
     },
 }
 
+impl CrossSection {
+    /// Area A \[L²\].
+    pub fn area(&self) -> f64 {
+        match *self {
+            Self::Circle { radius } => PI * radius.powi(2),
+            Self::Rectangle { width, height } => width * height,
+        }
+    }
+
+    /// Second moments of area I1 = ∫x2² dA about d1 and I2 = ∫x1² dA about d2 \[L⁴\].
+    pub fn second_moments(&self) -> [f64; 2] {
+        match *self {
+            Self::Circle { radius } => [PI * radius.powi(4) / 4.0; 2],
+            Self::Rectangle { width, height } => [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
+        }
+    }
+
+    /// Saint-Venant torsion constant J \[L⁴\]: torsional stiffness GJ = shear modulus × J.
+    ///
+    /// Disc: ½π r⁴. Rectangle of sides a ≥ b (Timoshenko & Goodier 1970, Theory of Elasticity, §109, eq. 171):
+    /// J = a b³ ⅓ (1 − (192/π⁵)(b/a) Σ_{n odd} tanh(nπa/2b)/n⁵), summed to machine precision.
+    pub fn torsion_constant(&self) -> f64 {
+        match *self {
+            Self::Circle { radius } => PI * radius.powi(4) / 2.0,
+            Self::Rectangle { width, height } => {
+                let (a, b) = (width.max(height), width.min(height));
+                // tanh(nπa/2b) is 1 to machine precision from n = 13 on, and the tail Σ_{n odd ≥ 13} n⁻⁵ is what is left
+                // of Σ_{n odd} n⁻⁵ = (31/32) ζ(5): sum the differences from 1, which vanish at once.
+                let defect: f64 = (1..=13)
+                    .step_by(2)
+                    .map(|n| f64::from(n))
+                    .map(|n| (1.0 - (n * PI * a / (2.0 * b)).tanh()) / n.powi(5))
+                    .sum();
+                let odd_sum = 31.0 / 32.0 * 1.036_927_755_143_37;
+                a * b.powi(3) / 3.0 * (1.0 - 192.0 / PI.powi(5) * (b / a) * (odd_sum - defect))
+            }
+        }
+    }
+
+    fn check(&self, field: &str) -> Result<(), InputError> {
+        match *self {
+            Self::Circle { radius } => InputError::positive(&format!("{field}.circle"), radius),
+            Self::Rectangle { width, height } => {
+                InputError::positive(&format!("{field}.rectangle[0]"), width)?;
+                InputError::positive(&format!("{field}.rectangle[1]"), height)
+            }
+        }
+    }
+}
+
 impl Section {
     /// Bending and twisting equal about all axes of the section.
     pub fn isotropic(bending: f64, twisting: f64, stretching: f64, shearing: f64, contact_radius: f64) -> Self {
         Self { shearing: [shearing; 2], stretching, bending: [bending; 2], twisting, contact_radius }
+    }
+
+    /// Stiffnesses of a homogeneous solid section: EA, EI1, EI2 from Young's modulus `young` E \[F/L²\], GJ and
+    /// GA1 = GA2 = k G A from the shear modulus `shear_modulus` G \[F/L²\].
+    ///
+    /// `shear_correction` k (dimensionless) lowers the shear stiffness for the uneven shear stress over the section;
+    /// Cowper (1966): 6(1+ν)/(7+6ν) for a disc, 10(1+ν)/(12+11ν) for a rectangle, ν Poisson's ratio. 1 = none.
+    /// `contact_radius` \[L\] need not be the radius of the section.
+    ///
+    /// # Errors
+    /// Any modulus, size or `shear_correction` not finite and positive, a `contact_radius` negative or not finite.
+    ///
+    /// ```
+    /// use supercoil::rod::{CrossSection, Section};
+    /// let wire = Section::from_moduli(210e9, 80e9, CrossSection::Circle { radius: 1e-3 }, 0.9, 1e-3)?;
+    /// assert!(wire.is_isotropic());
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    pub fn from_moduli(
+        young: f64,
+        shear_modulus: f64,
+        cross_section: CrossSection,
+        shear_correction: f64,
+        contact_radius: f64,
+    ) -> Result<Self, InputError> {
+        InputError::positive("section.young", young)?;
+        InputError::positive("section.shear_modulus", shear_modulus)?;
+        InputError::positive("section.shear_correction", shear_correction)?;
+        cross_section.check("section")?;
+        let area = cross_section.area();
+        let section = Self {
+            shearing: [shear_correction * shear_modulus * area; 2],
+            stretching: young * area,
+            bending: cross_section.second_moments().map(|moment| young * moment),
+            twisting: shear_modulus * cross_section.torsion_constant(),
+            contact_radius,
+        };
+        section.check("section").map(|()| section)
     }
 
     /// Whether the section has no preferred bending or shear direction.
@@ -48,6 +138,9 @@ impl Section {
     }
 
     /// Refuses non-positive or non-finite stiffnesses; `field` names the section in the error.
+    ///
+    /// # Errors
+    /// The first offending stiffness or radius.
     pub fn check(&self, field: &str) -> Result<(), InputError> {
         for (name, value) in [
             ("shearing[0]", self.shearing[0]),
@@ -61,5 +154,48 @@ impl Section {
         }
         let radius = self.contact_radius;
         InputError::check(&format!("{field}.contact_radius"), radius, radius >= 0.0, "finite and not negative")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn torsion(width: f64, height: f64) -> f64 {
+        CrossSection::Rectangle { width, height }.torsion_constant()
+    }
+
+    #[test]
+    fn torsion_of_rectangles_matches_the_plain_series_and_the_published_table() {
+        // Timoshenko & Goodier 1970, §109, table: J/(a b³) for a/b = 1, 2, 10 and infinity.
+        for (ratio, coefficient) in [(1.0, 0.1406), (2.0, 0.229), (10.0, 0.312), (1e6, 0.333)] {
+            assert_relative_eq!(torsion(ratio, 1.0), coefficient * ratio, max_relative = 3e-3);
+        }
+        let series: f64 =
+            (1..20001).step_by(2).rev().map(f64::from).map(|n| (n * PI * 1.3 / 2.0).tanh() / n.powi(5)).sum();
+        let expected = 1.3 / 3.0 * (1.0 - 192.0 / PI.powi(5) / 1.3 * series);
+        assert_relative_eq!(torsion(1.3, 1.0), expected, max_relative = 1e-14);
+        assert_eq!(torsion(1.3, 1.0), torsion(1.0, 1.3));
+    }
+
+    #[test]
+    fn stiffnesses_of_disc_and_rectangle() {
+        let disc = Section::from_moduli(2.0, 0.8, CrossSection::Circle { radius: 0.5 }, 0.9, 0.5).unwrap();
+        assert_relative_eq!(disc.stretching, 2.0 * PI / 4.0, max_relative = 1e-15);
+        assert_relative_eq!(disc.twisting / disc.bending[0], 0.8 * 2.0 / 2.0, max_relative = 1e-15);
+        let strip = CrossSection::Rectangle { width: 3.0, height: 0.1 };
+        let strip = Section::from_moduli(12.0, 5.0, strip, 1.0, 0.0).unwrap();
+        assert_relative_eq!(strip.bending[0], 3.0 * 1e-3, max_relative = 1e-14);
+        assert_relative_eq!(strip.bending[1], 0.1 * 27.0, max_relative = 1e-14);
+        assert!(!strip.is_isotropic());
+    }
+
+    #[test]
+    fn bad_sizes_are_named() {
+        let error = Section::from_moduli(1.0, 1.0, CrossSection::Rectangle { width: 1.0, height: -2.0 }, 1.0, 0.0);
+        assert_eq!(error.unwrap_err().to_string(), "section.rectangle[1] = -2: must be a finite number greater than 0");
+        let error = Section::from_moduli(f64::NAN, 1.0, CrossSection::Circle { radius: 1.0 }, 1.0, 0.0).unwrap_err();
+        assert!(error.to_string().starts_with("section.young = NaN"));
     }
 }
