@@ -1,1 +1,87 @@
-//! (to be written)
+//! Quaternions as plain arrays (w, x, y, z) for the element kernels. Products follow Hamilton.
+
+use crate::math::{Quat, Vec3};
+
+/// A quaternion (w, x, y, z), not necessarily of unit length.
+pub type Q = [f64; 4];
+
+/// Hamilton product a b.
+#[inline]
+pub fn mul(a: &Q, b: &Q) -> Q {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// Inner product of ℝ⁴.
+#[inline]
+pub fn dot(a: &Q, b: &Q) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+}
+
+/// q e1.
+#[inline]
+pub fn mul_e1(q: &Q) -> Q {
+    [-q[1], q[0], q[3], -q[2]]
+}
+
+/// q e2.
+#[inline]
+pub fn mul_e2(q: &Q) -> Q {
+    [-q[2], -q[3], q[0], q[1]]
+}
+
+/// q e3.
+#[inline]
+pub fn mul_e3(q: &Q) -> Q {
+    [-q[3], q[2], -q[1], q[0]]
+}
+
+/// q (n1 e1 + n2 e2 + n3 e3).
+#[inline]
+pub fn mul_pure(q: &Q, n: &[f64; 3]) -> Q {
+    mul(q, &[0.0, n[0], n[1], n[2]])
+}
+
+/// (v1 e1 + v2 e2 + v3 e3) q.
+#[inline]
+pub fn pure_mul(v: &[f64; 3], q: &Q) -> Q {
+    mul(&[0.0, v[0], v[1], v[2]], q)
+}
+
+/// As an array.
+#[inline]
+pub fn to_array(q: &Quat) -> Q {
+    [q.w, q.i, q.j, q.k]
+}
+
+/// Rotation by the rotation vector `theta` (rad).
+#[inline]
+pub fn exp(theta: &Vec3) -> Quat {
+    Quat::from_scaled_axis(*theta)
+}
+
+/// Rotation about d3 by `angle` (rad), to be multiplied from the right.
+pub fn spin(angle: f64) -> Quat {
+    let (s, c) = (0.5 * angle).sin_cos();
+    Quat::new_unchecked(nalgebra::Quaternion::new(c, 0.0, 0.0, s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_with_units_agree_with_the_general_product() {
+        let q = [0.3, -0.7, 0.2, 1.1];
+        assert_eq!(mul_e1(&q), mul(&q, &[0.0, 1.0, 0.0, 0.0]));
+        assert_eq!(mul_e2(&q), mul(&q, &[0.0, 0.0, 1.0, 0.0]));
+        assert_eq!(mul_e3(&q), mul(&q, &[0.0, 0.0, 0.0, 1.0]));
+        let nalgebra_product = nalgebra::Quaternion::new(0.3, -0.7, 0.2, 1.1) * nalgebra::Quaternion::new(0.5, 1.0, -2.0, 0.25);
+        let ours = mul(&q, &[0.5, 1.0, -2.0, 0.25]);
+        assert_eq!(ours, [nalgebra_product.w, nalgebra_product.i, nalgebra_product.j, nalgebra_product.k]);
+    }
+}

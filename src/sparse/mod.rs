@@ -1,4 +1,8 @@
-//! (to be written)
+//! Sparse symmetric matrices over nodes with up to six unknowns each: [`pattern`] (built once per contact graph,
+//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library).
 
-pub mod pattern;
 pub mod factor;
+pub mod pattern;
+
+pub use factor::Factor;
+pub use pattern::Pattern;
