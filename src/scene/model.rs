@@ -1,5 +1,7 @@
-//! The problem as plain data: rods, supports, loads, contact, stages. Everything is checked by [`Model::check`],
-//! which the solver calls at its door.
+//! The problem as plain data: rods, supports, loads, contact, stages. Everything is checked by [`Model::check`] and
+//! [`Model::check_stages`], which the solver calls at its door.
+
+mod check;
 
 use crate::math::Vec3;
 use crate::rod::Rod;
@@ -82,6 +84,13 @@ pub enum ContactLaw {
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,
     },
+}
+
+impl ContactLaw {
+    /// Whether anything is to be detected at all.
+    pub fn is_on(&self) -> bool {
+        !matches!(self, Self::None)
+    }
 }
 
 /// Contact choice of a model.
@@ -176,4 +185,17 @@ pub struct Model {
     pub contact: Contact,
     /// Planar scene: all rods lie in the x-y plane; z, and rotations about x and y, are no unknowns.
     pub planar: bool,
+}
+
+impl Model {
+    /// Position and rotation components fixed at a node by all its supports together (all out-of-plane components too in
+    /// a planar model).
+    pub fn fixed(&self, node: NodeRef) -> ([bool; 3], [bool; 3]) {
+        let start = ([false, false, self.planar], [self.planar, self.planar, false]);
+        let here = self.supports.iter().filter(|support| support.node == node);
+        here.fold(start, |(position, rotation), support| {
+            let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
+            (either(position, support.position), either(rotation, support.rotation))
+        })
+    }
 }

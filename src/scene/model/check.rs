@@ -1,0 +1,317 @@
+//! What a model and its stages must satisfy to be a well-posed problem.
+
+use crate::error::InputError;
+use crate::math::Vec3;
+use crate::rod::{Natural, Rod};
+
+use super::{ContactLaw, Model, NodeRef, Ramp, Stage};
+
+/// Singular values of the support constraints below this (of 1) leave a rigid motion free.
+const TOL_RANK: f64 = 1e-9;
+
+/// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
+const TOL_PLANE: f64 = 1e-9;
+
+impl Model {
+    /// Refuses a model that is not a well-posed problem, naming the field, what was found and what is allowed.
+    ///
+    /// # Errors
+    /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
+    /// finite; an illegal contact choice; an open or loaded rod that its supports leave free to move as a rigid body
+    /// while dead loads act on it or other rods may push it (closed rods may float when no dead load acts on them);
+    /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
+    /// natural curvature or loads out of it.
+    pub fn check(&self) -> Result<(), InputError> {
+        if self.rods.is_empty() {
+            return Err(InputError::Count { field: "rods".into(), value: 0, allowed: "at least 1" });
+        }
+        self.rods.iter().try_for_each(Rod::check)?;
+        for (i, support) in self.supports.iter().enumerate() {
+            self.check_node(&format!("supports[{i}]"), support.node)?;
+        }
+        for (i, load) in self.loads.iter().enumerate() {
+            let field = format!("loads[{i}]");
+            self.check_node(&field, load.node)?;
+            finite(&format!("{field}.force"), &load.force)?;
+            finite(&format!("{field}.moment"), &load.moment)?;
+        }
+        for (i, load) in self.line_loads.iter().enumerate() {
+            let field = format!("line_loads[{i}]");
+            self.check_rod(&field, load.rod)?;
+            finite(&format!("{field}.force"), &load.force)?;
+        }
+        self.check_contact()?;
+        if self.planar {
+            self.check_planar()?;
+        }
+        (0..self.rods.len()).try_for_each(|rod| match self.pushed_by(rod) {
+            Some(cause) => self.check_supported(rod, &cause),
+            None => Ok(()),
+        })
+    }
+
+    /// Refuses stages that this model cannot follow.
+    ///
+    /// # Errors
+    /// A stage of no steps or no ramps; two ramps of one quantity in a stage; targets that are not finite; the excess
+    /// link of an open rod or in a planar model; a rotation of a node whose rotation no support fixes, a displacement of
+    /// a component no support fixes; an open rod so moved that is otherwise free to move as a rigid body; a load factor
+    /// without loads; pressure on anything but a closed rod of a planar model.
+    pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
+        for (i, stage) in stages.iter().enumerate() {
+            if stage.steps == 0 {
+                return Err(InputError::Count { field: format!("stages[{i}].steps"), value: 0, allowed: "at least 1" });
+            }
+            if stage.ramps.is_empty() {
+                let reason =
+                    "nothing to ramp: give at least one of excess_link, rotation, displacement, load, pressure";
+                return Err(inconsistent(&format!("stages[{i}].ramp"), reason));
+            }
+            for (k, ramp) in stage.ramps.iter().enumerate() {
+                self.check_ramp(&format!("stages[{i}].ramp"), ramp)?;
+                if stage.ramps[..k].iter().any(|other| same_quantity(other, ramp)) {
+                    return Err(inconsistent(&format!("stages[{i}].ramp"), "the same quantity is ramped twice"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_ramp(&self, stage: &str, ramp: &Ramp) -> Result<(), InputError> {
+        match *ramp {
+            Ramp::ExcessLink { rod, to } => {
+                let field = format!("{stage}.excess_link");
+                self.check_rod(&field, rod)?;
+                InputError::check(&format!("{field}.to"), to, true, "a finite number of turns")?;
+                self.require(self.rods[rod].closed, &field, rod, "is open: only a closed rod has an excess link")?;
+                self.require(
+                    !self.planar,
+                    &field,
+                    rod,
+                    "is in a planar scene: excess link needs space (planar = false)",
+                )
+            }
+            Ramp::Rotation { node, axis, to } => {
+                let field = format!("{stage}.rotation");
+                self.check_node(&field, node)?;
+                InputError::check(&format!("{field}.turns"), to, true, "a finite number of turns")?;
+                self.check_axis(&field, &axis)?;
+                let held = self.fixed(node).1 == [true; 3];
+                let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
+                self.require(held, &field, node.rod, reason)?;
+                self.check_moved(&field, node.rod)
+            }
+            Ramp::Displacement { node, to } => {
+                let field = format!("{stage}.displacement");
+                self.check_node(&field, node)?;
+                finite(&format!("{field}.to"), &to)?;
+                let fixed = self.fixed(node).0;
+                let held = (0..3).all(|k| to[k] == 0.0 || fixed[k]) && !(self.planar && to.z != 0.0);
+                let reason =
+                    "is displaced in a direction that no support fixes at this node: add one with position = true";
+                self.require(held, &field, node.rod, reason)?;
+                self.check_moved(&field, node.rod)
+            }
+            Ramp::Load { to } => {
+                let field = format!("{stage}.load");
+                InputError::check(&field, to, true, "a finite number")?;
+                if self.loads.is_empty() && self.line_loads.is_empty() {
+                    return Err(inconsistent(&field, "there are no loads to ramp: add loads or line_loads"));
+                }
+                Ok(())
+            }
+            Ramp::Pressure { rod, to } => {
+                let field = format!("{stage}.pressure");
+                self.check_rod(&field, rod)?;
+                InputError::check(&format!("{field}.to"), to, true, "a finite number")?;
+                let ok = self.planar && self.rods[rod].closed;
+                self.require(
+                    ok,
+                    &field,
+                    rod,
+                    "is not a closed rod of a planar scene, the only kind that takes pressure",
+                )
+            }
+        }
+    }
+
+    fn check_axis(&self, field: &str, axis: &Vec3) -> Result<(), InputError> {
+        let (size, in_plane) = (axis.amax(), axis.xy().amax());
+        let allowed = if self.planar { "along z in a planar scene" } else { "finite and not zero" };
+        if axis.iter().all(|x| x.is_finite()) && size > 0.0 && !(self.planar && in_plane > 0.0) {
+            return Ok(());
+        }
+        Err(InputError::Vector { field: format!("{field}.axis"), value: (*axis).into(), allowed })
+    }
+
+    fn require(&self, ok: bool, field: &str, rod: usize, reason: &str) -> Result<(), InputError> {
+        if ok { Ok(()) } else { Err(inconsistent(field, &format!("rod \"{}\" {reason}", self.rods[rod].name))) }
+    }
+
+    fn check_rod(&self, field: &str, rod: usize) -> Result<(), InputError> {
+        if rod < self.rods.len() {
+            return Ok(());
+        }
+        Err(InputError::Count { field: format!("{field}.rod"), value: rod, allowed: "the index of a rod of the model" })
+    }
+
+    fn check_node(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
+        self.check_rod(field, node.rod)?;
+        if node.node < self.rods[node.rod].num_nodes() {
+            return Ok(());
+        }
+        let allowed = "the index of a node of the rod (elements × order of them, one more if open)";
+        Err(InputError::Count { field: format!("{field}.node"), value: node.node, allowed })
+    }
+
+    fn check_contact(&self) -> Result<(), InputError> {
+        match self.contact.law {
+            ContactLaw::None => Ok(()),
+            ContactLaw::Penalty { stiffness } => InputError::positive("contact.stiffness", stiffness),
+            ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: tol } => {
+                InputError::positive("contact.stiffness", stiffness)?;
+                InputError::check("contact.tol_penetration", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")
+            }
+        }
+    }
+
+    fn check_planar(&self) -> Result<(), InputError> {
+        let plane = self.rods[0].positions[0].z;
+        for rod in &self.rods {
+            let refuse = |node: usize, what: &str| {
+                let reason = format!("planar = true, but {what} at node {node}");
+                Err(inconsistent(&format!("rods.{}", rod.name), &reason))
+            };
+            for (i, (position, frame)) in rod.positions.iter().zip(&rod.frames).enumerate() {
+                if (position.z - plane).abs() > TOL_PLANE * rod.length {
+                    return refuse(i, &format!("z = {} is not {plane}", position.z));
+                }
+                if (frame * Vec3::z()).z.abs() > TOL_PLANE {
+                    return refuse(i, "the tangent leaves the x-y plane");
+                }
+                let d1_z = (frame * Vec3::x()).z.abs();
+                if !rod.section.is_isotropic() && d1_z.min(1.0 - d1_z) > TOL_PLANE {
+                    return refuse(i, "neither d1 nor d2 of the anisotropic section is normal to the plane");
+                }
+                if let Natural::Uniform { kappa } = rod.natural {
+                    let natural = frame * Vec3::from(kappa);
+                    if natural.xy().norm() > TOL_PLANE * natural.norm() {
+                        return refuse(i, "the natural curvature or twist turns out of the x-y plane");
+                    }
+                }
+            }
+        }
+        let in_plane = |field: String, force: &Vec3, moment: &Vec3| {
+            let ok = force.z == 0.0 && moment.xy() == Vec3::zeros().xy();
+            let reason = "planar = true: forces act in the x-y plane, moments about z";
+            if ok { Ok(()) } else { Err(inconsistent(&field, reason)) }
+        };
+        for (i, load) in self.loads.iter().enumerate() {
+            in_plane(format!("loads[{i}]"), &load.force, &load.moment)?;
+        }
+        for (i, load) in self.line_loads.iter().enumerate() {
+            in_plane(format!("line_loads[{i}].force"), &load.force, &Vec3::zeros())?;
+        }
+        Ok(())
+    }
+
+    /// What could carry `rod` off if nothing held it: dead loads, or, for an open rod, other rods in contact.
+    fn pushed_by(&self, rod: usize) -> Option<String> {
+        let node_load =
+            |load: &super::NodeLoad| load.node.rod == rod && (load.force, load.moment) != Default::default();
+        let line_load = |load: &super::LineLoad| load.rod == rod && load.force != Vec3::zeros();
+        if let Some(i) = self.loads.iter().position(node_load) {
+            return Some(format!("loads[{i}] acts on it"));
+        }
+        if let Some(i) = self.line_loads.iter().position(line_load) {
+            return Some(format!("line_loads[{i}] acts on it"));
+        }
+        let touchable = self.rods[rod].section.contact_radius > 0.0 && self.contact.law.is_on();
+        let pushed = !self.rods[rod].closed && self.rods.len() > 1 && touchable;
+        pushed.then(|| "other rods may push it".to_owned())
+    }
+
+    fn check_moved(&self, field: &str, rod: usize) -> Result<(), InputError> {
+        if self.rods[rod].closed { Ok(()) } else { self.check_supported(rod, &format!("{field} moves it")) }
+    }
+
+    fn check_supported(&self, rod: usize, cause: &str) -> Result<(), InputError> {
+        let Some(motion) = self.free_rigid_motion(rod) else { return Ok(()) };
+        let reason = format!(
+            "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports"
+        );
+        Err(inconsistent(&format!("rods.{}", self.rods[rod].name), &reason))
+    }
+
+    /// A rigid motion of `rod` that no support stops, in words.
+    ///
+    /// A velocity v of the first node and a spin ω (times the length ℓ, to be of one unit with v) move a node at distance d
+    /// from it by v + ω × d. The supports stop every rigid motion when their rows have rank 6.
+    fn free_rigid_motion(&self, rod: usize) -> Option<String> {
+        let (origin, length) = (self.rods[rod].positions[0], self.rods[rod].length);
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+        let mut normal = nalgebra::Matrix6::<f64>::zeros();
+        let mut constrain = |v: Vec3, spin: Vec3| {
+            let row = nalgebra::Vector6::new(v.x, v.y, v.z, spin.x, spin.y, spin.z);
+            normal += row * row.transpose();
+        };
+        if self.planar {
+            constrain(axes[2], Vec3::zeros());
+            constrain(Vec3::zeros(), axes[0]);
+            constrain(Vec3::zeros(), axes[1]);
+        }
+        for support in self.supports.iter().filter(|support| support.node.rod == rod) {
+            let arm = (self.rods[rod].positions[support.node.node] - origin) / length;
+            for k in 0..3 {
+                if support.position[k] {
+                    constrain(axes[k], arm.cross(&axes[k]));
+                }
+                if support.rotation[k] {
+                    constrain(Vec3::zeros(), axes[k]);
+                }
+            }
+        }
+        let eigen = normal.symmetric_eigen();
+        let least = eigen.eigenvalues.imin();
+        if eigen.eigenvalues[least] > TOL_RANK {
+            return None;
+        }
+        let free = eigen.eigenvectors.column(least).into_owned();
+        let (v, spin) = (Vec3::new(free[0], free[1], free[2]), Vec3::new(free[3], free[4], free[5]));
+        let text = |v: &Vec3| {
+            let v = v.map(|x| (x * 1e3).round() / 1e3 + 0.0); // + 0.0 turns −0 into 0
+            format!("({}, {}, {})", v.x, v.y, v.z)
+        };
+        let forward = |v: Vec3| if v[v.iamax()] < 0.0 { -v } else { v };
+        if spin.norm() < 1e-6 {
+            return Some(format!("translation along {}", text(&forward(v))));
+        }
+        let through = origin + spin.cross(&v) * (length / spin.norm_squared());
+        Some(format!("rotation about the axis {} through {}", text(&forward(spin.normalize())), text(&through)))
+    }
+}
+
+fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
+    match (a, b) {
+        (Ramp::ExcessLink { rod: a, .. }, Ramp::ExcessLink { rod: b, .. })
+        | (Ramp::Pressure { rod: a, .. }, Ramp::Pressure { rod: b, .. }) => a == b,
+        (Ramp::Rotation { node: a, .. }, Ramp::Rotation { node: b, .. })
+        | (Ramp::Displacement { node: a, .. }, Ramp::Displacement { node: b, .. }) => a == b,
+        (Ramp::Load { .. }, Ramp::Load { .. }) => true,
+        _ => false,
+    }
+}
+
+fn finite(field: &str, value: &Vec3) -> Result<(), InputError> {
+    if value.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(InputError::Vector { field: field.into(), value: (*value).into(), allowed: "three finite numbers" })
+}
+
+fn inconsistent(field: &str, reason: &str) -> InputError {
+    InputError::Inconsistent { field: field.to_owned(), reason: reason.to_owned() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,134 @@
+use super::*;
+use crate::rod::{Section, Shape};
+use crate::scene::{Contact, LineLoad, NodeLoad, Support};
+
+const START: NodeRef = NodeRef { rod: 0, node: 0 };
+const END: NodeRef = NodeRef { rod: 0, node: 8 };
+
+fn section(radius: f64) -> Section {
+    Section::isotropic(1.0, 1.5, 100.0, 100.0, radius)
+}
+
+fn beam() -> Rod {
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
+    Rod::new("beam", &shape, false, section(0.1), 4, 2, Natural::Straight).unwrap()
+}
+
+fn ring() -> Rod {
+    let shape = Shape::Circle { length: 6.0, center: Vec3::zeros(), normal: Vec3::z() };
+    Rod::new("ring", &shape, true, section(0.1), 4, 2, Natural::Straight).unwrap()
+}
+
+fn loaded(supports: Vec<Support>) -> Model {
+    let load = NodeLoad { node: END, force: Vec3::y(), moment: Vec3::zeros() };
+    Model { rods: vec![beam()], supports, loads: vec![load], ..Default::default() }
+}
+
+fn refusal(model: &Model) -> String {
+    model.check().unwrap_err().to_string()
+}
+
+#[test]
+fn mechanisms_are_found_and_named() {
+    assert!(loaded(vec![Support::clamp(START)]).check().is_ok());
+    let text = refusal(&loaded(vec![]));
+    assert!(text.starts_with("rods.beam: loads[0] acts on it, but its supports leave it free"), "{text}");
+    let text = refusal(&loaded(vec![Support::pin(START), Support::pin(END)]));
+    assert!(text.contains("rotation about the axis (1, 0, 0) through (0, 0, 0)"), "{text}");
+    let rail = Support { node: START, position: [true, true, false], rotation: [true; 3] };
+    let text = refusal(&loaded(vec![rail]));
+    assert!(text.contains("translation along (0, 0, 1)"), "{text}");
+    let spin = Support { node: START, position: [false; 3], rotation: [true, false, false] };
+    assert!(loaded(vec![Support::pin(START), Support::pin(END), spin]).check().is_ok());
+}
+
+#[test]
+fn a_planar_rod_needs_fewer_supports() {
+    let roller = Support { node: END, position: [false, true, false], rotation: [false; 3] };
+    let mut model = loaded(vec![Support::pin(START), roller]);
+    model.planar = true;
+    assert!(model.check().is_ok());
+    model.supports.pop();
+    assert!(refusal(&model).contains("rotation about the axis (0, 0, 1)"), "{}", refusal(&model));
+}
+
+#[test]
+fn closed_rods_may_float_open_ones_among_others_may_not() {
+    let ring_alone = Model { rods: vec![ring()], ..Default::default() };
+    assert!(ring_alone.check().is_ok());
+    assert!(ring_alone.check_stages(&[stage(Ramp::ExcessLink { rod: 0, to: -3.0 })]).is_ok());
+    let mut both = Model { rods: vec![ring(), beam()], ..Default::default() };
+    assert!(refusal(&both).contains("rods.beam: other rods may push it"));
+    both.contact = Contact::NONE;
+    assert!(both.check().is_ok());
+    both.line_loads = vec![LineLoad { rod: 0, force: Vec3::z() }];
+    assert!(refusal(&both).contains("rods.ring: line_loads[0] acts on it"));
+}
+
+#[test]
+fn references_and_numbers_are_checked() {
+    assert_eq!(refusal(&Model::default()), "rods = 0: must be at least 1");
+    let far = Support::clamp(NodeRef { rod: 0, node: 9 });
+    assert!(refusal(&loaded(vec![far])).starts_with("supports[0].node = 9"));
+    let nowhere = Support::clamp(NodeRef { rod: 1, node: 0 });
+    assert!(refusal(&loaded(vec![nowhere])).starts_with("supports[0].rod = 1"));
+    let mut model = loaded(vec![Support::clamp(START)]);
+    model.loads[0].moment.y = f64::NAN;
+    assert!(refusal(&model).starts_with("loads[0].moment = (0, NaN, 0)"));
+    let mut model = loaded(vec![Support::clamp(START)]);
+    model.contact.law = ContactLaw::AugmentedLagrangian { stiffness: 1.0, tol_penetration: 2.0 };
+    assert!(refusal(&model).starts_with("contact.tol_penetration = 2"));
+    model.contact.law = ContactLaw::Penalty { stiffness: 0.0 };
+    assert!(refusal(&model).starts_with("contact.stiffness = 0"));
+}
+
+#[test]
+fn planar_means_planar() {
+    let planar = |rod: Rod| Model { rods: vec![rod], planar: true, ..Default::default() };
+    assert!(planar(ring()).check().is_ok());
+    let mut tilted = ring();
+    tilted.positions[3].z = 0.1;
+    assert!(refusal(&planar(tilted)).contains("planar = true, but z = 0.1 is not 0 at node 3"));
+    let mut curved = beam();
+    curved.natural = Natural::Uniform { kappa: [0.0, 0.5, 0.0] };
+    assert!(refusal(&planar(curved)).contains("natural curvature"));
+    let mut curved = beam();
+    curved.natural = Natural::Uniform { kappa: [0.5, 0.0, 0.0] };
+    assert!(planar(curved).check().is_ok());
+    let mut model = loaded(vec![Support::clamp(START)]);
+    model.planar = true;
+    model.loads[0].force.z = 1.0;
+    assert!(refusal(&model).starts_with("loads[0]: planar = true"));
+}
+
+fn stage(ramp: Ramp) -> Stage {
+    Stage { ramps: vec![ramp], steps: 3 }
+}
+
+#[test]
+fn ramps_are_checked() {
+    let model = Model { rods: vec![beam()], supports: vec![Support::clamp(START)], ..Default::default() };
+    let refusal = |ramp: Ramp| model.check_stages(&[stage(ramp)]).unwrap_err().to_string();
+    assert!(refusal(Ramp::ExcessLink { rod: 0, to: 1.0 }).contains("\"beam\" is open"));
+    assert!(refusal(Ramp::Load { to: 1.0 }).contains("no loads to ramp"));
+    assert!(refusal(Ramp::Pressure { rod: 0, to: 1.0 }).contains("pressure"));
+    let turn = |node: NodeRef, axis: Vec3, to: f64| Ramp::Rotation { node, axis, to };
+    assert!(refusal(turn(END, Vec3::x(), 1.0)).contains("add one with rotation = true"));
+    assert!(refusal(turn(START, Vec3::zeros(), 1.0)).contains("axis = (0, 0, 0)"));
+    assert!(refusal(turn(START, Vec3::x(), f64::NAN)).contains("turns = NaN"));
+    assert!(model.check_stages(&[stage(turn(START, Vec3::x(), 3.0))]).is_ok());
+    assert!(refusal(Ramp::Displacement { node: END, to: Vec3::x() }).contains("add one with position = true"));
+    let twice = Stage { ramps: vec![turn(START, Vec3::x(), 1.0), turn(START, Vec3::y(), 2.0)], steps: 1 };
+    assert!(model.check_stages(&[twice]).unwrap_err().to_string().contains("ramped twice"));
+    let idle = Stage { ramps: vec![], steps: 0 };
+    assert_eq!(model.check_stages(&[idle]).unwrap_err().to_string(), "stages[0].steps = 0: must be at least 1");
+}
+
+#[test]
+fn moved_rods_must_be_held() {
+    let supports = vec![Support::pin(START), Support::pin(END)];
+    let model = Model { rods: vec![beam()], supports, ..Default::default() };
+    assert!(model.check().is_ok());
+    let text = model.check_stages(&[stage(Ramp::Displacement { node: END, to: -Vec3::x() })]).unwrap_err().to_string();
+    assert!(text.contains("stages[0].ramp.displacement moves it, but its supports leave it free"), "{text}");
+}
