@@ -1,1 +1,343 @@
-//! (to be written)
+//! Tables in CSV, centrelines from CSV or XYZ, nodal states.
+//!
+//! Floating-point numbers are written with the fewest digits that read back to the same bits (at most 17).
+
+use crate::error::InputError;
+use crate::math::{Quat, Vec3};
+use std::path::Path;
+
+/// One cell of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// A real number.
+    Number(f64),
+    /// A count or index.
+    Count(usize),
+    /// A word; quoted in the file where it has to be.
+    Text(String),
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(value: usize) -> Self {
+        Self::Count(value)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(value: &str) -> Self {
+        Self::Text(value.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(value: String) -> Self {
+        Self::Text(value)
+    }
+}
+
+impl std::fmt::Display for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(value) => write!(f, "{value:?}"),
+            Self::Count(value) => write!(f, "{value}"),
+            Self::Text(value) => f.write_str(value),
+        }
+    }
+}
+
+/// Writes a table with a header line, replacing what is there.
+///
+/// # Errors
+/// [`InputError::Inconsistent`] if a row's length differs from the header's, [`InputError::File`] if the file cannot be
+/// written.
+pub fn write_table<Row>(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Row>) -> Result<(), InputError>
+where
+    Row: IntoIterator<Item: Into<Cell>>,
+{
+    let refuse = |e: ::csv::Error| file_error(path, &e.to_string());
+    let mut writer = ::csv::Writer::from_path(path).map_err(refuse)?;
+    writer.write_record(header).map_err(refuse)?;
+    for (index, row) in rows.into_iter().enumerate() {
+        let cells: Vec<String> = row.into_iter().map(|c| c.into().to_string()).collect();
+        if cells.len() != header.len() {
+            let reason = format!("{} cells for {} columns", cells.len(), header.len());
+            return Err(InputError::Inconsistent { field: format!("rows[{index}]"), reason });
+        }
+        writer.write_record(&cells).map_err(refuse)?;
+    }
+    writer.flush().map_err(|e| file_error(path, &e.to_string()))
+}
+
+/// Reads a centreline: three coordinates a line, in any length unit.
+///
+/// * `.xyz`: first line the number of points, second line a comment, then `element x y z`.
+/// * anything else: x, y, z separated by commas, semicolons, tabs or blanks; one header line of words is skipped; empty
+///   lines and what follows `#` are ignored.
+///
+/// # Errors
+/// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] naming file, line and what was found if a line
+/// has too few or too many numbers, a word, a NaN or an infinity, or if the number of points disagrees with the first
+/// line of an `.xyz` file.
+pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
+    let text = std::fs::read_to_string(path).map_err(|e| file_error(path, &e.to_string()))?;
+    let is_xyz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xyz"));
+    let parsed = if is_xyz { parse_xyz(&text) } else { parse_columns(&text) };
+    parsed.map_err(|reason| parse_error(path, reason))
+}
+
+/// Points of a text in columns.
+fn parse_columns(text: &str) -> Result<Vec<Vec3>, String> {
+    let mut points = Vec::new();
+    let mut header_allowed = true;
+    for (number, line) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
+        let content = line.split('#').next().unwrap_or_default().trim();
+        if content.is_empty() {
+            continue;
+        }
+        let fields = split(content);
+        let is_header = fields.iter().all(|f| f.parse::<f64>().is_err());
+        if !(header_allowed && is_header) {
+            points.push(point(number, &fields)?);
+        }
+        header_allowed = false;
+    }
+    Ok(points)
+}
+
+/// Points of a text in XYZ format.
+fn parse_xyz(text: &str) -> Result<Vec<Vec3>, String> {
+    let mut lines = (1..).zip(text.lines());
+    let first = lines.next().map_or("", |(_, line)| line).trim();
+    let expected: usize =
+        first.parse().map_err(|_| format!("line 1: a number of points expected, found \"{first}\""))?;
+    let mut points = Vec::new();
+    for (number, line) in lines.skip(1).filter(|(_, line)| !line.trim().is_empty()) {
+        let fields = split(line.trim());
+        points.push(point(number, fields.get(1..).unwrap_or_default())?);
+    }
+    if points.len() == expected {
+        Ok(points)
+    } else {
+        Err(format!("line 1 announces {expected} points, {} follow", points.len()))
+    }
+}
+
+/// Cells of a line: separated by its commas, semicolons or tabs, or else by blanks.
+fn split(line: &str) -> Vec<&str> {
+    match [',', ';', '\t'].into_iter().find(|s| line.contains(*s)) {
+        Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
+        None => line.split_whitespace().collect(),
+    }
+}
+
+/// Three finite numbers of line `number`.
+fn point(number: usize, fields: &[&str]) -> Result<Vec3, String> {
+    let [x, y, z] = fields else {
+        return Err(format!(
+            "line {number}: three coordinates expected, found {} (\"{}\")",
+            fields.len(),
+            fields.join(" ")
+        ));
+    };
+    let coordinate = |text: &str| finite(text).map_err(|reason| format!("line {number}: {reason}"));
+    Ok(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?))
+}
+
+/// A finite number.
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("a finite number expected, found \"{text}\"")),
+    }
+}
+
+/// Nodal state of one rod.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RodState {
+    /// Reference arc length of each node [L].
+    pub arc_lengths: Vec<f64>,
+    /// Position of each node [L].
+    pub positions: Vec<Vec3>,
+    /// Frame of each node: d1 d2 d3 = q·e1, q·e2, q·e3.
+    pub frames: Vec<Quat>,
+}
+
+/// Columns of a state file; quaternions scalar part first.
+const STATE_COLUMNS: [&str; 10] = ["rod", "node", "arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];
+
+/// Writes the nodal state of rods 0, 1, … as CSV: rod, node, arc_length, x, y, z, qw, qx, qy, qz.
+///
+/// # Errors
+/// [`InputError::Inconsistent`] if a rod's arrays differ in length, [`InputError::File`] if the file cannot be written.
+pub fn write_state(path: &Path, rods: &[RodState]) -> Result<(), InputError> {
+    for (index, rod) in rods.iter().enumerate() {
+        let counts = [rod.arc_lengths.len(), rod.positions.len(), rod.frames.len()];
+        if counts[0] != counts[1] || counts[1] != counts[2] {
+            let reason = format!("{} arc lengths, {} positions, {} frames", counts[0], counts[1], counts[2]);
+            return Err(InputError::Inconsistent { field: format!("rods[{index}]"), reason });
+        }
+    }
+    let rows = rods.iter().enumerate().flat_map(|(index, rod)| {
+        (0..rod.positions.len()).map(move |node| {
+            let (r, q) = (rod.positions[node], &rod.frames[node]);
+            let numbers = [rod.arc_lengths[node], r.x, r.y, r.z, q.w, q.i, q.j, q.k].map(Cell::Number);
+            [Cell::Count(index), Cell::Count(node)].into_iter().chain(numbers)
+        })
+    });
+    write_table(path, &STATE_COLUMNS, rows)
+}
+
+/// Reads what [`write_state`] wrote, bit for bit.
+///
+/// Quaternions typed by hand may be off unit length by 1e-6 and are then normalised.
+///
+/// # Errors
+/// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] naming file and line if the header differs, a
+/// number is missing or not finite, rods or nodes are out of order, or a quaternion is far from unit length.
+pub fn read_state(path: &Path) -> Result<Vec<RodState>, InputError> {
+    let refuse = |e: ::csv::Error| match e.kind() {
+        ::csv::ErrorKind::Io(e) => file_error(path, &e.to_string()),
+        _ => parse_error(path, e.to_string()),
+    };
+    let mut reader = ::csv::ReaderBuilder::new().trim(::csv::Trim::All).from_path(path).map_err(refuse)?;
+    let header = reader.headers().map_err(refuse)?;
+    if header != STATE_COLUMNS.as_slice() {
+        let found: Vec<&str> = header.iter().collect();
+        return Err(parse_error(path, format!("line 1: columns {STATE_COLUMNS:?} expected, found {found:?}")));
+    }
+    let mut rods: Vec<RodState> = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(refuse)?;
+        let line = record.position().map_or(0, ::csv::Position::line);
+        add_node(&mut rods, &record).map_err(|reason| parse_error(path, format!("line {line}: {reason}")))?;
+    }
+    Ok(rods)
+}
+
+/// Appends one line of a state file.
+fn add_node(rods: &mut Vec<RodState>, record: &::csv::StringRecord) -> Result<(), String> {
+    let index =
+        |k: usize| record[k].parse::<usize>().map_err(|_| format!("an index expected, found \"{}\"", &record[k]));
+    let (rod, node) = (index(0)?, index(1)?);
+    if rod == rods.len() && node == 0 {
+        rods.push(RodState::default());
+    }
+    let num_rods = rods.len();
+    let Some(state) = rods.last_mut().filter(|s| rod + 1 == num_rods && node == s.positions.len()) else {
+        return Err(format!("rod {rod} node {node} is out of order"));
+    };
+    let mut values = [0.0; 8];
+    for (k, value) in values.iter_mut().enumerate() {
+        *value = finite(&record[k + 2])?;
+    }
+    let [s, x, y, z, w, i, j, k] = values;
+    let q = nalgebra::Quaternion::new(w, i, j, k);
+    if (q.norm() - 1.0).abs() > 1e-6 {
+        return Err(format!("quaternion of length {} is no rotation", q.norm()));
+    }
+    // A unit quaternion to rounding keeps its bits.
+    let frame = if (q.norm() - 1.0).abs() < 1e-13 { Quat::new_unchecked(q) } else { Quat::new_normalize(q) };
+    state.arc_lengths.push(s);
+    state.positions.push(Vec3::new(x, y, z));
+    state.frames.push(frame);
+    Ok(())
+}
+
+fn file_error(path: &Path, reason: &str) -> InputError {
+    InputError::File { path: path.to_owned(), reason: reason.to_owned() }
+}
+
+fn parse_error(path: &Path, reason: String) -> InputError {
+    InputError::Parse { file: path.display().to_string(), reason }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    /// A path in the system's temporary folder that no other test uses.
+    fn scratch(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("supercoil_csv_{}_{name}", std::process::id()))
+    }
+
+    #[test]
+    fn numbers_come_back_bit_for_bit() {
+        let path = scratch("table.csv");
+        let numbers = [0.1 + 0.2, 1e-310, -f64::MAX, std::f64::consts::PI * 1e22, 5e-324, -0.0];
+        let rows = numbers.iter().enumerate().map(|(i, x)| [Cell::from(i), (*x).into(), "a, \"b\"".into()]);
+        write_table(&path, &["i", "x", "note"], rows).unwrap();
+        let mut reader = ::csv::Reader::from_path(&path).unwrap();
+        for (record, x) in reader.records().zip(numbers) {
+            let record = record.unwrap();
+            assert_eq!(record[1].parse::<f64>().unwrap().to_bits(), x.to_bits());
+            assert_eq!(&record[2], "a, \"b\"");
+        }
+        std::fs::remove_file(&path).unwrap();
+        assert!(write_table(&path, &["a", "b"], [[1.0]]).unwrap_err().to_string().contains("1 cells for 2 columns"));
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn centrelines_in_several_dialects() {
+        let expected = [Vec3::new(1.0, 2.0, -3e-4), Vec3::new(4.0, 5.5, 6.0)];
+        for text in [
+            "x,y,z\n1,2,-3e-4\n4,5.5,6\n",
+            "# a comment\n1 2 -3e-4\n\n  4\t 5.5 6 # end\n",
+            "\u{feff}\"x\";\"y\";\"z\"\r\n1;2;-3e-4\r\n4;5.5;6",
+            "1,\t2, -3E-4\n4 ,5.5, 6",
+        ] {
+            assert_eq!(parse_columns(text).unwrap(), expected, "{text}");
+        }
+        assert_eq!(parse_xyz("2\nhelix\nC 1 2 -3e-4\nC 4 5.5 6\n\n").unwrap(), expected);
+        assert!(parse_columns("").unwrap().is_empty());
+    }
+
+    #[test]
+    fn unusable_lines_are_named() {
+        for (text, reason) in [
+            ("x,y,z\n1,2\n", "line 2: three coordinates expected, found 2 (\"1 2\")"),
+            ("1,2,3\n\n1,nan,3\n", "line 3: a finite number expected, found \"nan\""),
+            ("1,2,3\nx,y,z\n", "line 2: a finite number expected, found \"x\""),
+            ("1,2,inf", "line 1: a finite number expected, found \"inf\""),
+            ("a b c\nd e f", "line 2: a finite number expected, found \"d\""),
+        ] {
+            assert_eq!(parse_columns(text).unwrap_err(), reason);
+        }
+        assert_eq!(parse_xyz("3\n\nC 1 2 3").unwrap_err(), "line 1 announces 3 points, 1 follow");
+        assert!(parse_xyz("C 1 2 3").unwrap_err().starts_with("line 1: a number of points expected"));
+        assert!(parse_xyz("1\n\nC 1 2").unwrap_err().starts_with("line 3: three"));
+        let error = read_points(Path::new("/nowhere/a.csv")).unwrap_err().to_string();
+        assert!(error.starts_with("/nowhere/a.csv: "), "{error}");
+    }
+
+    #[test]
+    fn states_come_back_bit_for_bit() {
+        let path = scratch("state.csv");
+        let rod = |n: usize| RodState {
+            arc_lengths: (0..n).map(|i| i as f64 / 3.0).collect(),
+            positions: (0..n).map(|i| Vec3::new((i as f64).sin(), 1e-17, -1e9 / 7.0)).collect(),
+            frames: (0..n).map(|i| Quat::from_scaled_axis(Vec3::new(0.3 * i as f64, -1.0, 2.0))).collect(),
+        };
+        let rods = [rod(7), rod(2)];
+        write_state(&path, &rods).unwrap();
+        assert_eq!(read_state(&path).unwrap(), rods);
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (from, to, reason) in [
+            ("\n1,0,", "\n2,0,", "line 9: rod 2 node 0 is out of order"),
+            ("\n0,3,1.0,", "\n0,3,NaN,", "line 5: a finite number expected, found \"NaN\""),
+            ("arc_length", "s", "line 1: columns"),
+        ] {
+            std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+            let error = read_state(&path).unwrap_err().to_string();
+            assert!(error.contains(reason), "{error}");
+        }
+        std::fs::remove_file(&path).unwrap();
+    }
+}

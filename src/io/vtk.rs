@@ -1,1 +1,273 @@
-//! (to be written)
+//! Rods for ParaView: XML PolyData (`.vtp`, one polyline a rod) and `.pvd` collections over steps.
+//!
+//! The writer covers what rods need and nothing else: points, polylines, point scalars and vectors, the rod's index as
+//! cell data, single numbers as field data. Arrays are appended raw, little endian, with 64-bit byte counts
+//! (VTK XML format, version 1.0), so every f64 arrives bit for bit.
+
+use crate::error::InputError;
+use crate::math::Vec3;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// One rod to be written: a polyline with arrays at its points.
+#[derive(Debug, Clone, Default)]
+pub struct VtkRod<'a> {
+    /// Centreline points [L], in order.
+    pub points: &'a [Vec3],
+    /// Whether the polyline returns to its first point (which is not repeated in `points`).
+    pub closed: bool,
+    /// Named scalars, one value a point. A name that only some rods have is NaN on the others.
+    pub scalars: Vec<(&'a str, Vec<f64>)>,
+    /// Named vectors, one a point. A name that only some rods have is NaN on the others.
+    pub vectors: Vec<(&'a str, Vec<Vec3>)>,
+}
+
+/// Writes `rods` as one `.vtp` file, replacing what is there; `field_data` are named numbers of the whole step (load,
+/// time, link …).
+///
+/// # Errors
+/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::File`] if the file
+/// cannot be written.
+pub fn write_vtp(path: &Path, rods: &[VtkRod], field_data: &[(&str, f64)]) -> Result<(), InputError> {
+    for (index, rod) in rods.iter().enumerate() {
+        let lengths =
+            rod.scalars.iter().map(|(n, v)| (n, v.len())).chain(rod.vectors.iter().map(|(n, v)| (n, v.len())));
+        for (name, found) in lengths.filter(|(_, found)| *found != rod.points.len()) {
+            let reason = format!("{found} values for {} points", rod.points.len());
+            return Err(InputError::Inconsistent { field: format!("rods[{index}].{name}"), reason });
+        }
+    }
+    write_file(path, &polydata(rods, field_data))
+}
+
+/// The bytes of a `.vtp` file.
+fn polydata(rods: &[VtkRod], field_data: &[(&str, f64)]) -> Vec<u8> {
+    let num_points: usize = rods.iter().map(|r| r.points.len()).sum();
+    let lines = rods.iter().filter(|r| !r.points.is_empty()).count();
+    let (mut xml, mut data) = (String::new(), Appended::default());
+    xml.push_str("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n");
+    for (name, value) in field_data {
+        data.floats(&mut xml, name, " NumberOfTuples=\"1\"", [*value].into_iter());
+    }
+    // Writing to a String cannot fail.
+    let _ = write!(
+        xml,
+        "</FieldData>\n<Piece NumberOfPoints=\"{num_points}\" NumberOfVerts=\"0\" NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n"
+    );
+    point_data(rods, &mut xml, &mut data);
+    xml.push_str("</PointData>\n<CellData>\n");
+    let filled = || rods.iter().enumerate().filter(|(_, r)| !r.points.is_empty());
+    data.integers(&mut xml, "rod", filled().map(|(i, _)| i as i64));
+    xml.push_str("</CellData>\n<Points>\n");
+    data.floats(&mut xml, "Points", THREE, rods.iter().flat_map(|r| r.points).flat_map(|p| [p.x, p.y, p.z]));
+    xml.push_str("</Points>\n<Lines>\n");
+    let (mut connectivity, mut offsets, mut first) = (Vec::new(), Vec::new(), 0);
+    for (_, rod) in filled() {
+        let after = first + rod.points.len() as i64;
+        connectivity.extend(first..after);
+        connectivity.extend(rod.closed.then_some(first));
+        offsets.push(connectivity.len() as i64);
+        first = after;
+    }
+    data.integers(&mut xml, "connectivity", connectivity.into_iter());
+    data.integers(&mut xml, "offsets", offsets.into_iter());
+    xml.push_str("</Lines>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
+    let mut bytes = xml.into_bytes();
+    bytes.extend(data.0);
+    bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+    bytes
+}
+
+/// Attribute of arrays of vectors.
+const THREE: &str = " NumberOfComponents=\"3\"";
+
+/// Scalars and vectors of all rods, the union of their names in order of appearance.
+fn point_data(rods: &[VtkRod], xml: &mut String, data: &mut Appended) {
+    for name in distinct(rods.iter().flat_map(|r| r.scalars.iter().map(|(n, _)| *n))) {
+        let of_rod = |r: &VtkRod| {
+            let own = r.scalars.iter().find(|(n, _)| *n == name);
+            own.map_or_else(|| vec![f64::NAN; r.points.len()], |(_, v)| v.clone())
+        };
+        data.floats(xml, name, "", rods.iter().flat_map(of_rod));
+    }
+    for name in distinct(rods.iter().flat_map(|r| r.vectors.iter().map(|(n, _)| *n))) {
+        let of_rod = |r: &VtkRod| {
+            let own = r.vectors.iter().find(|(n, _)| *n == name);
+            own.map_or_else(|| vec![Vec3::repeat(f64::NAN); r.points.len()], |(_, v)| v.clone())
+        };
+        data.floats(xml, name, THREE, rods.iter().flat_map(of_rod).flat_map(|v| [v.x, v.y, v.z]));
+    }
+}
+
+/// Names without repetition, in order of first appearance.
+fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut seen = Vec::new();
+    for name in names {
+        if !seen.contains(&name) {
+            seen.push(name);
+        }
+    }
+    seen
+}
+
+/// The appended block: for every array its byte count (u64) and its bytes.
+#[derive(Default)]
+struct Appended(Vec<u8>);
+
+impl Appended {
+    fn floats(&mut self, xml: &mut String, name: &str, attributes: &str, values: impl Iterator<Item = f64>) {
+        self.array(xml, "Float64", name, attributes, values.map(f64::to_le_bytes));
+    }
+
+    fn integers(&mut self, xml: &mut String, name: &str, values: impl Iterator<Item = i64>) {
+        self.array(xml, "Int64", name, "", values.map(i64::to_le_bytes));
+    }
+
+    fn array(&mut self, xml: &mut String, kind: &str, name: &str, more: &str, values: impl Iterator<Item = [u8; 8]>) {
+        let (name, start) = (escaped(name), self.0.len());
+        // Writing to a String cannot fail.
+        let _ =
+            writeln!(xml, "<DataArray type=\"{kind}\" Name=\"{name}\"{more} format=\"appended\" offset=\"{start}\"/>");
+        self.0.extend([0; 8]);
+        values.for_each(|v| self.0.extend(v));
+        let count = (self.0.len() - start - 8) as u64;
+        self.0[start..start + 8].copy_from_slice(&count.to_le_bytes());
+    }
+}
+
+/// Text with the characters XML reserves replaced.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A `.pvd` collection: one file of rods per time (or load) value, to be played back by ParaView.
+#[derive(Debug, Clone)]
+pub struct PvdWriter {
+    path: PathBuf,
+    entries: String,
+}
+
+impl PvdWriter {
+    /// An empty collection to be written at `path`.
+    pub fn new(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), entries: String::new() }
+    }
+
+    /// Adds `file` at time `time` and rewrites the collection, which is thus valid after every step.
+    ///
+    /// Files in the collection's own folder (or below) are stored relative to it, so the folder can be moved.
+    ///
+    /// # Errors
+    /// [`InputError::Value`] if `time` is not finite, [`InputError::File`] if the collection cannot be written.
+    pub fn push(&mut self, time: f64, file: &Path) -> Result<(), InputError> {
+        InputError::check("time", time, true, "a finite number")?;
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = escaped(&file.strip_prefix(folder).unwrap_or(file).to_string_lossy());
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.entries, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>");
+        let head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
+        write_file(&self.path, format!("{head}{}</Collection>\n</VTKFile>\n", self.entries).as_bytes())
+    }
+}
+
+/// Writes a whole file.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
+    let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
+    std::fs::File::create(path).and_then(|mut f| f.write_all(bytes)).map_err(refuse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Value of an attribute in a tag.
+    fn attribute<'a>(tag: &'a str, name: &str) -> &'a str {
+        let from = tag.find(&format!(" {name}=\"")).unwrap_or_else(|| panic!("{name} in {tag}")) + name.len() + 3;
+        &tag[from..from + tag[from..].find('"').unwrap()]
+    }
+
+    /// Bytes of the appended array `name`, read the way VTK does, and the position just after it.
+    fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
+        let mark = b"<AppendedData encoding=\"raw\">\n_";
+        let start = file.windows(mark.len()).position(|w| w == mark).unwrap() + mark.len();
+        let xml = std::str::from_utf8(&file[..start]).unwrap();
+        let tag = xml.lines().find(|l| l.contains(&format!("Name=\"{name}\""))).unwrap();
+        let at = start + attribute(tag, "offset").parse::<usize>().unwrap();
+        let count = u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
+        &file[at + 8..at + 8 + count]
+    }
+
+    fn floats(bytes: &[u8]) -> Vec<f64> {
+        bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
+    }
+
+    fn integers(bytes: &[u8]) -> Vec<i64> {
+        bytes.chunks_exact(8).map(|b| i64::from_le_bytes(b.try_into().unwrap())).collect()
+    }
+
+    #[test]
+    fn what_is_written_comes_back() {
+        let ring: Vec<Vec3> = (0..5).map(|i| Vec3::new((i as f64).cos(), (i as f64).sin(), 0.1)).collect();
+        let line: Vec<Vec3> = (0..3).map(|i| Vec3::new(i as f64, 0.0, 1e-300)).collect();
+        let rods = [
+            VtkRod {
+                points: &ring,
+                closed: true,
+                scalars: vec![("a<b", vec![1.0, 2.0, 3.0, 4.0, 5.0])],
+                vectors: vec![],
+            },
+            VtkRod { points: &line, closed: false, scalars: vec![], vectors: vec![("d1", vec![Vec3::x(); 3])] },
+        ];
+        let file = polydata(&rods, &[("TimeValue", 0.25)]);
+        let all: Vec<f64> = ring.iter().chain(&line).flat_map(|p| [p.x, p.y, p.z]).collect();
+        assert_eq!(floats(array(&file, "Points")), all);
+        assert_eq!(integers(array(&file, "connectivity")), [0, 1, 2, 3, 4, 0, 5, 6, 7]);
+        assert_eq!(integers(array(&file, "offsets")), [6, 9]);
+        assert_eq!(integers(array(&file, "rod")), [0, 1]);
+        assert_eq!(floats(array(&file, "TimeValue")), [0.25]);
+        let scalar = floats(array(&file, "a&lt;b"));
+        assert_eq!(scalar[..5], [1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert!(scalar.len() == 8 && scalar[5..].iter().all(|x| x.is_nan()));
+        assert_eq!(floats(array(&file, "d1")).len(), 24);
+        assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
+    }
+
+    /// The arrays fill the appended block without gap or overlap.
+    #[test]
+    fn offsets_tile_the_block() {
+        let points = [Vec3::x(), Vec3::y()];
+        let rod = VtkRod { points: &points, scalars: vec![("s", vec![1.0, 2.0])], ..VtkRod::default() };
+        let file = polydata(&[rod], &[("load", 1.0)]);
+        let text = String::from_utf8_lossy(&file);
+        let mut expected = 0;
+        for tag in text.lines().filter(|l| l.starts_with("<DataArray")) {
+            assert_eq!(attribute(tag, "offset").parse::<usize>().unwrap(), expected);
+            expected += 8 + array(&file, attribute(tag, "Name")).len();
+        }
+        assert_eq!(expected, 8 * (1 + 1 + 1 + 2 + 1 + 1 + 1 + 6 + 1 + 2 + 1 + 1));
+    }
+
+    #[test]
+    fn wrong_lengths_and_places_are_refused() {
+        let rod = VtkRod { points: &[Vec3::x()], scalars: vec![("s", vec![])], ..VtkRod::default() };
+        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[rod], &[]).unwrap_err();
+        assert_eq!(error.to_string(), "rods[0].s: 0 values for 1 points");
+        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[], &[]).unwrap_err();
+        assert!(matches!(error, InputError::File { .. }));
+    }
+
+    #[test]
+    fn collection_is_relative_to_its_folder() {
+        let folder = std::env::temp_dir().join(format!("supercoil_pvd_{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut collection = PvdWriter::new(folder.join("run.pvd"));
+        collection.push(0.5, &folder.join("step_0.vtp")).unwrap();
+        collection.push(1.0, &folder.join("step_1.vtp")).unwrap();
+        assert!(collection.push(f64::NAN, Path::new("x")).is_err());
+        let text = std::fs::read_to_string(folder.join("run.pvd")).unwrap();
+        assert!(text.contains("<DataSet timestep=\"0.5\" part=\"0\" file=\"step_0.vtp\"/>"));
+        assert_eq!(text.matches("<DataSet").count(), 2);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
