@@ -96,6 +96,7 @@ fn extremes_are_drawn_or_refused() {
     assert!(small(Tube { radius: 0.0, ..tube(torus_knot(5)) }).render().is_err());
     assert!(small(Tube { colors: vec![[0; 3]; 2], ..tube(torus_knot(5)) }).render().is_err());
     assert!(small(Tube { stripe: Some(Stripe::along(vec![])), ..tube(torus_knot(5)) }).render().is_err());
+    assert!(TubePicture { width: 9000, height: 9000, ..TubePicture::default() }.render().is_err());
     assert!(TubePicture { width: 0, ..TubePicture::default() }.render().is_err());
     assert!(
         TubePicture { view: View::Along { forward: Vec3::z(), up: Vec3::z() }, ..TubePicture::default() }
@@ -118,7 +119,7 @@ fn a_picture_takes_about_a_second() {
 /// Where the gallery goes: `SUPERCOIL_GALLERY`, or the system's temporary folder.
 fn gallery() -> PathBuf {
     let folder = std::env::var_os("SUPERCOIL_GALLERY").map_or_else(std::env::temp_dir, PathBuf::from);
-    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(&folder).expect("a folder that can be written");
     folder
 }
 
@@ -159,14 +160,18 @@ fn draw_gallery() {
         &TubePicture { tubes: vec![knot_tube(120, false)], background: [18, 20, 28], ..TubePicture::default() },
     );
     let mut contact = plectoneme_picture(1.0, (1200, 500));
-    let radius = 0.6;
+    let radius = 0.62;
+    contact.tubes[0].colors = vec![[70, 130, 190]];
     contact.spots =
-        (-14..=14).map(|i| Spot { center: Vec3::x() * 0.5 * f64::from(i), radius, color: [255, 60, 30] }).collect();
+        (-14..=14).map(|i| Spot { center: Vec3::x() * 0.5 * f64::from(i), radius, color: [255, 90, 30] }).collect();
     save("plectoneme.png", &contact);
     let frames: Vec<(Picture, String)> = (0..6)
         .map(|i| (plectoneme_picture(f64::from(i) / 5.0, (640, 300)).render().unwrap(), format!("ΔLk = {}", 2 * i)))
         .collect();
     film_strip(&frames, 2, [255; 3]).unwrap().save_png(&folder.join("strip.png")).unwrap();
+    let points = plectoneme(200_000, 120.0, 1.0).iter().map(|p| Vec3::new(p.x * 12.0, p.y, p.z)).collect();
+    let long = Tube { points, radius: 0.45, closed: true, ..Tube::default() };
+    save("long.png", &TubePicture { tubes: vec![long], width: 2000, height: 200, ..TubePicture::default() });
     let mut text = Picture::filled(700, 220, [255; 3]);
     for (row, line) in [
         "!\"#$%&'()*+,-./0123456789:;<=>?@",
@@ -198,7 +203,7 @@ fn draw_plots(folder: &Path) {
         series,
         ..PlotSpec::default()
     };
-    plot_lines(&folder.join("plot.svg"), &plot).unwrap();
+    plot_lines(&folder.join("plot.svg"), &plot).expect("a plot");
     let power = |p: i32| (3..10).map(|i| f64::powi(2.0, i)).map(|x| (x, 0.3 * x.powi(-p))).collect();
     let series =
         [2, 4, 6].map(|p| Series { name: format!("order {p}"), points: power(p), style: SeriesStyle::LinePoints });
@@ -211,7 +216,7 @@ fn draw_plots(folder: &Path) {
         log_y: true,
         ..PlotSpec::default()
     };
-    plot_lines(&folder.join("plot_log.svg"), &plot).unwrap();
+    plot_lines(&folder.join("plot_log.svg"), &plot).expect("a plot");
 }
 
 fn write_paraview(folder: &Path) {
@@ -225,7 +230,7 @@ fn write_paraview(folder: &Path) {
             VtkRod { points: &line, ..VtkRod::default() },
         ];
         let file = folder.join(format!("knot_{step}.vtp"));
-        write_vtp(&file, &rods, &[("TimeValue", step as f64), ("excess link", 0.5)]).unwrap();
-        collection.push(step as f64, &file).unwrap();
+        write_vtp(&file, &rods, &[("TimeValue", step as f64), ("excess link", 0.5)]).expect("a file");
+        collection.push(step as f64, &file).expect("a collection");
     }
 }

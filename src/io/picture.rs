@@ -131,6 +131,9 @@ impl Default for TubePicture {
     }
 }
 
+/// Most samples of a picture: 8 bytes each make 2 GB.
+const MAX_SAMPLES: usize = 1 << 28;
+
 impl TubePicture {
     /// Draws the picture; an empty one shows the background.
     ///
@@ -156,6 +159,11 @@ impl TubePicture {
                 let allowed = if most == 6 { "between 1 and 6" } else { "between 1 and 20000" };
                 return Err(InputError::Count { field: field.to_owned(), value, allowed });
             }
+        }
+        let samples = self.width * self.height * self.supersampling * self.supersampling;
+        if samples > MAX_SAMPLES {
+            let field = "width × height × supersampling²".to_owned();
+            return Err(InputError::Count { field, value: samples, allowed: "at most 268435456 samples (2 GB)" });
         }
         if let Some(width) = self.visible_width {
             InputError::positive("visible_width", width)?;

@@ -62,10 +62,11 @@ pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
         return 0.0;
     }
     let points = normalised(&points, points[0], extent(&points));
-    if closed && points.len() >= MIN_EDGES_FOR_CROSSINGS {
-        if let Some(exact) = crossings::writhe(&points) {
-            return exact;
-        }
+    if closed
+        && points.len() >= MIN_EDGES_FOR_CROSSINGS
+        && let Some(exact) = crossings::writhe(&points)
+    {
+        return exact;
     }
     writhe_by_pairs(&points, closed)
 }
@@ -100,10 +101,10 @@ pub fn linking_number(a: &[Vec3], b: &[Vec3]) -> f64 {
     }
     let (origin, size) = (a[0], extent(&a).max(extent(&b)));
     let (a, b) = (normalised(&a, origin, size), normalised(&b, origin, size));
-    if a.len().max(b.len()) >= MIN_EDGES_FOR_CROSSINGS {
-        if let Some(exact) = crossings::link(&a, &b) {
-            return exact;
-        }
+    if a.len().max(b.len()) >= MIN_EDGES_FOR_CROSSINGS
+        && let Some(exact) = crossings::link(&a, &b)
+    {
+        return exact;
     }
     let rows: Vec<f64> = (0..a.len())
         .into_par_iter()

@@ -152,7 +152,7 @@ where
     X: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
     Y: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
 {
-    let words = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+    let words = |e: DrawError| e.to_string();
     area.fill(&WHITE).map_err(words)?;
     let mut builder = ChartBuilder::on(area);
     builder.margin(14 * FINE).margin_right(24 * FINE).x_label_area_size(48 * FINE).y_label_area_size(72 * FINE);
@@ -174,33 +174,7 @@ where
         .y_label_formatter(&|v| tick(*v, plot.log_y))
         .draw()
         .map_err(words)?;
-    for (series, color) in plot.series.iter().zip(COLORS.iter().cycle()) {
-        let stroke = color.stroke_width(2 * FINE);
-        let pieces = series.points.split(|p| !is_drawable(plot, *p)).filter(|piece| !piece.is_empty());
-        for (index, piece) in pieces.enumerate() {
-            let points = piece.iter().copied();
-            let drawn = match series.style {
-                SeriesStyle::Line => chart.draw_series(LineSeries::new(points, stroke)),
-                SeriesStyle::Dashed => chart.draw_series(DashedLineSeries::new(points, 7 * FINE, 5 * FINE, stroke)),
-                SeriesStyle::Points => chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled()))),
-                SeriesStyle::LinePoints => {
-                    chart.draw_series(LineSeries::new(points.clone(), stroke)).map_err(words)?;
-                    chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled())))
-                }
-            };
-            let shown = drawn.map_err(words)?;
-            if index == 0 && !series.name.is_empty() {
-                let ([first, second], radius) = key(series.style);
-                let line = move |[from, to]: [i32; 2]| {
-                    PathElement::new(vec![(FINE as i32 * from, 0), (FINE as i32 * to, 0)], stroke)
-                };
-                shown.label(&series.name).legend(move |at| {
-                    let dot = Circle::new((11 * FINE as i32, 0), radius * FINE as i32, color.filled());
-                    EmptyElement::at(at) + line(first) + line(second) + dot
-                });
-            }
-        }
-    }
+    curves(&mut chart, plot).map_err(words)?;
     if plot.series.iter().all(|s| s.name.is_empty()) {
         return Ok(());
     }
@@ -214,6 +188,48 @@ where
         .label_font((FONT, 14 * FINE))
         .draw()
         .map_err(words)
+}
+
+/// What drawing into an SVG may fail with.
+type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
+/// Draws the curves and prepares their legend entries.
+fn curves<'a, 'b: 'a, X, Y>(
+    chart: &mut ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>,
+    plot: &PlotSpec,
+) -> Result<(), DrawError>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    for (series, color) in plot.series.iter().zip(COLORS.iter().cycle()) {
+        let stroke = color.stroke_width(2 * FINE);
+        let pieces = series.points.split(|p| !is_drawable(plot, *p)).filter(|piece| !piece.is_empty());
+        for (index, piece) in pieces.enumerate() {
+            let points = piece.iter().copied();
+            let drawn = match series.style {
+                SeriesStyle::Line => chart.draw_series(LineSeries::new(points, stroke)),
+                SeriesStyle::Dashed => chart.draw_series(DashedLineSeries::new(points, 7 * FINE, 5 * FINE, stroke)),
+                SeriesStyle::Points => chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled()))),
+                SeriesStyle::LinePoints => {
+                    chart.draw_series(LineSeries::new(points.clone(), stroke))?;
+                    chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled())))
+                }
+            };
+            let shown = drawn?;
+            if index == 0 && !series.name.is_empty() {
+                let ([first, second], radius) = key(series.style);
+                let line = move |[from, to]: [i32; 2]| {
+                    PathElement::new(vec![(FINE as i32 * from, 0), (FINE as i32 * to, 0)], stroke)
+                };
+                shown.label(&series.name).legend(move |at| {
+                    let dot = Circle::new((11 * FINE as i32, 0), radius * FINE as i32, color.filled());
+                    EmptyElement::at(at) + line(first) + line(second) + dot
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Corner of the plot that holds the fewest points, for the legend.

@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 const KEY: Vec3 = Vec3::new(-0.43, -0.62, 0.66);
 /// Direction to the fill light (right, a little below, in front).
 const FILL: Vec3 = Vec3::new(0.75, 0.25, 0.61);
-/// Rays per pixel, shared by its samples, for occlusion and again for the soft shadow.
-const RAYS: usize = 64;
+/// Rays for the occlusion, and again for the soft shadow, of each surface seen in a pixel.
+const RAYS: usize = 32;
 /// Reach of the ambient occlusion, in tube radii.
 const REACH: f64 = 3.5;
 /// Largest side of the shadow map, in its samples.
@@ -117,6 +117,14 @@ struct Scene<'a> {
     range: f64,
 }
 
+/// How much light reaches a point: found once for all samples of a pixel that see the same surface.
+#[derive(Clone, Copy)]
+struct Visibility {
+    point: Vec3,
+    open: f64,
+    shadow: f64,
+}
+
 /// Colours all samples and averages them to pixels.
 pub(super) fn develop(
     picture: &TubePicture,
@@ -133,25 +141,14 @@ pub(super) fn develop(
     let key = KEY.normalize();
     let (fill, half) = (FILL.normalize(), (key + Vec3::z()).normalize());
     let n = picture.supersampling;
-    let scene = Scene {
-        capsules,
-        samples,
-        light,
-        spiral: spiral(RAYS.div_ceil(n * n)),
-        key,
-        fill,
-        half,
-        spots,
-        background,
-        front,
-        range,
-    };
+    let scene =
+        Scene { capsules, samples, light, spiral: spiral(RAYS), key, fill, half, spots, background, front, range };
     let mut rgb = vec![0; 3 * picture.width * picture.height];
     rgb.par_chunks_mut(3 * picture.width).enumerate().for_each(|(row, line)| {
         for (column, pixel) in line.chunks_exact_mut(3).enumerate() {
-            let mut sum = Vec3::zeros();
+            let (mut sum, mut last) = (Vec3::zeros(), None);
             for (x, y) in (0..n * n).map(|k| (n * column + k % n, n * row + k / n)) {
-                sum += scene.color(x, y);
+                sum += scene.color(x, y, &mut last);
             }
             pixel.copy_from_slice(&encoded(sum / (n * n) as f64));
         }
@@ -160,8 +157,8 @@ pub(super) fn develop(
 }
 
 impl Scene<'_> {
-    /// Colour of a sample, linear light.
-    fn color(&self, x: usize, y: usize) -> Vec3 {
+    /// Colour of a sample, linear light; `last` is what the pixel's other samples found out.
+    fn color(&self, x: usize, y: usize, last: &mut Option<Visibility>) -> Vec3 {
         let at = y * self.samples.width + x;
         let index = self.samples.capsule[at];
         if index == NOTHING {
@@ -171,11 +168,11 @@ impl Scene<'_> {
         let point = Vec3::new(x as f64 + 0.5, y as f64 + 0.5, f64::from(self.samples.depth[at]));
         let (normal, mut albedo) = surface(capsule, point);
         let glow = self.spots.paint(point, &mut albedo);
-        let (cos, sin) = dither(x, y);
-        let rays = Rays { spiral: &self.spiral, cos, sin };
         let radius = capsule.shape.radius;
-        let open = self.openness(point, normal, REACH * radius, rays);
-        let shadow = self.light.reaches(point + normal * (0.12 * radius + 1.5), 0.45 * radius, rays);
+        let known = last.filter(|v| (v.point - point).norm_squared() < (0.2 * radius).powi(2));
+        let seen = known.unwrap_or_else(|| self.visibility(point, normal, radius, dither(x, y)));
+        *last = Some(seen);
+        let Visibility { open, shadow, .. } = seen;
         let direct = 0.86 * shadow * ((normal.dot(&self.key) + 0.15) / 1.15).max(0.0);
         let sky = 0.34 * open * (0.8 - 0.2 * normal.y);
         let soft = 0.16 * open * normal.dot(&self.fill).max(0.0);
@@ -184,6 +181,14 @@ impl Scene<'_> {
         let lit = albedo * ((direct + sky + soft) * (1.0 - 0.5 * edge)) + Vec3::repeat(gloss) + glow;
         let haze = 0.1 * ((self.front - point.z) / self.range).clamp(0.0, 1.0);
         lit.lerp(&self.background, haze)
+    }
+
+    /// Sky and key light that reach a point; `(cos, sin)` rotates the rays.
+    fn visibility(&self, point: Vec3, normal: Vec3, radius: f64, (cos, sin): (f64, f64)) -> Visibility {
+        let rays = Rays { spiral: &self.spiral, cos, sin };
+        let open = self.openness(point, normal, REACH * radius, rays);
+        let shadow = self.light.reaches(point + normal * (0.12 * radius + 1.5), 0.45 * radius, rays);
+        Visibility { point, open, shadow }
     }
 
     /// Ambient occlusion from the depth buffer: 1 in the open, towards 0 in a crevice.
