@@ -68,6 +68,31 @@ fn a_tube_is_drawn_on_the_background_and_fits() {
     assert!(!on_border);
 }
 
+/// A curve along z lies along the longer side; its stripe shows, and a spot colours only what it touches.
+#[test]
+fn automatic_view_stripe_and_spot() {
+    let points: Vec<Vec3> = (0..20).map(|i| Vec3::z() * f64::from(i)).collect();
+    let stripe = Stripe {
+        color: [255, 0, 0],
+        ..Stripe::along((0..20).map(|i| Vec3::x() * 2.0 - Vec3::y() * f64::from(i) * 0.1).collect())
+    };
+    let tube = Tube { points, radius: 1.0, closed: false, colors: vec![[0, 0, 255]], stripe: Some(stripe) };
+    let view = View::Along { forward: -Vec3::x(), up: Vec3::y() };
+    let mut picture = TubePicture { tubes: vec![tube], width: 300, height: 100, view, ..TubePicture::default() };
+    picture.spots = vec![Spot { center: Vec3::new(1.0, 0.0, 3.0), radius: 0.8, color: [0, 255, 0] }];
+    let count = |p: &Picture, channel: usize| {
+        p.pixels().chunks(3).filter(|c| (0..3).all(|k| k == channel || c[k] < c[channel] / 2)).count()
+    };
+    let drawn = picture.render().unwrap();
+    let [red, green, blue] = [0, 1, 2].map(|k| count(&drawn, k));
+    assert!(red > 200 && green > 20 && blue > 1000, "{red} {green} {blue}");
+    picture.spots.clear();
+    assert_eq!(count(&picture.render().unwrap(), 1), 0);
+    let automatic = TubePicture { view: View::Auto, ..picture }.render().unwrap();
+    let colored = |p: &Picture, c: usize, r: usize| p.pixel(c, r) != [255; 3];
+    assert!((30..270).all(|c| colored(&automatic, c, 50)) && !(0..300).any(|c| colored(&automatic, c, 20)));
+}
+
 #[test]
 fn same_bytes_for_any_number_of_threads() {
     let picture = TubePicture { tubes: vec![knot_tube(200, true)], width: 160, height: 120, ..TubePicture::default() };

@@ -282,6 +282,16 @@ mod tests {
         assert_eq!(writhe(&eight, true), 0.0, "a figure of eight that cuts itself: the mean of +1 and -1");
     }
 
+    /// A spike without width adds nothing, although the ribbon's twist is undefined at its tip.
+    #[test]
+    fn spikes_do_not_count() {
+        let (points, _) = knot(500, 0.0);
+        let mut spiked = points.clone();
+        spiked.splice(7..7, [points[6], points[6] + Vec3::new(0.5, 0.25, 1.0), points[6]]);
+        spiked.remove(7);
+        assert!((writhe(&spiked, true) - writhe(&points, true)).abs() < 1e-11);
+    }
+
     #[test]
     fn link_is_an_integer_plus_the_seam() {
         for (turns, seam) in [(0.0, 0.0), (5.0, 0.0), (-3.75, 0.25), (2.4, -0.4), (1.5, 0.5)] {
