@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// One rod to be written: a polyline with arrays at its points.
 #[derive(Debug, Clone, Default)]
 pub struct VtkRod<'a> {
-    /// Centreline points [L], in order.
+    /// Centreline points \[L\], in order.
     pub points: &'a [Vec3],
     /// Whether the polyline returns to its first point (which is not repeated in `points`).
     pub closed: bool,

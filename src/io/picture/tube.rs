@@ -83,7 +83,7 @@ fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
     kept
 }
 
-/// Nodes of a tube with what is known there; `sample` is the size of a sample [L].
+/// Nodes of a tube with what is known there; `sample` is the size of a sample \[L\].
 fn nodes(tube: &Tube, sample: f64) -> Vec<Node> {
     let grey = [150, 155, 160];
     let kept = worth_drawing(tube, sample);
