@@ -128,9 +128,9 @@ fn parse_xyz(text: &str) -> Result<Vec<Vec3>, String> {
     }
 }
 
-/// Cells of a line: separated by its commas, semicolons or tabs, or else by blanks.
+/// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
 fn split(line: &str) -> Vec<&str> {
-    match [',', ';', '\t'].into_iter().find(|s| line.contains(*s)) {
+    match [',', ';'].into_iter().find(|s| line.contains(*s)) {
         Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
         None => line.split_whitespace().collect(),
     }
@@ -160,9 +160,9 @@ fn finite(text: &str) -> Result<f64, String> {
 /// Nodal state of one rod.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RodState {
-    /// Reference arc length of each node [L].
+    /// Reference arc length of each node \[L\].
     pub arc_lengths: Vec<f64>,
-    /// Position of each node [L].
+    /// Position of each node \[L\].
     pub positions: Vec<Vec3>,
     /// Frame of each node: d1 d2 d3 = q·e1, q·e2, q·e3.
     pub frames: Vec<Quat>,

@@ -1,0 +1,297 @@
+//! Line plots as SVG.
+
+use crate::error::InputError;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use std::path::Path;
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SeriesStyle {
+    /// A line.
+    #[default]
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// Dots.
+    Points,
+    /// A line with dots at its points.
+    LinePoints,
+}
+
+/// One curve of a plot.
+#[derive(Debug, Clone, Default)]
+pub struct Series {
+    /// Name in the legend; empty for none.
+    pub name: String,
+    /// (x, y) pairs; those that are not finite (or not positive on a logarithmic axis) interrupt the line.
+    pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub style: SeriesStyle,
+}
+
+/// A plot of several curves over common axes.
+#[derive(Debug, Clone)]
+pub struct PlotSpec {
+    /// Title; empty for none.
+    pub title: String,
+    /// Label of the horizontal axis, with unit.
+    pub x_label: String,
+    /// Label of the vertical axis, with unit.
+    pub y_label: String,
+    /// The curves.
+    pub series: Vec<Series>,
+    /// Logarithmic horizontal axis.
+    pub log_x: bool,
+    /// Logarithmic vertical axis.
+    pub log_y: bool,
+    /// Size in pixels: width, height.
+    pub size: (u32, u32),
+}
+
+impl Default for PlotSpec {
+    fn default() -> Self {
+        let empty = String::new;
+        Self {
+            title: empty(),
+            x_label: empty(),
+            y_label: empty(),
+            series: vec![],
+            log_x: false,
+            log_y: false,
+            size: (760, 500),
+        }
+    }
+}
+
+/// Colours that stay apart for colour-blind readers (Okabe & Ito 2008).
+const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(60, 60, 60),
+];
+
+const FONT: &str = "sans-serif";
+
+/// Units of the drawing per pixel: the backend rounds to whole units, which would show in smooth curves.
+const FINE: u32 = 8;
+
+/// Draws a plot as SVG, replacing what is there; text is left to the viewer's own sans-serif font.
+///
+/// # Errors
+/// [`InputError::Inconsistent`] if no point can be drawn, [`InputError::File`] if the file cannot be written.
+pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, (FINE * plot.size.0, FINE * plot.size.1)).into_drawing_area();
+        let (x, y) = (range(plot, 0)?, range(plot, 1)?);
+        let corner = free_corner(plot, [&x, &y]);
+        let drawn = match (plot.log_x, plot.log_y) {
+            (false, false) => draw(&area, plot, corner, x, y),
+            (true, false) => draw(&area, plot, corner, x.log_scale(), y),
+            (false, true) => draw(&area, plot, corner, x, y.log_scale()),
+            (true, true) => draw(&area, plot, corner, x.log_scale(), y.log_scale()),
+        };
+        drawn.and_then(|()| area.present().map_err(|e| e.to_string())).map_err(|reason| refuse(path, reason))?;
+    }
+    // The drawing keeps its fine units in the view box; only the size it is shown at is that in pixels.
+    let size = |scale: u32| format!("<svg width=\"{}\" height=\"{}\"", scale * plot.size.0, scale * plot.size.1);
+    let text = text.replacen(&size(FINE), &size(1), 1);
+    std::fs::write(path, text).map_err(|e| refuse(path, e.to_string()))
+}
+
+fn refuse(path: &Path, reason: String) -> InputError {
+    InputError::File { path: path.to_owned(), reason }
+}
+
+/// Whether a point can be drawn on the plot's axes.
+fn is_drawable(plot: &PlotSpec, (x, y): (f64, f64)) -> bool {
+    x.is_finite() && y.is_finite() && (!plot.log_x || x > 0.0) && (!plot.log_y || y > 0.0)
+}
+
+/// Range of an axis (0: x, 1: y) with a little room at the ends.
+fn range(plot: &PlotSpec, axis: usize) -> Result<std::ops::Range<f64>, InputError> {
+    let logarithmic = [plot.log_x, plot.log_y][axis];
+    let values =
+        plot.series.iter().flat_map(|s| &s.points).filter(|p| is_drawable(plot, **p)).map(|p| [p.0, p.1][axis]);
+    let values = values.map(|v| if logarithmic { v.ln() } else { v });
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if low > high {
+        let reason = "no point with finite coordinates (positive on logarithmic axes)".to_owned();
+        return Err(InputError::Inconsistent { field: "series".to_owned(), reason });
+    }
+    let room = if high > low { 0.04 * (high - low) } else { 0.5 * low.abs().max(1.0) };
+    let (low, high) = (low - room, high + room);
+    Ok(if logarithmic { low.exp()..high.exp() } else { low..high })
+}
+
+/// Short label of a tick; on a logarithmic axis only 1, 2 and 5 times a power of ten have one.
+fn tick(value: f64, is_log: bool) -> String {
+    let mantissa = value / 10_f64.powf(value.log10().floor());
+    if is_log && ![1.0, 2.0, 5.0, 10.0].iter().any(|m| (mantissa - m).abs() < 1e-6) {
+        return String::new();
+    }
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.1e}").replace(".0e", "e");
+    }
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Draws axes, curves and legend.
+fn draw<X, Y>(area: &Area, plot: &PlotSpec, corner: SeriesLabelPosition, x: X, y: Y) -> Result<(), String>
+where
+    X: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
+    Y: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
+{
+    let words = |e: DrawError| e.to_string();
+    area.fill(&WHITE).map_err(words)?;
+    let mut builder = ChartBuilder::on(area);
+    builder.margin(14 * FINE).margin_right(24 * FINE).x_label_area_size(48 * FINE).y_label_area_size(72 * FINE);
+    if !plot.title.is_empty() {
+        builder.caption(&plot.title, (FONT, 20 * FINE));
+    }
+    let mut chart = builder.build_cartesian_2d(x, y).map_err(words)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(BLACK.mix(0.12).stroke_width(FINE))
+        .axis_style(BLACK.mix(0.6).stroke_width(FINE))
+        .set_all_tick_mark_size(5 * FINE)
+        .label_style((FONT, 14 * FINE))
+        .axis_desc_style((FONT, 16 * FINE))
+        .x_desc(&plot.x_label)
+        .y_desc(&plot.y_label)
+        .x_label_formatter(&|v| tick(*v, plot.log_x))
+        .y_label_formatter(&|v| tick(*v, plot.log_y))
+        .draw()
+        .map_err(words)?;
+    curves(&mut chart, plot).map_err(words)?;
+    if plot.series.iter().all(|s| s.name.is_empty()) {
+        return Ok(());
+    }
+    let mut legend = chart.configure_series_labels();
+    legend
+        .position(corner)
+        .margin(10 * FINE)
+        .legend_area_size(30 * FINE)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.2).stroke_width(FINE))
+        .label_font((FONT, 14 * FINE))
+        .draw()
+        .map_err(words)
+}
+
+/// What drawing into an SVG may fail with.
+type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
+/// Draws the curves and prepares their legend entries.
+fn curves<'a, 'b: 'a, X, Y>(
+    chart: &mut ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>,
+    plot: &PlotSpec,
+) -> Result<(), DrawError>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    for (series, color) in plot.series.iter().zip(COLORS.iter().cycle()) {
+        let stroke = color.stroke_width(2 * FINE);
+        let pieces = series.points.split(|p| !is_drawable(plot, *p)).filter(|piece| !piece.is_empty());
+        for (index, piece) in pieces.enumerate() {
+            let points = piece.iter().copied();
+            let drawn = match series.style {
+                SeriesStyle::Line => chart.draw_series(LineSeries::new(points, stroke)),
+                SeriesStyle::Dashed => chart.draw_series(DashedLineSeries::new(points, 7 * FINE, 5 * FINE, stroke)),
+                SeriesStyle::Points => chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled()))),
+                SeriesStyle::LinePoints => {
+                    chart.draw_series(LineSeries::new(points.clone(), stroke))?;
+                    chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled())))
+                }
+            };
+            let shown = drawn?;
+            if index == 0 && !series.name.is_empty() {
+                let ([first, second], radius) = key(series.style);
+                let line = move |[from, to]: [i32; 2]| {
+                    PathElement::new(vec![(FINE as i32 * from, 0), (FINE as i32 * to, 0)], stroke)
+                };
+                shown.label(&series.name).legend(move |at| {
+                    let dot = Circle::new((11 * FINE as i32, 0), radius * FINE as i32, color.filled());
+                    EmptyElement::at(at) + line(first) + line(second) + dot
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Corner of the plot that holds the fewest points, for the legend.
+fn free_corner(plot: &PlotSpec, ranges: [&std::ops::Range<f64>; 2]) -> SeriesLabelPosition {
+    let share = |value: f64, range: &std::ops::Range<f64>, is_log: bool| {
+        let place = |v: f64| if is_log { v.ln() } else { v };
+        (place(value) - place(range.start)) / (place(range.end) - place(range.start))
+    };
+    let places: Vec<(f64, f64)> = (plot.series.iter().flat_map(|s| &s.points))
+        .filter(|p| is_drawable(plot, **p))
+        .map(|p| (share(p.0, ranges[0], plot.log_x), share(p.1, ranges[1], plot.log_y)))
+        .collect();
+    let corners = [
+        (1.0, 1.0, SeriesLabelPosition::UpperRight),
+        (0.0, 1.0, SeriesLabelPosition::UpperLeft),
+        (1.0, 0.0, SeriesLabelPosition::LowerRight),
+        (0.0, 0.0, SeriesLabelPosition::LowerLeft),
+    ];
+    let crowd = |x: f64, y: f64| places.iter().filter(|p| (p.0 - x).abs() < 0.3 && (p.1 - y).abs() < 0.3).count();
+    let best = corners.into_iter().min_by_key(|(x, y, _)| crowd(*x, *y));
+    best.map_or(SeriesLabelPosition::UpperRight, |(_, _, position)| position)
+}
+
+/// Legend sample of a style: ends of two strokes (one may be empty) and radius of a dot, in pixels.
+fn key(style: SeriesStyle) -> ([[i32; 2]; 2], i32) {
+    match style {
+        SeriesStyle::Line => ([[0, 22], [22, 22]], 0),
+        SeriesStyle::Dashed => ([[0, 8], [14, 22]], 0),
+        SeriesStyle::Points => ([[11, 11], [11, 11]], 3),
+        SeriesStyle::LinePoints => ([[0, 22], [22, 22]], 3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spec(points: Vec<(f64, f64)>) -> PlotSpec {
+        let series = vec![Series { name: "measured".to_owned(), points, style: SeriesStyle::LinePoints }];
+        PlotSpec { title: "Cost".to_owned(), series, log_x: true, log_y: true, ..PlotSpec::default() }
+    }
+
+    #[test]
+    fn plot_has_curve_text_and_generic_font() {
+        let path = std::env::temp_dir().join(format!("supercoil_plot_{}.svg", std::process::id()));
+        plot_lines(&path, &spec(vec![(1.0, 0.1), (10.0, 5.0), (100.0, f64::NAN), (1e3, 7e3)])).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+        assert!(text.contains("font-family=\"sans-serif\"") && text.contains("Cost") && text.contains("measured"));
+        assert!(text.matches("<circle").count() >= 3 && text.contains("<polyline"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_refused() {
+        assert!(plot_lines(Path::new("/nowhere/a.svg"), &spec(vec![(-1.0, 1.0)])).is_err());
+        assert!(plot_lines(Path::new("/nowhere/a.svg"), &spec(vec![(1.0, 1.0)])).is_err());
+    }
+
+    #[test]
+    fn ticks_are_short() {
+        assert_eq!([0.25, -3.0, 0.0, 1e-7, 1.5e6].map(|v| tick(v, false)), ["0.25", "-3", "0", "1e-7", "1.5e6"]);
+        assert_eq!([0.001, 3.0, 50.0].map(|v| tick(v, true)), ["0.001", "", "50"]);
+    }
+}
