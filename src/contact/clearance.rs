@@ -1,1 +1,640 @@
-//! (to be written)
+//! Certified smallest clearance between curves: branch and bound over pairs of cubic pieces.
+//!
+//! Capsules discard far pairs, but along a line of contact, where the gap is nearly constant over many pieces, their error (the bulge)
+//! would ask for millions of pieces. There a bound of fourth order is used. Let a(u) and b(v) be the pieces and
+//! D(u, v) = |b(v) − a(u)|². If ½∂²D/∂v² ≥ m > 0 on the whole box (least Bernstein coefficient over the control points of a),
+//! then for *any* map v = φ(u) into the box
+//!
+//! ```text
+//!     min_v D(u, v) ≥ |w(u)|² − Q(u)²/m,   w(u) = b(φ(u)) − a(u),   Q(u) = w(u)·b′(φ(u)) = ½∂D/∂v at φ(u).
+//! ```
+//!
+//! With φ linear between the feet of the piece's two ends w is a cubic, the minimum of |w|² is found by Bernstein roots, and Q is a
+//! quintic that vanishes at both ends, so the error shrinks with the fourth power of the piece. Where the foot runs against the end
+//! v = 0 or 1 of the box, φ is constant there and only the half of Q with the harmful sign counts; pieces are cut where the
+//! foot reaches the end (roots of (b(v_end) − a(u))·b′(v_end)).
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::f64::consts::PI;
+
+use super::broad_phase::BroadPhase;
+use super::capsule::{Capsule, distance_lower_bound};
+use super::curve::{Cubic, CurveSet};
+use super::exclusion::Exclusion;
+use super::projection::{Feet, end_is_local_min, local_minima, stationarity};
+use crate::math::Vec3;
+use crate::math::bernstein::{Roots, derivative, eval, roots};
+
+/// Pieces examined per candidate pair before giving up with a wider interval, and at least this many in all.
+const BUDGET_PER_PAIR: usize = 200;
+const BUDGET_MIN: usize = 200_000;
+/// Halvings of a pair of pieces before it is taken as it is.
+const MAX_DEPTH: u32 = 40;
+/// Halvings spent on deciding whether pieces of one curve are neighbours.
+const MAX_STRADDLE: u32 = 6;
+/// Roundings of squared distances relative to the squared size of the pair of pieces.
+const SAFETY: f64 = 1e-14;
+
+/// Certified smallest gap: the true one lies in [`lower`, `upper`] (centre distance minus both radii; negative = overlap) \[L\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// Nothing is closer than this.
+    pub lower: f64,
+    /// Gap found at the place below.
+    pub upper: f64,
+    /// Segment (global index) and parameter of one point.
+    pub segment_a: usize,
+    /// Parameter on `segment_a`.
+    pub u_a: f64,
+    /// Segment of the other point.
+    pub segment_b: usize,
+    /// Parameter on `segment_b`.
+    pub u_b: f64,
+    /// Reference arc length \[L\] of the first point from the start of its curve.
+    pub arc_a: f64,
+    /// Reference arc length \[L\] of the second point.
+    pub arc_b: f64,
+}
+
+/// Smallest gap between parts that are not neighbours, to within `tol` \[L\]; `None` if it is above `max_gap` \[L\] (within `tol` of `max_gap`
+/// either answer is possible), if geometry or arguments are not finite, or if there is nothing to compare.
+///
+/// Compared are points of different curves, and points of one curve with at least π of turning (by the control-polygon bound, resolved to 1/64 of a
+/// segment) between them both ways: nothing closer along the curve can be a mutual closest pair (Fenchel). The open ends of a curve
+/// are also compared with their one-sided projections on that curve, from π/2 of turning on.
+///
+/// Branch and bound, smallest lower bound first. The work is bounded (200 pieces per candidate pair, at least 200 000): when it
+/// runs out, or `tol` is below rounding (about 1e-14 of the squared segment size over the distance), the returned interval is wider
+/// than `tol` but still true. `exclusion` must be up to date with `set`.
+#[must_use]
+pub fn smallest_clearance(set: &CurveSet, exclusion: &Exclusion, max_gap: f64, tol: f64) -> Option<Clearance> {
+    if !max_gap.is_finite() || tol.is_nan() {
+        return None;
+    }
+    let mut broad = BroadPhase::new();
+    let pairs = broad.candidates(set, exclusion, max_gap, 0.0).ok()?;
+    let mut search = Search {
+        set,
+        exclusion,
+        best: None,
+        upper: max_gap,
+        tol: tol.max(0.0),
+        heap: BinaryHeap::new(),
+        dropped: f64::INFINITY,
+    };
+    search.open_ends(pairs);
+    search.run(pairs)
+}
+
+/// A pair of pieces: part [u0, u1] of segment i against part [v0, v1] of segment j.
+#[derive(Clone, Copy, Debug)]
+struct Box2 {
+    lower: f64,
+    i: u32,
+    j: u32,
+    u: [f64; 2],
+    v: [f64; 2],
+    depth: u32,
+    straddle: u32,
+    /// Its lower bound cannot be raised any more.
+    last: bool,
+    /// Cut where feet run against the ends of v.
+    cut: bool,
+}
+
+impl PartialEq for Box2 {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Box2 {}
+impl PartialOrd for Box2 {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Box2 {
+    /// Smallest lower bound on top of the heap; ties by place, so that the search is deterministic.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other
+            .lower
+            .total_cmp(&self.lower)
+            .then_with(|| (other.i, other.j).cmp(&(self.i, self.j)))
+            .then_with(|| other.u[0].total_cmp(&self.u[0]))
+            .then_with(|| other.v[0].total_cmp(&self.v[0]))
+    }
+}
+
+struct Search<'a> {
+    set: &'a CurveSet,
+    exclusion: &'a Exclusion,
+    /// Place of the best gap found (segment and parameter twice).
+    best: Option<(usize, f64, usize, f64)>,
+    /// Best gap found, or the caller's ceiling.
+    upper: f64,
+    tol: f64,
+    heap: BinaryHeap<Box2>,
+    /// Smallest lower bound of the pieces not pursued.
+    dropped: f64,
+}
+
+/// What became of the neighbour test for a pair of pieces.
+enum Neighbours {
+    Yes,
+    Partly,
+    No,
+}
+
+impl Search<'_> {
+    fn run(&mut self, pairs: &[[u32; 2]]) -> Option<Clearance> {
+        let capsules: Vec<Capsule> = self.set.segments.iter().map(Capsule::new).collect();
+        for &[i, j] in pairs {
+            let (a, b) = (i as usize, j as usize);
+            if !self.exclusion.excluded_bilateral(a, b) {
+                let lower = capsules[a].distance_lower_bound(&capsules[b]) - self.radii(a, b);
+                let whole = [0.0, 1.0];
+                self.heap.push(Box2 {
+                    lower,
+                    i,
+                    j,
+                    u: whole,
+                    v: whole,
+                    depth: 0,
+                    straddle: 0,
+                    last: false,
+                    cut: false,
+                });
+            }
+        }
+        let mut budget = BUDGET_MIN.max(BUDGET_PER_PAIR.saturating_mul(pairs.len()));
+        let mut lower = f64::INFINITY;
+        while let Some(top) = self.heap.pop() {
+            // Everything left is at least as far as the top.
+            if top.lower >= self.upper - self.tol || budget == 0 || top.last {
+                lower = top.lower;
+                break;
+            }
+            budget -= 1;
+            self.refine(&top);
+        }
+        let (segment_a, u_a, segment_b, u_b) = self.best?;
+        let arc = |s, u| self.set.arc_length(s, u);
+        Some(Clearance {
+            lower: lower.min(self.dropped).min(self.upper),
+            upper: self.upper,
+            segment_a,
+            u_a,
+            segment_b,
+            u_b,
+            arc_a: arc(segment_a, u_a),
+            arc_b: arc(segment_b, u_b),
+        })
+    }
+
+    fn radii(&self, i: usize, j: usize) -> f64 {
+        self.set.radius_of(i) + self.set.radius_of(j)
+    }
+
+    fn offer(&mut self, gap: f64, place: (usize, f64, usize, f64)) {
+        if gap < self.upper || (gap == self.upper && self.best.is_none()) {
+            self.upper = gap;
+            self.best = Some(place);
+        }
+    }
+
+    /// Ends of open curves against their own curve, exact: end feet need π/2 of turning only.
+    fn open_ends(&mut self, pairs: &[[u32; 2]]) {
+        let mut feet = Feet::new();
+        for &[p, q] in pairs {
+            let (p, q) = (p as usize, q as usize);
+            if self.set.curve_of(p) != self.set.curve_of(q) {
+                continue;
+            }
+            // p < q: only the start of the first segment and the end of the last can be open.
+            for (end, u, other) in [(p, 0.0, q), (q, 1.0, p)] {
+                let open = if u == 0.0 { self.set.prev(end).is_none() } else { self.set.next(end).is_none() };
+                if !open {
+                    continue;
+                }
+                let x = self.set.segments[end].b[if u == 0.0 { 0 } else { 3 }];
+                let curve = &self.set.segments[other];
+                let radii = self.radii(end, other);
+                local_minima(curve, &x, self.upper + radii, &mut feet);
+                let ends = [0.0, 1.0].into_iter().filter(|&v| end_is_local_min(curve, &x, v == 1.0));
+                for v in feet.as_slice().iter().map(|f| f.u).chain(ends) {
+                    if !self.exclusion.excluded_points(self.set, end, u, other, v) {
+                        let relative = Cubic { b: curve.b.map(|p| p - x) };
+                        self.offer(relative.point(v).norm() - radii, (end, u, other, v));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Replaces a pair of pieces by better bounded ones.
+    fn refine(&mut self, top: &Box2) {
+        let (i, j) = (top.i as usize, top.j as usize);
+        match self.neighbours(top) {
+            Neighbours::Yes => return,
+            Neighbours::Partly if top.straddle < MAX_STRADDLE => {
+                let next = Box2 { straddle: top.straddle + 1, depth: top.depth + 1, ..*top };
+                for u in halves(top.u) {
+                    for v in halves(top.v) {
+                        self.push_capsule(Box2 { u, v, ..next });
+                    }
+                }
+                return;
+            }
+            _ => {}
+        }
+        let local = Local::new(&self.set.segments[i], &self.set.segments[j], top);
+        let convexity = local.convexity();
+        if convexity <= 0.0 || !convexity.is_finite() {
+            self.split_box(top, &local);
+            return;
+        }
+        if !top.cut {
+            // First time here: cut where the foot meets an end of v, and bound each part.
+            let mut cuts = local.foot_leaves();
+            cuts.push(1.0);
+            let mut start = 0.0;
+            for end in cuts {
+                if end > start {
+                    let u = [at(top.u, start), if end == 1.0 { top.u[1] } else { at(top.u, end) }];
+                    self.bound(&Box2 { u, cut: true, ..*top });
+                }
+                start = end;
+            }
+            return;
+        }
+        if top.depth >= MAX_DEPTH {
+            self.heap.push(Box2 { last: true, ..*top });
+            return;
+        }
+        for u in halves(top.u) {
+            self.bound(&Box2 { u, depth: top.depth + 1, ..*top });
+        }
+    }
+
+    /// Fourth-order bound of a pair of pieces convex in v; pushes it unless it cannot matter.
+    fn bound(&mut self, piece: &Box2) {
+        let (i, j) = (piece.i as usize, piece.j as usize);
+        let radii = self.radii(i, j);
+        let local = Local::new(&self.set.segments[i], &self.set.segments[j], piece);
+        let bound = local.fourth_order(local.convexity());
+        // Never worse than what is known already.
+        let lower = (bound.lower - radii).max(piece.lower);
+        let (u, v) = (at(piece.u, bound.u), at(piece.v, bound.v));
+        if bound.at_place - radii < self.upper + self.tol.max(1e-3 * radii) {
+            let (distance, u, v) = self.polish(piece, u, v);
+            self.offer(distance - radii, (i, u, j, v));
+        }
+        self.push(Box2 { lower, ..*piece });
+    }
+
+    /// Halves the longer of the two pieces.
+    fn split_box(&mut self, top: &Box2, local: &Local) {
+        if top.depth >= MAX_DEPTH {
+            let (u, v) = (at(top.u, 0.5), at(top.v, 0.5));
+            let (i, j) = (top.i as usize, top.j as usize);
+            let (distance, u, v) = self.polish(top, u, v);
+            self.offer(distance - self.radii(i, j), (i, u, j, v));
+            self.heap.push(Box2 { last: true, ..*top });
+            return;
+        }
+        let next = Box2 { depth: top.depth + 1, ..*top };
+        if extent(&local.a) >= extent(&local.b) {
+            halves(top.u).into_iter().for_each(|u| self.push_capsule(Box2 { u, ..next }));
+        } else {
+            halves(top.v).into_iter().for_each(|v| self.push_capsule(Box2 { v, ..next }));
+        }
+    }
+
+    fn push_capsule(&mut self, piece: Box2) {
+        let (i, j) = (piece.i as usize, piece.j as usize);
+        let local = Local::new(&self.set.segments[i], &self.set.segments[j], &piece);
+        let lower = (distance_lower_bound(&local.a, &local.b) * local.scale - self.radii(i, j)).max(piece.lower);
+        self.push(Box2 { lower, ..piece });
+    }
+
+    /// Keeps a pair of pieces only if it can still lower the result by more than `tol`.
+    fn push(&mut self, piece: Box2) {
+        if piece.lower < self.upper - self.tol {
+            self.heap.push(piece);
+        } else {
+            self.dropped = self.dropped.min(piece.lower);
+        }
+    }
+
+    /// Is less than π of turning between all (some, no) points of the two pieces?
+    fn neighbours(&self, piece: &Box2) -> Neighbours {
+        let (i, j) = (piece.i as usize, piece.j as usize);
+        if self.set.curve_of(i) != self.set.curve_of(j) {
+            return Neighbours::No;
+        }
+        if self.exclusion.turns_between_at_least(self.set, i, j, PI) {
+            return Neighbours::No;
+        }
+        let turning = |a, u, b, v| self.exclusion.turning_between(self.set, a, u, b, v);
+        let (u, v) = (piece.u, piece.v);
+        if turning(i, u[0], j, v[1]) < PI || turning(j, v[0], i, u[1]) < PI {
+            Neighbours::Yes
+        } else if turning(i, u[1], j, v[0]) < PI || turning(j, v[1], i, u[0]) < PI {
+            Neighbours::Partly
+        } else {
+            Neighbours::No
+        }
+    }
+
+    /// Newton on the distance inside the box from (u, v), falling back to alternate projection steps; never worse than the start.
+    fn polish(&self, piece: &Box2, u: f64, v: f64) -> (f64, f64, f64) {
+        let origin = self.set.segments[piece.j as usize].b[0];
+        let shift = |c: &Cubic| Cubic { b: c.b.map(|p| p - origin) };
+        let (a, b) = (shift(&self.set.segments[piece.i as usize]), shift(&self.set.segments[piece.j as usize]));
+        let clamp = |t: f64, range: [f64; 2]| t.clamp(range[0], range[1]);
+        let (mut u, mut v) = (u, v);
+        let mut distance = (b.point(v) - a.point(u)).norm();
+        for _ in 0..20 {
+            let ((pa, da, dda), (pb, db, ddb)) = (a.derivatives(u), b.derivatives(v));
+            let w = pb - pa;
+            let (gu, gv) = (-w.dot(&da), w.dot(&db));
+            let (huu, hvv, huv) = (da.dot(&da) - w.dot(&dda), db.dot(&db) + w.dot(&ddb), -da.dot(&db));
+            let det = huu * hvv - huv * huv;
+            let newton = if det > 1e-10 * huu.abs() * hvv.abs() && huu > 0.0 {
+                (clamp(u - (hvv * gu - huv * gv) / det, piece.u), clamp(v - (huu * gv - huv * gu) / det, piece.v))
+            } else {
+                // Flat along the line: only project.
+                (u, clamp(v - gv / hvv.abs().max(f64::MIN_POSITIVE), piece.v))
+            };
+            let next = (b.point(newton.1) - a.point(newton.0)).norm();
+            if next >= distance || next.is_nan() {
+                break;
+            }
+            (u, v, distance) = (newton.0, newton.1, next);
+        }
+        (distance, u, v)
+    }
+}
+
+/// Two pieces in coordinates relative to the second's start and the pair's size.
+struct Local {
+    a: Cubic,
+    b: Cubic,
+    scale: f64,
+}
+
+/// Lower bound of the distance between two pieces \[L\], and where its model is smallest (piece parameters in \[0, 1\]).
+struct Bound {
+    lower: f64,
+    at_place: f64,
+    u: f64,
+    v: f64,
+}
+
+impl Local {
+    fn new(a: &Cubic, b: &Cubic, piece: &Box2) -> Self {
+        let origin = b.b[0];
+        let (a, b) = (a.b.map(|p| p - origin), b.b.map(|p| p - origin));
+        let scale = a.iter().chain(&b).map(Vec3::amax).fold(0.0, f64::max);
+        let scale = if scale > 0.0 { scale } else { 1.0 };
+        let unit = |p: [Vec3; 4]| Cubic { b: p.map(|x| x / scale) };
+        Self { a: part(&unit(a), piece.u), b: part(&unit(b), piece.v), scale }
+    }
+
+    /// Lower bound of ½∂²D/∂v² over the box (scaled units): Bernstein coefficients in v, control points of a (D's v-derivatives are
+    /// linear in a, so its hull's corners suffice).
+    fn convexity(&self) -> f64 {
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        for x in &self.a.b {
+            // stationarity() is a third of (b − x)·b′.
+            for c in &derivative(&stationarity(&self.b, x))[..5] {
+                least = least.min(3.0 * c);
+                largest = largest.max(c.abs());
+            }
+        }
+        least - SAFETY * largest
+    }
+
+    /// Parameters of a, ascending, where its foot on b passes an end of b.
+    fn foot_leaves(&self) -> Vec<f64> {
+        let mut cuts = Vec::new();
+        let mut found = Roots::new();
+        let ends = [(self.b.b[0], self.b.start_tangent()), (self.b.b[3], self.b.end_tangent())];
+        for (end, tangent) in ends {
+            roots(&self.a.b.map(|p| (end - p).dot(&tangent)), &mut found);
+            cuts.extend_from_slice(found.as_slice());
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts
+    }
+
+    /// v minimising |b(v) − x|, for b convex as seen from x: Newton in a shrinking bracket, clamped to \[0, 1\].
+    fn foot(&self, x: &Vec3) -> f64 {
+        let q = stationarity(&self.b, x);
+        if q[0] >= 0.0 {
+            return 0.0;
+        }
+        if q[5] <= 0.0 {
+            return 1.0;
+        }
+        let slope = derivative(&q);
+        let (mut lo, mut hi) = (0.0, 1.0);
+        let mut v = q[0] / (q[0] - q[5]);
+        // Any v serves the bound, so it need not converge.
+        for _ in 0..16 {
+            let value = eval(&q, v);
+            if value < 0.0 {
+                lo = v
+            } else {
+                hi = v
+            }
+            let next = v - value / eval(&slope[..5], v);
+            let next = if next >= lo && next <= hi { next } else { 0.5 * (lo + hi) };
+            if (next - v).abs() <= 1e-14 {
+                return next;
+            }
+            v = next;
+        }
+        v
+    }
+
+    /// The bound of the module's head with convexity `m` > 0.
+    fn fourth_order(&self, m: f64) -> Bound {
+        let mut v = [self.foot(&self.a.b[0]), self.foot(&self.a.b[3])];
+        // A foot that is at the end only up to rounding of the cut belongs to the clamped family.
+        let middle = self.foot(&self.a.point(0.5));
+        if middle == 0.0 || middle == 1.0 {
+            v = [middle; 2];
+        }
+        let on_b = restrict(&self.b, v[0], v[1]);
+        let w = Cubic { b: std::array::from_fn(|k| on_b.b[k] - self.a.b[k]) };
+        // |w|² at its stationary points and ends.
+        let size_sq = w.b.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+        let mut found = Roots::new();
+        roots(&stationarity(&w, &Vec3::zeros()), &mut found);
+        let (mut least, mut u) = (w.b[0].norm_squared(), 0.0);
+        for &t in found.as_slice().iter().chain(&[1.0]) {
+            let value = w.point(t).norm_squared();
+            if value < least {
+                (least, u) = (value, t);
+            }
+        }
+        // Q in degree 5: cubic w times the quadratic b′ on [v0, v1].
+        let e = self.b.edges().map(|e| e * 3.0);
+        let blossom = |s: f64, t: f64| {
+            let (p, q) = (e[0] * (1.0 - s) + e[1] * s, e[1] * (1.0 - s) + e[2] * s);
+            p * (1.0 - t) + q * t
+        };
+        let slope = [blossom(v[0], v[0]), blossom(v[0], v[1]), blossom(v[1], v[1])];
+        let harmful = harmful_slope(&w, &slope, v);
+        // Coordinates are of order 1, so each component of w carries a few ulp of 1.
+        let lower_sq = least - harmful * harmful / m - SAFETY * (size_sq + size_sq.sqrt());
+        let place = v[0] + (v[1] - v[0]) * u;
+        Bound {
+            lower: self.scale * lower_sq.max(0.0).sqrt(),
+            at_place: self.scale * least.sqrt(),
+            u,
+            v: place.clamp(0.0, 1.0),
+        }
+    }
+}
+
+/// Largest |Q| that can lower the distance: both signs inside, one sign where the foot rests against an end of v.
+fn harmful_slope(w: &Cubic, slope: &[Vec3; 3], v: [f64; 2]) -> f64 {
+    let d = |i: usize, j: usize| w.b[i].dot(&slope[j]);
+    let q = [
+        d(0, 0),
+        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
+        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
+        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
+        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
+        d(3, 2),
+    ];
+    let (min, max) = q.iter().fold((0.0_f64, 0.0_f64), |(lo, hi), &c| (lo.min(c), hi.max(c)));
+    match v {
+        // v can only grow from 0: harmful if that shortens (Q < 0); and shrink from 1: if Q > 0.
+        [0.0, 0.0] => -min,
+        [1.0, 1.0] => max,
+        _ => max.max(-min),
+    }
+}
+
+/// The part of a cubic on [t0, t1] (also reversed, t0 > t1, or constant), by blossoming.
+fn restrict(c: &Cubic, t0: f64, t1: f64) -> Cubic {
+    let mix = |a: Vec3, b: Vec3, t: f64| a * (1.0 - t) + b * t;
+    let blossom = |r: f64, s: f64, t: f64| {
+        let [b0, b1, b2, b3] = c.b;
+        let (p0, p1, p2) = (mix(b0, b1, r), mix(b1, b2, r), mix(b2, b3, r));
+        mix(mix(p0, p1, s), mix(p1, p2, s), t)
+    };
+    Cubic { b: [blossom(t0, t0, t0), blossom(t0, t0, t1), blossom(t0, t1, t1), blossom(t1, t1, t1)] }
+}
+
+fn part(c: &Cubic, range: [f64; 2]) -> Cubic {
+    if range == [0.0, 1.0] { *c } else { restrict(c, range[0], range[1]) }
+}
+
+fn at(range: [f64; 2], t: f64) -> f64 {
+    (range[0] * (1.0 - t) + range[1] * t).clamp(range[0], range[1])
+}
+
+fn halves(range: [f64; 2]) -> [[f64; 2]; 2] {
+    let middle = 0.5 * (range[0] + range[1]);
+    [[range[0], middle], [middle, range[1]]]
+}
+
+fn extent(c: &Cubic) -> f64 {
+    c.edges().iter().map(Vec3::norm).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::curve::CurveInput;
+
+    fn hermite(n: usize, span: f64, closed: bool, radius: f64, f: impl Fn(f64) -> (Vec3, Vec3)) -> CurveInput {
+        let h = span / n as f64;
+        let at = |i: usize| f(h * if closed { (i % n) as f64 } else { i as f64 });
+        let segments: Vec<Cubic> =
+            (0..n).map(|i| Cubic::from_hermite(at(i).0, at(i).1 * h, at(i + 1).0, at(i + 1).1 * h)).collect();
+        let lengths = segments.iter().map(|s| s.chord().norm()).collect();
+        CurveInput { segments, lengths, closed, radius }
+    }
+
+    /// Strand of a straight double helix of radius 1 around z, starting at angle `phase`.
+    fn strand(n: usize, length: f64, phase: f64, radius: f64) -> CurveInput {
+        let k = 1.2;
+        hermite(n, length, false, radius, move |t| {
+            let (s, c) = (phase + k * t).sin_cos();
+            (Vec3::new(c, s, t), Vec3::new(-s * k, c * k, 1.0))
+        })
+    }
+
+    /// One closed curve whose two strands wind `q` (odd) half turns round a circle of radius `big` at distance 1 from it.
+    fn supercoiled_ring(n: usize, big: f64, q: f64) -> CurveSet {
+        let f = |t: f64| {
+            let (st, ct) = (q * t / 2.0).sin_cos();
+            let (s, c) = t.sin_cos();
+            let (rho, drho) = (big + ct, -st * q / 2.0);
+            (Vec3::new(rho * c, rho * s, st), Vec3::new(drho * c - rho * s, drho * s + rho * c, ct * q / 2.0))
+        };
+        CurveSet::new(vec![hermite(n, 4.0 * PI, true, 0.9, f)]).unwrap()
+    }
+
+    fn exclusion(set: &CurveSet) -> Exclusion {
+        let mut e = Exclusion::new();
+        e.update(set).unwrap();
+        e
+    }
+
+    fn check(set: &CurveSet, tol: f64) -> Clearance {
+        let start = std::time::Instant::now();
+        let c = smallest_clearance(set, &exclusion(set), 1.0, tol).unwrap();
+        println!("{} segments: {:?}, width {:.2e}, {:?}", set.len(), c, c.upper - c.lower, start.elapsed());
+        assert!(c.upper - c.lower <= tol * 1.000001);
+        let d = (set.segments[c.segment_a].point(c.u_a) - set.segments[c.segment_b].point(c.u_b)).norm();
+        assert!((d - set.radius_of(c.segment_a) - set.radius_of(c.segment_b) - c.upper).abs() < 1e-13);
+        c
+    }
+
+    #[test]
+    fn crossing_lines() {
+        let a = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+        let b = [Vec3::new(0.3, -1.0, 0.5), Vec3::new(0.3, 2.0, 0.5)];
+        let set = CurveSet::from_polylines(&[(&a, 0.1, false), (&b, 0.15, false)]).unwrap();
+        let c = check(&set, 1e-12);
+        assert!((c.upper - 0.25).abs() < 1e-14);
+        assert!((c.u_a - 0.65).abs() < 1e-7 && (c.u_b - 1.0 / 3.0).abs() < 1e-7);
+        assert!(smallest_clearance(&set, &exclusion(&set), 0.2, 1e-9).is_none());
+    }
+
+    #[test]
+    fn straight_double_helix_is_flat_and_fast() {
+        for n in [120, 300] {
+            let set = CurveSet::new(vec![strand(n, 100.0, 0.0, 0.9), strand(n, 100.0, PI, 0.9)]).unwrap();
+            check(&set, 0.9e-9);
+        }
+    }
+
+    #[test]
+    fn supercoiled_ring_is_fast() {
+        for n in [100, 300] {
+            check(&supercoiled_ring(n, 30.0, 31.0), 0.9e-9);
+        }
+    }
+
+    #[test]
+    fn a_flat_ring_has_no_near_parts() {
+        let circle = hermite(40, 2.0 * PI, true, 0.05, |t| {
+            let (s, c) = t.sin_cos();
+            (Vec3::new(c, s, 0.0), Vec3::new(-s, c, 0.0))
+        });
+        let set = CurveSet::new(vec![circle]).unwrap();
+        assert!(smallest_clearance(&set, &exclusion(&set), 1.0, 1e-9).is_none());
+        let start = std::time::Instant::now();
+        let c = smallest_clearance(&set, &exclusion(&set), 5.0, 1e-3).unwrap();
+        println!("{c:?} {:?}", start.elapsed());
+        assert!(c.lower <= 1.9 + 1e-4 && c.upper >= 1.9 - 1e-4);
+    }
+}
