@@ -22,9 +22,10 @@ use super::broad_phase::BroadPhase;
 use super::capsule::{Capsule, distance_lower_bound};
 use super::curve::{Cubic, CurveSet};
 use super::exclusion::Exclusion;
-use super::projection::{Feet, end_is_local_min, local_minima, stationarity};
-use crate::math::Vec3;
-use crate::math::bernstein::{Roots, derivative, eval, roots};
+use super::projection::{Feet, end_is_local_min, local_minima};
+use pieces::{Local, at, extent, halves};
+
+mod pieces;
 
 /// Pieces examined per candidate pair before giving up with a wider interval, and at least this many in all.
 const BUDGET_PER_PAIR: usize = 200;
@@ -33,8 +34,6 @@ const BUDGET_MIN: usize = 200_000;
 const MAX_DEPTH: u32 = 40;
 /// Halvings spent on deciding whether pieces of one curve are neighbours.
 const MAX_STRADDLE: u32 = 6;
-/// Roundings of squared distances relative to the squared size of the pair of pieces.
-const SAFETY: f64 = 1e-14;
 
 /// Certified smallest gap: the true one lies in [`lower`, `upper`] (centre distance minus both radii; negative = overlap) \[L\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +64,7 @@ pub struct Clearance {
 /// are also compared with their one-sided projections on that curve, from π/2 of turning on.
 ///
 /// Branch and bound, smallest lower bound first. The work is bounded (200 pieces per candidate pair, at least 200 000): when it
-/// runs out, or `tol` is below rounding (about 1e-14 of the squared segment size over the distance), the returned interval is wider
+/// runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the squared segment size over the distance), the returned interval is wider
 /// than `tol` but still true. `exclusion` must be up to date with `set`.
 #[must_use]
 pub fn smallest_clearance(set: &CurveSet, exclusion: &Exclusion, max_gap: f64, tol: f64) -> Option<Clearance> {
@@ -170,6 +169,11 @@ impl Search<'_> {
         let mut budget = BUDGET_MIN.max(BUDGET_PER_PAIR.saturating_mul(pairs.len()));
         let mut lower = f64::INFINITY;
         while let Some(top) = self.heap.pop() {
+            if budget == 0 && self.best.is_none() {
+                // An honest answer needs a place, even one beyond the ceiling.
+                self.upper = f64::INFINITY;
+                self.offer_at(&top, 0.5, 0.5);
+            }
             // Everything left is at least as far as the top.
             if top.lower >= self.upper - self.tol || budget == 0 || top.last {
                 lower = top.lower;
@@ -201,6 +205,13 @@ impl Search<'_> {
             self.upper = gap;
             self.best = Some(place);
         }
+    }
+
+    /// Offers the gap polished from the place (u, v in \[0, 1\] of the pieces).
+    fn offer_at(&mut self, piece: &Box2, u: f64, v: f64) {
+        let (i, j) = (piece.i as usize, piece.j as usize);
+        let (distance, u, v) = self.polish(piece, at(piece.u, u), at(piece.v, v));
+        self.offer(distance - self.radii(i, j), (i, u, j, v));
     }
 
     /// Ends of open curves against their own curve, exact: end feet need π/2 of turning only.
@@ -248,7 +259,7 @@ impl Search<'_> {
             }
             _ => {}
         }
-        let local = Local::new(&self.set.segments[i], &self.set.segments[j], top);
+        let local = Local::new(&self.set.segments[i], &self.set.segments[j], top.u, top.v);
         let convexity = local.convexity();
         if convexity <= 0.0 || !convexity.is_finite() {
             self.split_box(top, &local);
@@ -281,25 +292,20 @@ impl Search<'_> {
     fn bound(&mut self, piece: &Box2) {
         let (i, j) = (piece.i as usize, piece.j as usize);
         let radii = self.radii(i, j);
-        let local = Local::new(&self.set.segments[i], &self.set.segments[j], piece);
+        let local = Local::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
         let bound = local.fourth_order(local.convexity());
         // Never worse than what is known already.
         let lower = (bound.lower - radii).max(piece.lower);
-        let (u, v) = (at(piece.u, bound.u), at(piece.v, bound.v));
         if bound.at_place - radii < self.upper + self.tol.max(1e-3 * radii) {
-            let (distance, u, v) = self.polish(piece, u, v);
-            self.offer(distance - radii, (i, u, j, v));
+            self.offer_at(piece, bound.u, bound.v);
         }
         self.push(Box2 { lower, ..*piece });
     }
 
     /// Halves the longer of the two pieces.
     fn split_box(&mut self, top: &Box2, local: &Local) {
+        self.offer_at(top, 0.5, 0.5);
         if top.depth >= MAX_DEPTH {
-            let (u, v) = (at(top.u, 0.5), at(top.v, 0.5));
-            let (i, j) = (top.i as usize, top.j as usize);
-            let (distance, u, v) = self.polish(top, u, v);
-            self.offer(distance - self.radii(i, j), (i, u, j, v));
             self.heap.push(Box2 { last: true, ..*top });
             return;
         }
@@ -313,7 +319,7 @@ impl Search<'_> {
 
     fn push_capsule(&mut self, piece: Box2) {
         let (i, j) = (piece.i as usize, piece.j as usize);
-        let local = Local::new(&self.set.segments[i], &self.set.segments[j], &piece);
+        let local = Local::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
         let lower = (distance_lower_bound(&local.a, &local.b) * local.scale - self.radii(i, j)).max(piece.lower);
         self.push(Box2 { lower, ..piece });
     }
@@ -377,181 +383,11 @@ impl Search<'_> {
     }
 }
 
-/// Two pieces in coordinates relative to the second's start and the pair's size.
-struct Local {
-    a: Cubic,
-    b: Cubic,
-    scale: f64,
-}
-
-/// Lower bound of the distance between two pieces \[L\], and where its model is smallest (piece parameters in \[0, 1\]).
-struct Bound {
-    lower: f64,
-    at_place: f64,
-    u: f64,
-    v: f64,
-}
-
-impl Local {
-    fn new(a: &Cubic, b: &Cubic, piece: &Box2) -> Self {
-        let origin = b.b[0];
-        let (a, b) = (a.b.map(|p| p - origin), b.b.map(|p| p - origin));
-        let scale = a.iter().chain(&b).map(Vec3::amax).fold(0.0, f64::max);
-        let scale = if scale > 0.0 { scale } else { 1.0 };
-        let unit = |p: [Vec3; 4]| Cubic { b: p.map(|x| x / scale) };
-        Self { a: part(&unit(a), piece.u), b: part(&unit(b), piece.v), scale }
-    }
-
-    /// Lower bound of ½∂²D/∂v² over the box (scaled units): Bernstein coefficients in v, control points of a (D's v-derivatives are
-    /// linear in a, so its hull's corners suffice).
-    fn convexity(&self) -> f64 {
-        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
-        for x in &self.a.b {
-            // stationarity() is a third of (b − x)·b′.
-            for c in &derivative(&stationarity(&self.b, x))[..5] {
-                least = least.min(3.0 * c);
-                largest = largest.max(c.abs());
-            }
-        }
-        least - SAFETY * largest
-    }
-
-    /// Parameters of a, ascending, where its foot on b passes an end of b.
-    fn foot_leaves(&self) -> Vec<f64> {
-        let mut cuts = Vec::new();
-        let mut found = Roots::new();
-        let ends = [(self.b.b[0], self.b.start_tangent()), (self.b.b[3], self.b.end_tangent())];
-        for (end, tangent) in ends {
-            roots(&self.a.b.map(|p| (end - p).dot(&tangent)), &mut found);
-            cuts.extend_from_slice(found.as_slice());
-        }
-        cuts.sort_by(f64::total_cmp);
-        cuts
-    }
-
-    /// v minimising |b(v) − x|, for b convex as seen from x: Newton in a shrinking bracket, clamped to \[0, 1\].
-    fn foot(&self, x: &Vec3) -> f64 {
-        let q = stationarity(&self.b, x);
-        if q[0] >= 0.0 {
-            return 0.0;
-        }
-        if q[5] <= 0.0 {
-            return 1.0;
-        }
-        let slope = derivative(&q);
-        let (mut lo, mut hi) = (0.0, 1.0);
-        let mut v = q[0] / (q[0] - q[5]);
-        // Any v serves the bound, so it need not converge.
-        for _ in 0..16 {
-            let value = eval(&q, v);
-            if value < 0.0 {
-                lo = v
-            } else {
-                hi = v
-            }
-            let next = v - value / eval(&slope[..5], v);
-            let next = if next >= lo && next <= hi { next } else { 0.5 * (lo + hi) };
-            if (next - v).abs() <= 1e-14 {
-                return next;
-            }
-            v = next;
-        }
-        v
-    }
-
-    /// The bound of the module's head with convexity `m` > 0.
-    fn fourth_order(&self, m: f64) -> Bound {
-        let mut v = [self.foot(&self.a.b[0]), self.foot(&self.a.b[3])];
-        // A foot that is at the end only up to rounding of the cut belongs to the clamped family.
-        let middle = self.foot(&self.a.point(0.5));
-        if middle == 0.0 || middle == 1.0 {
-            v = [middle; 2];
-        }
-        let on_b = restrict(&self.b, v[0], v[1]);
-        let w = Cubic { b: std::array::from_fn(|k| on_b.b[k] - self.a.b[k]) };
-        // |w|² at its stationary points and ends.
-        let size_sq = w.b.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
-        let mut found = Roots::new();
-        roots(&stationarity(&w, &Vec3::zeros()), &mut found);
-        let (mut least, mut u) = (w.b[0].norm_squared(), 0.0);
-        for &t in found.as_slice().iter().chain(&[1.0]) {
-            let value = w.point(t).norm_squared();
-            if value < least {
-                (least, u) = (value, t);
-            }
-        }
-        // Q in degree 5: cubic w times the quadratic b′ on [v0, v1].
-        let e = self.b.edges().map(|e| e * 3.0);
-        let blossom = |s: f64, t: f64| {
-            let (p, q) = (e[0] * (1.0 - s) + e[1] * s, e[1] * (1.0 - s) + e[2] * s);
-            p * (1.0 - t) + q * t
-        };
-        let slope = [blossom(v[0], v[0]), blossom(v[0], v[1]), blossom(v[1], v[1])];
-        let harmful = harmful_slope(&w, &slope, v);
-        // Coordinates are of order 1, so each component of w carries a few ulp of 1.
-        let lower_sq = least - harmful * harmful / m - SAFETY * (size_sq + size_sq.sqrt());
-        let place = v[0] + (v[1] - v[0]) * u;
-        Bound {
-            lower: self.scale * lower_sq.max(0.0).sqrt(),
-            at_place: self.scale * least.sqrt(),
-            u,
-            v: place.clamp(0.0, 1.0),
-        }
-    }
-}
-
-/// Largest |Q| that can lower the distance: both signs inside, one sign where the foot rests against an end of v.
-fn harmful_slope(w: &Cubic, slope: &[Vec3; 3], v: [f64; 2]) -> f64 {
-    let d = |i: usize, j: usize| w.b[i].dot(&slope[j]);
-    let q = [
-        d(0, 0),
-        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
-        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
-        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
-        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
-        d(3, 2),
-    ];
-    let (min, max) = q.iter().fold((0.0_f64, 0.0_f64), |(lo, hi), &c| (lo.min(c), hi.max(c)));
-    match v {
-        // v can only grow from 0: harmful if that shortens (Q < 0); and shrink from 1: if Q > 0.
-        [0.0, 0.0] => -min,
-        [1.0, 1.0] => max,
-        _ => max.max(-min),
-    }
-}
-
-/// The part of a cubic on [t0, t1] (also reversed, t0 > t1, or constant), by blossoming.
-fn restrict(c: &Cubic, t0: f64, t1: f64) -> Cubic {
-    let mix = |a: Vec3, b: Vec3, t: f64| a * (1.0 - t) + b * t;
-    let blossom = |r: f64, s: f64, t: f64| {
-        let [b0, b1, b2, b3] = c.b;
-        let (p0, p1, p2) = (mix(b0, b1, r), mix(b1, b2, r), mix(b2, b3, r));
-        mix(mix(p0, p1, s), mix(p1, p2, s), t)
-    };
-    Cubic { b: [blossom(t0, t0, t0), blossom(t0, t0, t1), blossom(t0, t1, t1), blossom(t1, t1, t1)] }
-}
-
-fn part(c: &Cubic, range: [f64; 2]) -> Cubic {
-    if range == [0.0, 1.0] { *c } else { restrict(c, range[0], range[1]) }
-}
-
-fn at(range: [f64; 2], t: f64) -> f64 {
-    (range[0] * (1.0 - t) + range[1] * t).clamp(range[0], range[1])
-}
-
-fn halves(range: [f64; 2]) -> [[f64; 2]; 2] {
-    let middle = 0.5 * (range[0] + range[1]);
-    [[range[0], middle], [middle, range[1]]]
-}
-
-fn extent(c: &Cubic) -> f64 {
-    c.edges().iter().map(Vec3::norm).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::contact::curve::CurveInput;
+    use crate::math::Vec3;
 
     fn hermite(n: usize, span: f64, closed: bool, radius: f64, f: impl Fn(f64) -> (Vec3, Vec3)) -> CurveInput {
         let h = span / n as f64;
