@@ -38,7 +38,7 @@ impl Random {
 
 fn exclusion(set: &CurveSet) -> Exclusion {
     let mut e = Exclusion::new();
-    e.update(set).unwrap();
+    e.update(set).expect("the test's curves are fine enough");
     e
 }
 
@@ -337,7 +337,7 @@ fn some_curves(rng: &mut Random, unit: f64, centre: Vec3) -> CurveSet {
             wiggle(rng, n, closed, radius, unit, centre)
         })
         .collect();
-    CurveSet::new(curves).unwrap()
+    CurveSet::new(curves).expect("legal curves")
 }
 
 #[test]
@@ -403,6 +403,51 @@ fn kept_lists_stay_supersets_while_curves_move() {
         }
     }
     assert!((1..300).contains(&rebuilt), "{rebuilt} rebuilds");
+}
+
+/// Two lines that close in by 1.2 margins (.6 each) bring a pair into range that the first list did not hold.
+#[test]
+fn a_list_is_dropped_when_curves_have_closed_in() {
+    let line = |z: f64| -> Vec<Vec3> { (0..40).map(|i| Vec3::new(f64::from(i), 0.0, z)).collect() };
+    let (range, margin) = (0.1, 0.5);
+    let mut set =
+        CurveSet::from_polylines(&[(&line(0.0), 0.1, false), (&line(0.2 + range + 1.05 * margin), 0.1, false)])
+            .unwrap();
+    let e = exclusion(&set);
+    let mut broad = BroadPhase::new();
+    assert!(broad.candidates(&set, &e, range, margin).unwrap().is_empty());
+    for step in 1..=12 {
+        for (i, segment) in set.segments_mut().iter_mut().enumerate() {
+            let lift = 0.05 * margin * if i < 39 { 1.0 } else { -1.0 };
+            segment.b = segment.b.map(|p| p + Vec3::z() * lift);
+        }
+        let list = broad.candidates(&set, &e, range, margin).unwrap();
+        // Kept while no point has moved half the margin.
+        assert!(list.is_empty() == (step <= 10) || step == 10, "step {step}");
+        let oracle = brute_force_candidates(&set, &e, range);
+        assert_eq!(oracle.is_empty(), step <= 10);
+        assert!(oracle.iter().all(|p| list.binary_search(p).is_ok()));
+    }
+}
+
+/// A straight rod crumples into short waves moving less than half the margin: distances alone would keep the list, but neighbours have
+/// ceased to be neighbours.
+#[test]
+fn a_list_is_dropped_when_neighbours_cease_to_be() {
+    let n = 100;
+    let points = |amplitude: f64| -> Vec<Vec3> {
+        (0..n).map(|i| Vec3::new(0.05 * f64::from(i), amplitude * (0.8 * f64::from(i)).sin(), 0.0)).collect()
+    };
+    let set = |amplitude: f64| CurveSet::from_polylines(&[(&points(amplitude), 0.1, false)]).unwrap();
+    let mut broad = BroadPhase::new();
+    let straight = set(0.0);
+    assert!(broad.candidates(&straight, &exclusion(&straight), 0.1, 0.5).unwrap().is_empty());
+    let waves = set(0.1);
+    let e = exclusion(&waves);
+    let oracle = brute_force_candidates(&waves, &e, 0.1);
+    assert!(oracle.len() > 100);
+    let list = broad.candidates(&waves, &e, 0.1, 0.5).unwrap();
+    assert!(oracle.iter().all(|p| list.binary_search(p).is_ok()));
 }
 
 #[test]
@@ -547,7 +592,7 @@ fn clearance_of_overlapping_and_identical_curves() {
 // ---- Refusals -------------------------------------------------------------------------------------------------------------------
 
 fn message(result: Result<CurveSet, InputError>) -> String {
-    result.unwrap_err().to_string()
+    result.expect_err("must be refused").to_string()
 }
 
 #[test]
