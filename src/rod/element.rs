@@ -108,6 +108,45 @@ pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3]
     out
 }
 
+/// Change of the six strains at integration point `g` that a linear step δ (displacement, rotation vector per node) predicts: B δ.
+/// Also returns raw strains and B's rows.
+fn linear_change(
+    table: &Table,
+    nodes: &ElementNodes,
+    change: &ElementNodes,
+    length: f64,
+    g: usize,
+) -> (Six, Six, [[f64; 11]; 6]) {
+    let num_nodes = table.order + 1;
+    let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
+    let dp = interpolate(change, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
+    let raw = raw_strain(&p);
+    let b = gradients(&p, &raw);
+    let mut linear = [0.0; 6];
+    for i in 0..6 {
+        for k in 0..3 {
+            linear[i] += b[i][k] * dp.rp[k];
+        }
+        for k in 0..4 {
+            linear[i] += b[i][3 + k] * dp.z[k] + b[i][7 + k] * dp.zp[k];
+        }
+    }
+    (raw, linear, b)
+}
+
+/// Nodal rates of change of positions and quaternions for an increment.
+fn nodal_change(nodes: &ElementNodes, increment: &[f64; MAX_DOF], num_nodes: usize) -> ElementNodes {
+    let mut change = ElementNodes::default();
+    for a in 0..num_nodes {
+        for k in 0..3 {
+            change.r[a][k] = increment[6 * a + k];
+        }
+        let turn = [increment[6 * a + 3], increment[6 * a + 4], increment[6 * a + 5]];
+        change.q[a] = pure_mul(&turn, &nodes.q[a]).map(|x| 0.5 * x);
+    }
+    change
+}
+
 /// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): what the
 /// mixed-integration-point step predicts.
 pub fn predicted_stress(
@@ -118,30 +157,49 @@ pub fn predicted_stress(
     reference: &[Six; 3],
     increment: &[f64; MAX_DOF],
 ) -> [Six; 3] {
-    let num_nodes = table.order + 1;
-    let mut change = ElementNodes::default();
-    for a in 0..num_nodes {
-        for k in 0..3 {
-            change.r[a][k] = increment[6 * a + k];
-        }
-        let turn = [increment[6 * a + 3], increment[6 * a + 4], increment[6 * a + 5]];
-        change.q[a] = pure_mul(&turn, &nodes.q[a]).map(|x| 0.5 * x);
-    }
+    let change = nodal_change(nodes, increment, table.order + 1);
     let mut out = [[0.0; 6]; 3];
     for g in 0..table.order {
-        let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
-        let dp = interpolate(&change, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
-        let raw = raw_strain(&p);
-        let b = gradients(&p, &raw);
+        let (raw, linear, _) = linear_change(table, nodes, &change, length, g);
         for i in 0..6 {
-            let mut strain = raw[i] - reference[g][i];
-            for k in 0..3 {
-                strain += b[i][k] * dp.rp[k];
+            out[g][i] = material[i] * (raw[i] - reference[g][i] + linear[i]);
+        }
+    }
+    out
+}
+
+/// Nodal forces Bᵀ C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, with B at
+/// the start of the step.
+pub fn surprise_force(
+    table: &Table,
+    nodes: &ElementNodes,
+    moved: &ElementNodes,
+    length: f64,
+    material: &Six,
+    increment: &[f64; MAX_DOF],
+) -> [f64; MAX_DOF] {
+    let num_nodes = table.order + 1;
+    let change = nodal_change(nodes, increment, num_nodes);
+    let (mut grad_r, mut grad_q) = ([[0.0; 3]; 4], [[0.0; 4]; 4]);
+    for g in 0..table.order {
+        let (raw, linear, b) = linear_change(table, nodes, &change, length, g);
+        let after = raw_strain(&interpolate(moved, &table.n[g], &table.d[g], num_nodes, 1.0 / length));
+        let mut grad = [0.0; 11];
+        for i in 0..6 {
+            let stress = material[i] * (after[i] - raw[i] - linear[i]);
+            for k in 0..11 {
+                grad[k] += stress * b[i][k];
             }
-            for k in 0..4 {
-                strain += b[i][3 + k] * dp.z[k] + b[i][7 + k] * dp.zp[k];
-            }
-            out[g][i] = material[i] * strain;
+        }
+        let d = table.d[g].map(|x| x / length);
+        add_nodal_gradient(&grad, &table.n[g], &d, table.rule.weights[g] * length, num_nodes, &mut grad_r, &mut grad_q);
+    }
+    let mut out = [0.0; MAX_DOF];
+    for a in 0..num_nodes {
+        let half = rotation_basis(&nodes.q[a]);
+        for k in 0..3 {
+            out[6 * a + k] = grad_r[a][k];
+            out[6 * a + 3 + k] = dot(&half[k], &grad_q[a]);
         }
     }
     out

@@ -9,7 +9,7 @@ use crate::math::shape_functions::lagrange;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementOutput, MAX_DOF, Six, Want, evaluate};
 use crate::solve::coupling::{NodalGradient, NodalTangent, SegmentFrame, nodal_gradient, nodal_tangent};
-use crate::solve::engine::{ContactSide, Engine, contact_cubic};
+use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic};
 use crate::solve::state::{Drive, State};
 use crate::sparse::Pattern;
 
@@ -122,7 +122,7 @@ impl Engine {
                 for (k, result) in results.iter().enumerate() {
                     let e = batch_index * BATCH + k;
                     self.scatter_element_gradient(e, result, state, &mut out);
-                    self.scatter_element_tangent(e, result, state, drive, prescribed.as_deref(), pattern, tangent);
+                    self.scatter_element_tangent(e, result, prescribed.as_deref(), pattern, tangent);
                 }
             }
             self.add_contact_gradient(state, detect::Want::Hessian, &mut out, Some((pattern, prescribed.as_deref(), tangent)));
@@ -161,12 +161,12 @@ impl Engine {
     }
 
     /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
-    pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64], drive: &Drive) -> Vec<[Six; 3]> {
+    pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Six; 3]> {
         self.install(|| {
             (0..self.elements.len())
                 .into_par_iter()
                 .with_min_len(64)
-                .map(|e| self.predict_element(e, state, increment, drive))
+                .map(|e| self.predict_element(e, state, increment))
                 .collect()
         })
     }
@@ -195,30 +195,60 @@ impl Engine {
         std::array::from_fn(|g| std::array::from_fn(|i| raw[g][i] - reference[g][i]))
     }
 
-    fn predict_element(&self, e: usize, state: &State, increment: &[f64], drive: &Drive) -> [Six; 3] {
+    fn predict_element(&self, e: usize, state: &State, increment: &[f64]) -> [Six; 3] {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
+        let local = self.local_increment(element, increment);
+        crate::rod::element::predicted_stress(
+            self.table(element.rod),
+            &nodes,
+            self.element_length(element.rod),
+            &self.material[element.rod],
+            &self.reference[element.rod].of(e),
+            &local,
+        )
+    }
+
+    /// Increment of the element's own nodes.
+    fn local_increment(&self, element: &Element, increment: &[f64]) -> [f64; MAX_DOF] {
         let count = self.model.rods[element.rod].order + 1;
         let mut local = [0.0; MAX_DOF];
         for a in 0..count {
             local[6 * a..6 * a + 6].copy_from_slice(&increment[6 * element.nodes[a]..6 * element.nodes[a] + 6]);
         }
-        if element.closes && !drive.seams.is_empty() {
-            let axis = self.seam_axis(state, element.rod) * drive.seams[element.rod];
-            for k in 0..3 {
-                local[6 * (count - 1) + 3 + k] += axis[k];
+        local
+    }
+
+    /// Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`crate::rod::element::surprise_force`].
+    pub(crate) fn elastic_surprise(&self, state: &State, moved: &State, increment: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; increment.len()];
+        self.install(|| {
+            for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
+                let forces: Vec<[f64; MAX_DOF]> = batch
+                    .par_iter()
+                    .with_min_len(32)
+                    .map(|element| {
+                        crate::rod::element::surprise_force(
+                            self.table(element.rod),
+                            &self.element_nodes(state, element),
+                            &self.element_nodes(moved, element),
+                            self.element_length(element.rod),
+                            &self.material[element.rod],
+                            &self.local_increment(element, increment),
+                        )
+                    })
+                    .collect();
+                for (k, force) in forces.iter().enumerate() {
+                    let element = &self.elements[batch_index * BATCH + k];
+                    for a in 0..=self.model.rods[element.rod].order {
+                        for i in 0..6 {
+                            out[6 * element.nodes[a] + i] += force[6 * a + i];
+                        }
+                    }
+                }
             }
-        }
-        let reference = self.reference[element.rod].of(e);
-        let length = self.element_length(element.rod);
-        crate::rod::element::predicted_stress(
-            self.table(element.rod),
-            &nodes,
-            length,
-            &self.material[element.rod],
-            &reference,
-            &local,
-        )
+        });
+        out
     }
 
     fn start_residual(&self) -> Residual {
@@ -286,8 +316,6 @@ impl Engine {
         &self,
         e: usize,
         result: &ElementOutput,
-        state: &State,
-        drive: &Drive,
         prescribed: Option<&[f64]>,
         pattern: &Pattern,
         tangent: &mut Tangent,
@@ -304,22 +332,8 @@ impl Engine {
                 }
             }
         }
-        let seam = element.closes && drive.seams.get(element.rod).is_some_and(|x| *x != 0.0);
-        if prescribed.is_none() && !seam {
-            return;
-        }
-        let mut local = [0.0; MAX_DOF];
-        if let Some(all) = prescribed {
-            for a in 0..count {
-                local[6 * a..6 * a + 6].copy_from_slice(&all[6 * element.nodes[a]..6 * element.nodes[a] + 6]);
-            }
-        }
-        if seam {
-            let axis = self.seam_axis(state, element.rod) * drive.seams[element.rod];
-            for k in 0..3 {
-                local[6 * (count - 1) + 3 + k] += axis[k];
-            }
-        }
+        let Some(all) = prescribed else { return };
+        let local = self.local_increment(element, all);
         for row in 0..6 * count {
             let sum: f64 = (0..6 * count).map(|col| symmetric(&result.tangent, row, col) * local[col]).sum();
             tangent.drive[6 * element.nodes[row / 6] + row % 6] += sum;

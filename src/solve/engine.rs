@@ -144,6 +144,11 @@ impl Engine {
         Ok(engine)
     }
 
+    /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
+    pub fn is_conservative(&self) -> bool {
+        self.model.planar || self.state.load_factor == 0.0 || self.model.loads.iter().all(|l| l.moment == Vec3::zeros())
+    }
+
     /// The model this engine was built from.
     pub fn model(&self) -> &Model {
         &self.model

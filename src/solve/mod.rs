@@ -5,6 +5,7 @@
 pub mod assembly;
 mod coupling;
 pub mod engine;
+pub mod globalise;
 mod neutral;
 pub mod newton;
 pub mod path;

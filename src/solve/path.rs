@@ -62,6 +62,8 @@ pub struct StepReport {
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
+    /// What broke down, if anything did.
+    pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
     pub history: Vec<Vec<Iteration>>,
 }
@@ -330,9 +332,11 @@ impl Solver {
             departures: 0,
             num_unstable: 0,
             penetration: 0.0,
+            error: None,
             history: Vec::new(),
         };
-        if let Err(_error) = self.settle_into(drive, &mut report) {
+        if let Err(error) = self.settle_into(drive, &mut report) {
+            report.error = Some(error);
             report.status = Status::BrokeDown;
         }
         report
@@ -369,9 +373,9 @@ impl Solver {
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.departure).collect();
             let still = Drive::default();
             let state = self.engine.state.clone();
-            let fraction = self.engine.step_fraction(&state, &increment, &still)?;
-            let stress = self.engine.predicted_stress(&state, &increment, &still);
-            self.engine.state = state.retract(&increment, &still, fraction);
+            let fraction = self.engine.step_fraction(&state, &increment)?;
+            let stress = self.engine.predicted_stress(&state, &increment);
+            self.engine.state = state.retract(&increment, fraction);
             let start = (fraction == 1.0).then_some(stress);
             outcome = self.equilibrate(&still, start.as_deref(), report)?;
         }

@@ -20,8 +20,8 @@ pub struct State {
     pub pressures: Vec<f64>,
 }
 
-/// Prescribed changes for one load step: applied through the tangent of the first Newton steps, so that the rods take
-/// them up everywhere at once.
+/// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps, so
+/// that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Drive {
     /// (node, displacement \[L\], rotation vector \[rad\]) of supported nodes.
@@ -31,24 +31,16 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Whether nothing is prescribed to move.
-    pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty() && self.seams.iter().all(|x| *x == 0.0)
-    }
-
-    /// The drive times a factor.
+    /// The supports' motions times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            nodes: self.nodes.iter().map(|&(n, d, r)| (n, d * factor, r * factor)).collect(),
-            seams: self.seams.iter().map(|x| x * factor).collect(),
-        }
+        Self { nodes: self.nodes.iter().map(|&(n, d, r)| (n, d * factor, r * factor)).collect(), seams: Vec::new() }
     }
 }
 
 impl State {
     /// Moves every node by `t` times its six increments (displacement, rotation vector; multiplicative update
-    /// q ← exp(tθ/2) q) and the seams by `t` times the drive's.
-    pub fn retract(&self, increment: &[f64], drive: &Drive, t: f64) -> Self {
+    /// q ← exp(tθ/2) q).
+    pub fn retract(&self, increment: &[f64], t: f64) -> Self {
         let mut next = self.clone();
         for node in 0..self.positions.len() {
             let d = &increment[6 * node..6 * node + 6];
@@ -57,19 +49,18 @@ impl State {
             // products drift off the unit sphere by rounding only
             next.frames[node] = Unit::new_normalize(turned.into_inner());
         }
-        for (seam, change) in next.seams.iter_mut().zip(&drive.seams) {
-            *seam += t * change;
-        }
         next
     }
 
-    /// Moves every node by its full increment, the seams by `t` times the drive's.
-    pub fn retract_scaled(&self, increment: &[f64], drive: &Drive, t: f64) -> Self {
-        let mut next = self.retract(increment, &Drive::default(), 1.0);
-        for (seam, change) in next.seams.iter_mut().zip(&drive.seams) {
-            *seam += t * change;
+    /// Turns the seam of a closed rod (nodes `nodes`) by `angle` and spreads the twist evenly: frames spin about their own d3, the
+    /// centreline and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good start for others.
+    pub fn twist(&mut self, rod: usize, nodes: std::ops::Range<usize>, angle: f64) {
+        self.seams[rod] += angle;
+        let count = nodes.len() as f64;
+        for (k, node) in nodes.enumerate() {
+            let turned = self.frames[node] * spin(angle * (k as f64 / count - 0.5));
+            self.frames[node] = Unit::new_normalize(turned.into_inner());
         }
-        next
     }
 
     /// Frame at s = L of a closed rod whose first node is `first`.

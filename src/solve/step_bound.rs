@@ -11,7 +11,7 @@ use crate::contact::capsule::distance_lower_bound;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::engine::{ContactSide, Engine};
-use crate::solve::state::{Drive, State};
+use crate::solve::state::State;
 
 /// Fraction of the contact distance that strands must keep between them within one step.
 const KEEP: f64 = 0.5;
@@ -22,8 +22,8 @@ const MAX_RELATIVE_ROTATION: f64 = 1.0;
 
 impl Engine {
     /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
-    pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64], drive: &Drive) -> Result<f64, SolveError> {
-        let mut t = rotation_fraction(self, increment, drive);
+    pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
+        let mut t = rotation_fraction(self, increment);
         if let Some(mut side) = self.contact.take() {
             let pool = self.pool.take();
             let bound = crate::solve::assembly::in_pool(pool.as_ref(), || side.passage_fraction(state, increment));
@@ -35,18 +35,14 @@ impl Engine {
     }
 }
 
-fn rotation_fraction(engine: &Engine, increment: &[f64], drive: &Drive) -> f64 {
+fn rotation_fraction(engine: &Engine, increment: &[f64]) -> f64 {
     let rotation = |node: usize| Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5]);
     let mut largest = 0.0f64;
     for element in &engine.elements {
         let order = engine.model.rods[element.rod].order;
         for a in 1..=order {
-            let mut last = rotation(element.nodes[a]);
-            if element.closes && a == order && !drive.seams.is_empty() {
-                let d3 = engine.state.frames[element.nodes[a]] * Vec3::z();
-                last += d3 * drive.seams[element.rod];
-            }
-            largest = largest.max((last - rotation(element.nodes[a - 1])).norm());
+            let relative = rotation(element.nodes[a]) - rotation(element.nodes[a - 1]);
+            largest = largest.max(relative.norm());
         }
     }
     if largest > MAX_RELATIVE_ROTATION { MAX_RELATIVE_ROTATION / largest } else { 1.0 }

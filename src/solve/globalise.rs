@@ -1,0 +1,264 @@
+//! The guarded search: Newton steps that the potential itself confirms.
+//!
+//! A rod is nearly inextensible and contact is nearly rigid: both confine the motion to a curved surface in the space of
+//! configurations. A straight Newton step leaves that surface by second order, which the large stiffnesses turn into
+//! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with
+//! e = ε(x ⊕ Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the same for contact forces, it is
+//! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and the step
+//! is accepted like any trust-region step, by comparing its decrease with the model's. The trust region is the shift τ in
+//! K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
+
+use crate::error::SolveError;
+use crate::solve::assembly::{Residual, subtract_product};
+use crate::solve::engine::Engine;
+use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual};
+use crate::solve::state::{Drive, State};
+
+/// Smallest shift that is tried, in units of B/L⁴.
+const FIRST_SHIFT: f64 = 10.0;
+/// Largest shift that is tried.
+const MAX_SHIFT: f64 = 1e30;
+/// Correction rounds per step.
+const MAX_ROUNDS: usize = 10;
+/// A correction this small in energy, relative to the step, ends the rounds.
+const SMALL_CORRECTION: f64 = 1e-2;
+/// Steps rejected in a row before the search gives up.
+const MAX_REJECTIONS: usize = 30;
+/// Smallest fraction of a prescribed motion taken at a time.
+const SHORTEST: f64 = 1e-3;
+/// Relative size of changes of the potential that rounding makes.
+const ROUNDING: f64 = 1e-11;
+
+/// A step after its corrections.
+struct Trial {
+    increment: Vec<f64>,
+    state: State,
+    potential: f64,
+    /// Decrease that the quadratic model expects.
+    expected: f64,
+    fraction: f64,
+    rounds: usize,
+    /// The corrections shrank.
+    settled: bool,
+}
+
+impl Workspace {
+    pub(crate) fn guarded(
+        &mut self,
+        engine: &mut Engine,
+        drive: &Drive,
+        options: &NewtonOptions,
+    ) -> Result<NewtonReport, SolveError> {
+        let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
+        let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
+        let mut state = engine.state.clone();
+        let mut rejections = 0;
+        self.shift = 0.0;
+        while report.iterations.len() < options.max_iterations {
+            self.refresh(engine, &state)?;
+            let drive_now = drive.scaled(remaining);
+            let stress = engine.actual_stress(&state);
+            let residual = self.linearise(engine, &state, &stress, &drive_now);
+            let mut longest = 1.0;
+            loop {
+                self.convexify(engine, report.iterations.len())?;
+                let step = self.solve_step(engine, &residual, &state, &drive_now, report.iterations.len())?;
+                let size = increment_size(engine, &step);
+                let trial = self.trial(engine, &state, &residual, &step, longest)?;
+                let noise = ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
+                let gain = residual.potential.total() - trial.potential;
+                let driven = remaining > 0.0 || !engine.is_conservative();
+                let accepted = trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
+                report.iterations.push(Iteration {
+                    increment: size,
+                    residual: relative_residual(engine, &residual),
+                    fraction: if accepted { trial.fraction } else { 0.0 },
+                    shift: self.shift,
+                    potential: residual.potential.total(),
+                    rounds: trial.rounds,
+                });
+                if accepted {
+                    rejections = 0;
+                    remaining *= 1.0 - trial.fraction;
+                    if trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
+                        self.shift /= 8.0;
+                    }
+                    state = trial.state;
+                    engine.state = state.clone();
+                    report.converged = trial.fraction == 1.0 && size <= options.tol_increment;
+                    break;
+                }
+                rejections += 1;
+                if rejections > MAX_REJECTIONS || report.iterations.len() >= options.max_iterations {
+                    return self.finish(engine, &state, report);
+                }
+                if remaining > 0.0 {
+                    // shifts do not shorten what is prescribed
+                    longest = 0.4 * trial.fraction;
+                    if longest < SHORTEST {
+                        return self.finish(engine, &state, report);
+                    }
+                } else {
+                    self.shift = (4.0 * self.shift).max(self.stride(engine, &residual, &step));
+                }
+            }
+            if report.converged {
+                break;
+            }
+        }
+        self.finish(engine, &state, report)
+    }
+
+    fn finish(&mut self, engine: &mut Engine, state: &State, mut report: NewtonReport) -> Result<NewtonReport, SolveError> {
+        engine.state = state.clone();
+        self.shift = 0.0;
+        self.refresh(engine, state)?;
+        report.num_unstable = self.count_unstable(engine)?;
+        Ok(report)
+    }
+
+    /// Factorises with the present shift, raised until no eigenvalue is negative; a raised shift is then lowered to half again as much
+    /// as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of a Newton step.
+    fn convexify(&mut self, engine: &Engine, iteration: usize) -> Result<(), SolveError> {
+        if self.shift < FIRST_SHIFT {
+            self.shift = 0.0;
+        }
+        if self.factorise(engine, self.shift) == Some(0) {
+            return Ok(());
+        }
+        let lower = self.shift;
+        self.shift = (4.0 * self.shift).max(FIRST_SHIFT);
+        while self.factorise(engine, self.shift) != Some(0) {
+            self.shift *= 8.0;
+            if self.shift > MAX_SHIFT {
+                return Err(SolveError::Factorisation { iteration, shift: self.shift });
+            }
+        }
+        let estimate = (1.5 * (self.shift - self.lowest_above(engine, 4))).max(1.5 * lower);
+        if estimate < 0.6 * self.shift {
+            let safe = self.shift;
+            self.shift = estimate.max(1e-2 * FIRST_SHIFT);
+            if self.factorise(engine, self.shift) != Some(0) {
+                self.shift = safe;
+                self.factorise(engine, safe);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse iterations that
+    /// start from the last such vector.
+    fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
+        let mass = masses(engine);
+        if self.softest.len() != mass.len() {
+            // a fixed start with components everywhere: runs repeat
+            self.softest = (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
+        }
+        let mut lowest = f64::INFINITY;
+        for _ in 0..rounds {
+            let norm: f64 = self.softest.iter().zip(&mass).map(|(x, m)| x * x * m).sum::<f64>().sqrt();
+            self.softest.iter_mut().for_each(|x| *x /= norm);
+            let rhs: Vec<f64> = self.softest.iter().zip(&mass).map(|(x, m)| x * m).collect();
+            let next = self.solve_last(engine, &rhs);
+            // Rayleigh quotient of the inverse
+            lowest = 1.0 / next.iter().zip(&rhs).map(|(x, r)| x * r).sum::<f64>();
+            self.softest = next;
+        }
+        lowest
+    }
+
+    /// The shift that would about halve a step: its stiffness over its mass.
+    fn stride(&self, engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
+        let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
+        let mass = masses(engine);
+        let inertia = self.free_dot(engine, step, |i| mass[i] * step[i]);
+        let stride = work / inertia - self.shift;
+        if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
+    }
+
+    /// Corrects a step for what its linear prediction missed and evaluates the potential there.
+    fn trial(
+        &mut self,
+        engine: &mut Engine,
+        state: &State,
+        residual: &Residual,
+        step: &[f64],
+        longest: f64,
+    ) -> Result<Trial, SolveError> {
+        let safe = engine.step_fraction(state, step)?.min(longest);
+        let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
+        let slope = self.free_dot(engine, step, |i| residual.gradient[i]);
+        let mass = masses(engine);
+        let inertia = self.free_dot(engine, step, |i| mass[i] * step[i]);
+        let base: Vec<f64> = step.iter().map(|x| x * safe).collect();
+        let mut trial = Trial {
+            state: state.retract(&base, 1.0),
+            increment: base.clone(),
+            potential: f64::NAN,
+            expected: -safe * slope - 0.5 * safe * safe * (work - self.shift * inertia),
+            fraction: safe,
+            rounds: 0,
+            settled: false,
+        };
+        let mut last = f64::INFINITY;
+        loop {
+            // contact that cannot be resolved there is a step too long, not the end
+            if engine.update_contact(&trial.state).is_err() {
+                engine.update_contact(state)?;
+                return Ok(trial);
+            }
+            let there = engine.residual(&trial.state);
+            trial.potential = there.potential.total();
+            if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
+                break;
+            }
+            let surprise = self.surprise(engine, state, residual, &there, &trial);
+            let correction = self.solve_last(engine, &surprise);
+            let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
+            let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
+            let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
+            if !(size < 0.25 * last) {
+                break;
+            }
+            last = size;
+            trial.rounds += 1;
+            trial.settled = size < SMALL_CORRECTION;
+            trial.state = state.retract(&wanted, 1.0);
+            trial.increment = wanted;
+        }
+        engine.update_contact(state)?;
+        Ok(trial)
+    }
+
+    /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
+    fn energy_norm_sq(&self, engine: &Engine, change: &[f64]) -> f64 {
+        let product = self.multiply(engine, change);
+        let mass = masses(engine);
+        self.free_dot(engine, change, |i| product[i] + self.shift * mass[i] * change[i])
+    }
+
+    /// Forces that the linear prediction missed: BᵀC e of the rods and g_c(x ⊕ Δ) − g_c(x) − K_c Δ of contact.
+    fn surprise(
+        &self,
+        engine: &Engine,
+        state: &State,
+        residual: &Residual,
+        there: &Residual,
+        trial: &Trial,
+    ) -> Vec<f64> {
+        let mut out = engine.elastic_surprise(state, &trial.state, &trial.increment);
+        for (o, (after, before)) in out.iter_mut().zip(there.contact_gradient.iter().zip(&residual.contact_gradient)) {
+            *o += after - before;
+        }
+        for (nodes, block) in &residual.contact_blocks {
+            subtract_product(nodes, block, &trial.increment, &mut out);
+        }
+        out
+    }
+}
+
+fn masses(engine: &Engine) -> Vec<f64> {
+    let mut mass = vec![0.0; 6 * engine.num_nodes()];
+    for_each_mass(engine, |node, k, m| mass[6 * node + k] = m);
+    mass
+}
