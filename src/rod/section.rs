@@ -77,6 +77,15 @@ impl CrossSection {
         }
     }
 
+    /// Shear correction factor k of Cowper (1966, J. Appl. Mech. 33:335) for Poisson's ratio ν: 6(1+ν)/(7+6ν) for a disc,
+    /// 10(1+ν)/(12+11ν) for a rectangle.
+    pub fn shear_correction(&self, poisson: f64) -> f64 {
+        match self {
+            Self::Circle { .. } => 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson),
+            Self::Rectangle { .. } => 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson),
+        }
+    }
+
     fn check(&self, field: &str) -> Result<(), InputError> {
         match *self {
             Self::Circle { radius } => InputError::positive(&format!("{field}.circle"), radius),
@@ -97,8 +106,8 @@ impl Section {
     /// Stiffnesses of a homogeneous solid section: EA, EI1, EI2 from Young's modulus `young` E \[F/L²\], GJ and
     /// GA1 = GA2 = k G A from the shear modulus `shear_modulus` G \[F/L²\].
     ///
-    /// `shear_correction` k (dimensionless) lowers the shear stiffness for the uneven shear stress over the section;
-    /// Cowper (1966): 6(1+ν)/(7+6ν) for a disc, 10(1+ν)/(12+11ν) for a rectangle, ν Poisson's ratio. 1 = none.
+    /// `shear_correction` k (dimensionless) lowers the shear stiffness for the uneven shear stress over the section
+    /// (see [`CrossSection::shear_correction`]; 1 = none).
     /// `contact_radius` \[L\] need not be the radius of the section.
     ///
     /// # Errors
