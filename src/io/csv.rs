@@ -128,9 +128,9 @@ fn parse_xyz(text: &str) -> Result<Vec<Vec3>, String> {
     }
 }
 
-/// Cells of a line: separated by its commas, semicolons or tabs, or else by blanks.
+/// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
 fn split(line: &str) -> Vec<&str> {
-    match [',', ';', '\t'].into_iter().find(|s| line.contains(*s)) {
+    match [',', ';'].into_iter().find(|s| line.contains(*s)) {
         Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
         None => line.split_whitespace().collect(),
     }

@@ -1,0 +1,180 @@
+//! From the points of a tube to short capsules on a smooth curve through them.
+
+use super::camera::Camera;
+use super::palette::linear;
+use super::raster::Shape;
+use super::{Stripe, Tube};
+use crate::math::Vec3;
+use std::f64::consts::TAU;
+
+/// Largest turning of the tangent (rad) over one capsule; smaller is not seen with interpolated normals.
+const TURNING: f64 = 0.1;
+/// Largest turn of the stripe (rad) over one capsule.
+const TWISTING: f64 = 0.3;
+/// Points closer than this many radii to the last one are left out where the tube hardly bends.
+const SPARSE: f64 = 0.4;
+
+/// A piece of tube in sample coordinates.
+pub(super) struct Capsule {
+    /// Axis and radius.
+    pub shape: Shape,
+    /// Unit tangents at the ends.
+    pub tangents: [Vec3; 2],
+    /// Colours at the ends, linear light.
+    pub colors: [Vec3; 2],
+    /// Directions of the stripe at the ends; zero without stripe.
+    pub stripe: [Vec3; 2],
+    /// Cosine of the stripe's half angle and its colour, linear light.
+    pub stripe_look: (f64, Vec3),
+    /// Whether the end is that of an open tube and shows a round cap.
+    pub caps: [bool; 2],
+}
+
+/// What is known at a node of a tube.
+#[derive(Clone, Copy)]
+struct Node {
+    point: Vec3,
+    tangent: Vec3,
+    color: Vec3,
+    stripe: Vec3,
+}
+
+/// All tubes cut into capsules.
+pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<Capsule> {
+    let mut all = Vec::new();
+    for tube in tubes {
+        let nodes = nodes(tube, 1.0 / camera.scale);
+        let spans = if tube.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
+        for i in 0..spans {
+            let last = i + 1 == nodes.len();
+            let caps = [!tube.closed && i == 0, !tube.closed && i + 1 == spans];
+            let seam = tube.stripe.as_ref().map_or(0.0, |s| if last { s.seam_turns } else { 0.0 });
+            span(tube, nodes[i], nodes[(i + 1) % nodes.len()], seam, caps, camera, &mut all);
+        }
+        if let ([only], false) = (nodes.as_slice(), tube.closed) {
+            span(tube, *only, *only, 0.0, [true; 2], camera, &mut all);
+        }
+    }
+    all
+}
+
+/// Nodes worth drawing: no repeated points, none closer than seen.
+fn nodes(tube: &Tube, sample: f64) -> Vec<Node> {
+    let num = tube.points.len();
+    let grey = [150, 155, 160];
+    let close = (SPARSE * tube.radius).max(sample);
+    let mut kept: Vec<usize> = Vec::new();
+    for i in 0..num {
+        let Some(&before) = kept.last() else {
+            kept.push(i);
+            continue;
+        };
+        let gap = (tube.points[i] - tube.points[before]).norm();
+        let bends = i + 1 < num && {
+            let (into, out) = (tube.points[i] - tube.points[before], tube.points[i + 1] - tube.points[i]);
+            into.angle(&out) > TURNING
+        };
+        let twists = tube.stripe.as_ref().is_some_and(|s| s.directions[i].angle(&s.directions[before]) > 1.0);
+        let is_end = i + 1 == num && !tube.closed;
+        if gap > 0.0 && (gap >= close || is_end || (gap >= 0.1 * close && (bends || twists))) {
+            kept.push(i);
+        }
+    }
+    if tube.closed && kept.len() > 1 && tube.points[kept[0]] == tube.points[kept[kept.len() - 1]] {
+        kept.pop();
+    }
+    let tangents = tangents(&kept.iter().map(|&i| tube.points[i]).collect::<Vec<_>>(), tube.closed);
+    let color = |i: usize| linear(tube.colors.get(i).or(tube.colors.first()).copied().unwrap_or(grey));
+    let stripe = |i: usize, t: Vec3| {
+        let d = tube.stripe.as_ref().map_or(Vec3::zeros(), |s| s.directions[i]);
+        (d - t * t.dot(&d)).try_normalize(0.0).unwrap_or_default()
+    };
+    let node = |(&i, &tangent): (&usize, &Vec3)| Node {
+        point: tube.points[i],
+        tangent,
+        color: color(i),
+        stripe: stripe(i, tangent),
+    };
+    kept.iter().zip(&tangents).map(node).collect()
+}
+
+/// Unit tangents at the points: of the circle (or parabola, at ends) through neighbouring points.
+fn tangents(points: &[Vec3], closed: bool) -> Vec<Vec3> {
+    let num = points.len();
+    let tangent = |i: usize| {
+        let (before, after) = match (closed, i) {
+            (false, 0) => (None, points.get(1)),
+            (false, i) if i + 1 == num => (Some(&points[i - 1]), None),
+            (_, i) => (Some(&points[(i + num - 1) % num]), Some(&points[(i + 1) % num])),
+        };
+        let here = points[i];
+        let slope = match (before, after) {
+            (Some(b), Some(a)) => {
+                let (into, out) = (here - b, a - here);
+                into * (out.norm() / into.norm().max(f64::MIN_POSITIVE))
+                    + out * (into.norm() / out.norm().max(f64::MIN_POSITIVE))
+            }
+            (None, Some(a)) => a - here,
+            (Some(b), None) => here - b,
+            (None, None) => Vec3::x(),
+        };
+        slope.try_normalize(0.0).unwrap_or_else(Vec3::x)
+    };
+    (0..num).map(tangent).collect()
+}
+
+/// Cuts the smooth curve between two nodes into capsules.
+fn span(tube: &Tube, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<Capsule>) {
+    let length = (b.point - a.point).norm();
+    let twist = twist_between(&a, &b) + TAU * (seam - seam.round());
+    let twist = twist - TAU * (twist / TAU).round();
+    let chord = b.point - a.point;
+    let turning = a.tangent.angle(&b.tangent).max(2.0 * a.tangent.angle(&chord)).max(2.0 * b.tangent.angle(&chord));
+    let pieces = (turning / TURNING).max(twist.abs() / TWISTING).ceil().clamp(1.0, 64.0) as usize;
+    let at = |k: usize| {
+        let u = k as f64 / pieces as f64;
+        let (point, tangent) = hermite(&a, &b, length, u);
+        let base = rotate_to(a.stripe, a.tangent, tangent);
+        let (sin, cos) = (u * twist).sin_cos();
+        let stripe = base * cos + tangent.cross(&base) * sin;
+        Node { point, tangent, color: a.color.lerp(&b.color, u), stripe }
+    };
+    let (half_angle, color) = tube.stripe.as_ref().map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
+    let mut from = at(0);
+    for k in 1..=pieces {
+        let to = at(k);
+        all.push(Capsule {
+            shape: Shape {
+                ends: [camera.place(from.point), camera.place(to.point)],
+                radius: tube.radius * camera.scale,
+            },
+            tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
+            colors: [from.color, to.color],
+            stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],
+            stripe_look: (half_angle.cos(), linear(color)),
+            caps: [caps[0] && k == 1, caps[1] && k == pieces],
+        });
+        from = to;
+    }
+}
+
+/// Point and unit tangent of the cubic through two nodes with their tangents.
+fn hermite(a: &Node, b: &Node, length: f64, u: f64) -> (Vec3, Vec3) {
+    let (v, third) = (1.0 - u, length / 3.0);
+    let c = [a.point, a.point + a.tangent * third, b.point - b.tangent * third, b.point];
+    let point = c[0] * (v * v * v) + c[1] * (3.0 * v * v * u) + c[2] * (3.0 * v * u * u) + c[3] * (u * u * u);
+    let slope = (c[1] - c[0]) * (v * v) + (c[2] - c[1]) * (2.0 * u * v) + (c[3] - c[2]) * (u * u);
+    (point, slope.try_normalize(0.0).unwrap_or(a.tangent))
+}
+
+/// Angle (rad) of the stripe of `b` against that of `a` carried along without turning.
+fn twist_between(a: &Node, b: &Node) -> f64 {
+    let carried = rotate_to(a.stripe, a.tangent, b.tangent);
+    b.tangent.dot(&carried.cross(&b.stripe)).atan2(carried.dot(&b.stripe))
+}
+
+/// Smallest rotation from unit vector `from` to `to`, applied to `v`, which is normal to `from`.
+fn rotate_to(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let c = 1.0 + from.dot(&to);
+    if c < 1e-9 { v } else { v - (from + to) * (to.dot(&v) / c) }
+}
