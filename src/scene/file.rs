@@ -13,6 +13,7 @@ use crate::error::InputError;
 
 use super::model::{Model, Stage};
 
+pub(crate) use points::finite;
 pub use points::read_points;
 
 /// A scene: what is to be computed and what is to be written.
@@ -65,7 +66,7 @@ pub use points::read_points;
 /// steps = 30
 ///
 /// [solver]                                     # all optional
-/// tol_residual = 1e-10
+/// tol_increment = 1e-8                         # of the node spacing
 /// max_iterations = 50
 /// threads = 2
 ///
@@ -77,16 +78,16 @@ pub use points::read_points;
 /// ```
 ///
 /// Every unknown key is refused with its line and the keys that are allowed there, every bad value with its key, the
-/// value and what is allowed. All angles are in turns.
-#[derive(Debug, Clone)]
+/// value and what is allowed. All angles are in turns. A scene that was read has been checked.
+#[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// Title, for reports; may be empty.
     pub title: String,
     /// Names of the units, for reports.
     pub units: Units,
-    /// The problem; already checked.
+    /// The problem.
     pub model: Model,
-    /// The path; already checked against the model.
+    /// The path.
     pub stages: Vec<Stage>,
     /// Solver settings that differ from the defaults.
     pub solver: SolverChoice,
@@ -114,8 +115,9 @@ impl Default for Units {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverChoice {
-    /// Relative residual at which a step counts as converged. Legal: between 0 and 1.
-    pub tol_residual: Option<f64>,
+    /// Converged when a full Newton step moves no node by more than this × node spacing and turns none by more (rad).
+    /// Legal: between 0 and 1.
+    pub tol_increment: Option<f64>,
     /// Newton iterations after which a step counts as failed. Legal: ≥ 1.
     pub max_iterations: Option<usize>,
     /// Threads. Legal: ≥ 1. Results do not depend on it.
@@ -173,8 +175,8 @@ impl Scene {
 }
 
 fn check_choices(solver: &SolverChoice, output: &OutputChoice) -> Result<(), InputError> {
-    if let Some(tol) = solver.tol_residual {
-        InputError::check("solver.tol_residual", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")?;
+    if let Some(tol) = solver.tol_increment {
+        InputError::check("solver.tol_increment", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")?;
     }
     let counts = [
         ("solver.max_iterations", solver.max_iterations),

@@ -60,9 +60,9 @@ fn parse_xyz(text: &str) -> Result<Vec<Vec3>, String> {
     }
 }
 
-/// Cells of a line: separated by its commas, semicolons or tabs, or else by blanks.
+/// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
 fn split(line: &str) -> Vec<&str> {
-    match [',', ';', '\t'].into_iter().find(|s| line.contains(*s)) {
+    match [',', ';'].into_iter().find(|s| line.contains(*s)) {
         Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
         None => line.split_whitespace().collect(),
     }
@@ -82,9 +82,47 @@ fn point(number: usize, fields: &[&str]) -> Result<Vec3, String> {
 }
 
 /// A finite number.
-fn finite(text: &str) -> Result<f64, String> {
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("a finite number expected, found \"{text}\"")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn centrelines_in_several_dialects() {
+        let expected = [Vec3::new(1.0, 2.0, -3e-4), Vec3::new(4.0, 5.5, 6.0)];
+        for text in [
+            "x,y,z\n1,2,-3e-4\n4,5.5,6\n",
+            "# a comment\n1 2 -3e-4\n\n  4\t 5.5 6 # end\n",
+            "\u{feff}\"x\";\"y\";\"z\"\r\n1;2;-3e-4\r\n4;5.5;6",
+            "1,\t2, -3E-4\n4 ,5.5, 6",
+        ] {
+            assert_eq!(parse_columns(text).unwrap(), expected, "{text}");
+        }
+        assert_eq!(parse_xyz("2\nhelix\nC 1 2 -3e-4\nC 4 5.5 6\n\n").unwrap(), expected);
+        assert!(parse_columns("").unwrap().is_empty());
+    }
+
+    #[test]
+    fn unusable_lines_are_named() {
+        for (text, reason) in [
+            ("x,y,z\n1,2\n", "line 2: three coordinates expected, found 2 (\"1 2\")"),
+            ("1,2,3\n\n1,nan,3\n", "line 3: a finite number expected, found \"nan\""),
+            ("1,2,3\nx,y,z\n", "line 2: a finite number expected, found \"x\""),
+            ("1,2,inf", "line 1: a finite number expected, found \"inf\""),
+            ("a b c\nd e f", "line 2: a finite number expected, found \"d\""),
+        ] {
+            assert_eq!(parse_columns(text).unwrap_err(), reason);
+        }
+        assert_eq!(parse_xyz("3\n\nC 1 2 3").unwrap_err(), "line 1 announces 3 points, 1 follow");
+        assert!(parse_xyz("C 1 2 3").unwrap_err().starts_with("line 1: a number of points expected"));
+        assert!(parse_xyz("1\n\nC 1 2").unwrap_err().starts_with("line 3: three"));
+        let error = read_points(Path::new("/nowhere/a.csv")).unwrap_err().to_string();
+        assert!(error.starts_with("/nowhere/a.csv: "), "{error}");
     }
 }
