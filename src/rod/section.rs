@@ -68,7 +68,7 @@ impl CrossSection {
                 // of Σ_{n odd} n⁻⁵ = (31/32) ζ(5): sum the differences from 1, which vanish at once.
                 let defect: f64 = (1..=13)
                     .step_by(2)
-                    .map(|n| f64::from(n))
+                    .map(f64::from)
                     .map(|n| (1.0 - (n * PI * a / (2.0 * b)).tanh()) / n.powi(5))
                     .sum();
                 let odd_sum = 31.0 / 32.0 * 1.036_927_755_143_37;
