@@ -68,6 +68,31 @@ fn a_tube_is_drawn_on_the_background_and_fits() {
     assert!(!on_border);
 }
 
+/// A curve along z lies along the longer side; its stripe shows, and a spot colours only what it touches.
+#[test]
+fn automatic_view_stripe_and_spot() {
+    let points: Vec<Vec3> = (0..20).map(|i| Vec3::z() * f64::from(i)).collect();
+    let stripe = Stripe {
+        color: [255, 0, 0],
+        ..Stripe::along((0..20).map(|i| Vec3::x() * 2.0 - Vec3::y() * f64::from(i) * 0.1).collect())
+    };
+    let tube = Tube { points, radius: 1.0, closed: false, colors: vec![[0, 0, 255]], stripe: Some(stripe) };
+    let view = View::Along { forward: -Vec3::x(), up: Vec3::y() };
+    let mut picture = TubePicture { tubes: vec![tube], width: 300, height: 100, view, ..TubePicture::default() };
+    picture.spots = vec![Spot { center: Vec3::new(1.0, 0.0, 3.0), radius: 0.8, color: [0, 255, 0] }];
+    let count = |p: &Picture, channel: usize| {
+        p.pixels().chunks(3).filter(|c| (0..3).all(|k| k == channel || c[k] < c[channel] / 2)).count()
+    };
+    let drawn = picture.render().unwrap();
+    let [red, green, blue] = [0, 1, 2].map(|k| count(&drawn, k));
+    assert!(red > 200 && green > 20 && blue > 1000, "{red} {green} {blue}");
+    picture.spots.clear();
+    assert_eq!(count(&picture.render().unwrap(), 1), 0);
+    let automatic = TubePicture { view: View::Auto, ..picture }.render().unwrap();
+    let colored = |p: &Picture, c: usize, r: usize| p.pixel(c, r) != [255; 3];
+    assert!((30..270).all(|c| colored(&automatic, c, 50)) && !(0..300).any(|c| colored(&automatic, c, 20)));
+}
+
 #[test]
 fn same_bytes_for_any_number_of_threads() {
     let picture = TubePicture { tubes: vec![knot_tube(200, true)], width: 160, height: 120, ..TubePicture::default() };
@@ -96,6 +121,7 @@ fn extremes_are_drawn_or_refused() {
     assert!(small(Tube { radius: 0.0, ..tube(torus_knot(5)) }).render().is_err());
     assert!(small(Tube { colors: vec![[0; 3]; 2], ..tube(torus_knot(5)) }).render().is_err());
     assert!(small(Tube { stripe: Some(Stripe::along(vec![])), ..tube(torus_knot(5)) }).render().is_err());
+    assert!(TubePicture { width: 9000, height: 9000, ..TubePicture::default() }.render().is_err());
     assert!(TubePicture { width: 0, ..TubePicture::default() }.render().is_err());
     assert!(
         TubePicture { view: View::Along { forward: Vec3::z(), up: Vec3::z() }, ..TubePicture::default() }
@@ -118,7 +144,7 @@ fn a_picture_takes_about_a_second() {
 /// Where the gallery goes: `SUPERCOIL_GALLERY`, or the system's temporary folder.
 fn gallery() -> PathBuf {
     let folder = std::env::var_os("SUPERCOIL_GALLERY").map_or_else(std::env::temp_dir, PathBuf::from);
-    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(&folder).expect("a folder that can be written");
     folder
 }
 
@@ -159,14 +185,18 @@ fn draw_gallery() {
         &TubePicture { tubes: vec![knot_tube(120, false)], background: [18, 20, 28], ..TubePicture::default() },
     );
     let mut contact = plectoneme_picture(1.0, (1200, 500));
-    let radius = 0.6;
+    let radius = 0.62;
+    contact.tubes[0].colors = vec![[70, 130, 190]];
     contact.spots =
-        (-14..=14).map(|i| Spot { center: Vec3::x() * 0.5 * f64::from(i), radius, color: [255, 60, 30] }).collect();
+        (-14..=14).map(|i| Spot { center: Vec3::x() * 0.5 * f64::from(i), radius, color: [255, 90, 30] }).collect();
     save("plectoneme.png", &contact);
     let frames: Vec<(Picture, String)> = (0..6)
         .map(|i| (plectoneme_picture(f64::from(i) / 5.0, (640, 300)).render().unwrap(), format!("ΔLk = {}", 2 * i)))
         .collect();
     film_strip(&frames, 2, [255; 3]).unwrap().save_png(&folder.join("strip.png")).unwrap();
+    let points = plectoneme(200_000, 120.0, 1.0).iter().map(|p| Vec3::new(p.x * 12.0, p.y, p.z)).collect();
+    let long = Tube { points, radius: 0.45, closed: true, ..Tube::default() };
+    save("long.png", &TubePicture { tubes: vec![long], width: 2000, height: 200, ..TubePicture::default() });
     let mut text = Picture::filled(700, 220, [255; 3]);
     for (row, line) in [
         "!\"#$%&'()*+,-./0123456789:;<=>?@",
@@ -198,7 +228,7 @@ fn draw_plots(folder: &Path) {
         series,
         ..PlotSpec::default()
     };
-    plot_lines(&folder.join("plot.svg"), &plot).unwrap();
+    plot_lines(&folder.join("plot.svg"), &plot).expect("a plot");
     let power = |p: i32| (3..10).map(|i| f64::powi(2.0, i)).map(|x| (x, 0.3 * x.powi(-p))).collect();
     let series =
         [2, 4, 6].map(|p| Series { name: format!("order {p}"), points: power(p), style: SeriesStyle::LinePoints });
@@ -211,7 +241,7 @@ fn draw_plots(folder: &Path) {
         log_y: true,
         ..PlotSpec::default()
     };
-    plot_lines(&folder.join("plot_log.svg"), &plot).unwrap();
+    plot_lines(&folder.join("plot_log.svg"), &plot).expect("a plot");
 }
 
 fn write_paraview(folder: &Path) {
@@ -225,7 +255,7 @@ fn write_paraview(folder: &Path) {
             VtkRod { points: &line, ..VtkRod::default() },
         ];
         let file = folder.join(format!("knot_{step}.vtp"));
-        write_vtp(&file, &rods, &[("TimeValue", step as f64), ("excess link", 0.5)]).unwrap();
-        collection.push(step as f64, &file).unwrap();
+        write_vtp(&file, &rods, &[("TimeValue", step as f64), ("excess link", 0.5)]).expect("a file");
+        collection.push(step as f64, &file).expect("a collection");
     }
 }

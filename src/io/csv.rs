@@ -81,9 +81,9 @@ where
 /// Nodal state of one rod.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RodState {
-    /// Reference arc length of each node [L].
+    /// Reference arc length of each node \[L\].
     pub arc_lengths: Vec<f64>,
-    /// Position of each node [L].
+    /// Position of each node \[L\].
     pub positions: Vec<Vec3>,
     /// Frame of each node: d1 d2 d3 = q·e1, q·e2, q·e3.
     pub frames: Vec<Quat>,

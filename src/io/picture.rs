@@ -27,9 +27,9 @@ pub use strip::film_strip;
 /// A rod as it is drawn.
 #[derive(Debug, Clone, Default)]
 pub struct Tube {
-    /// Centreline points [L]; drawn through by a smooth curve, so a coarse mesh looks smooth.
+    /// Centreline points \[L\]; drawn through by a smooth curve, so a coarse mesh looks smooth.
     pub points: Vec<Vec3>,
-    /// Radius [L], greater than 0.
+    /// Radius \[L\], greater than 0.
     pub radius: f64,
     /// Whether the curve returns to its first point (which is not repeated).
     pub closed: bool,
@@ -63,9 +63,9 @@ impl Stripe {
 /// A spot that glows on whatever surface passes through it: a place of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
-    /// Centre [L]; the middle between the two surfaces for a contact.
+    /// Centre \[L\]; the middle between the two surfaces for a contact.
     pub center: Vec3,
-    /// Radius within which surfaces are coloured [L]; fades towards it.
+    /// Radius within which surfaces are coloured \[L\]; fades towards it.
     pub radius: f64,
     /// Colour (sRGB).
     pub color: [u8; 3],
@@ -110,7 +110,7 @@ pub struct TubePicture {
     pub view: View,
     /// Background (sRGB).
     pub background: [u8; 3],
-    /// Width of the visible region [L], the same for several pictures that are to be compared; `None` fits the tubes.
+    /// Width of the visible region \[L\], the same for several pictures that are to be compared; `None` fits the tubes.
     pub visible_width: Option<f64>,
     /// Samples per pixel and direction, 1 to 6: 2 is good, 3 better, the cost grows with the square.
     pub supersampling: usize,
@@ -130,6 +130,9 @@ impl Default for TubePicture {
         }
     }
 }
+
+/// Most samples of a picture: 8 bytes each make 2 GB.
+const MAX_SAMPLES: usize = 1 << 28;
 
 impl TubePicture {
     /// Draws the picture; an empty one shows the background.
@@ -156,6 +159,11 @@ impl TubePicture {
                 let allowed = if most == 6 { "between 1 and 6" } else { "between 1 and 20000" };
                 return Err(InputError::Count { field: field.to_owned(), value, allowed });
             }
+        }
+        let samples = self.width * self.height * self.supersampling * self.supersampling;
+        if samples > MAX_SAMPLES {
+            let field = "width × height × supersampling²".to_owned();
+            return Err(InputError::Count { field, value: samples, allowed: "at most 268435456 samples (2 GB)" });
         }
         if let Some(width) = self.visible_width {
             InputError::positive("visible_width", width)?;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// One rod to be written: a polyline with arrays at its points.
 #[derive(Debug, Clone, Default)]
 pub struct VtkRod<'a> {
-    /// Centreline points [L], in order.
+    /// Centreline points \[L\], in order.
     pub points: &'a [Vec3],
     /// Whether the polyline returns to its first point (which is not repeated in `points`).
     pub closed: bool,
@@ -31,9 +31,9 @@ pub struct VtkRod<'a> {
 /// cannot be written.
 pub fn write_vtp(path: &Path, rods: &[VtkRod], field_data: &[(&str, f64)]) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
-        let lengths =
+        let mut lengths =
             rod.scalars.iter().map(|(n, v)| (n, v.len())).chain(rod.vectors.iter().map(|(n, v)| (n, v.len())));
-        for (name, found) in lengths.filter(|(_, found)| *found != rod.points.len()) {
+        if let Some((name, found)) = lengths.find(|(_, found)| *found != rod.points.len()) {
             let reason = format!("{found} values for {} points", rod.points.len());
             return Err(InputError::Inconsistent { field: format!("rods[{index}].{name}"), reason });
         }

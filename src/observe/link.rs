@@ -62,10 +62,11 @@ pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
         return 0.0;
     }
     let points = normalised(&points, points[0], extent(&points));
-    if closed && points.len() >= MIN_EDGES_FOR_CROSSINGS {
-        if let Some(exact) = crossings::writhe(&points) {
-            return exact;
-        }
+    if closed
+        && points.len() >= MIN_EDGES_FOR_CROSSINGS
+        && let Some(exact) = crossings::writhe(&points)
+    {
+        return exact;
     }
     writhe_by_pairs(&points, closed)
 }
@@ -100,10 +101,10 @@ pub fn linking_number(a: &[Vec3], b: &[Vec3]) -> f64 {
     }
     let (origin, size) = (a[0], extent(&a).max(extent(&b)));
     let (a, b) = (normalised(&a, origin, size), normalised(&b, origin, size));
-    if a.len().max(b.len()) >= MIN_EDGES_FOR_CROSSINGS {
-        if let Some(exact) = crossings::link(&a, &b) {
-            return exact;
-        }
+    if a.len().max(b.len()) >= MIN_EDGES_FOR_CROSSINGS
+        && let Some(exact) = crossings::link(&a, &b)
+    {
+        return exact;
     }
     let rows: Vec<f64> = (0..a.len())
         .into_par_iter()
@@ -279,6 +280,16 @@ mod tests {
         assert!(writhe(&[square[0], square[1], square[2], Vec3::repeat(f64::INFINITY)], true).is_nan());
         let eight = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.1));
         assert_eq!(writhe(&eight, true), 0.0, "a figure of eight that cuts itself: the mean of +1 and -1");
+    }
+
+    /// A spike without width adds nothing, although the ribbon's twist is undefined at its tip.
+    #[test]
+    fn spikes_do_not_count() {
+        let (points, _) = knot(500, 0.0);
+        let mut spiked = points.clone();
+        spiked.splice(7..7, [points[6], points[6] + Vec3::new(0.5, 0.25, 1.0), points[6]]);
+        spiked.remove(7);
+        assert!((writhe(&spiked, true) - writhe(&points, true)).abs() < 1e-11);
     }
 
     #[test]

@@ -78,6 +78,9 @@ const COLORS: [RGBColor; 7] = [
 
 const FONT: &str = "sans-serif";
 
+/// Units of the drawing per pixel: the backend rounds to whole units, which would show in smooth curves.
+const FINE: u32 = 8;
+
 /// Draws a plot as SVG, replacing what is there; text is left to the viewer's own sans-serif font.
 ///
 /// # Errors
@@ -85,16 +88,20 @@ const FONT: &str = "sans-serif";
 pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
     let mut text = String::new();
     {
-        let area = SVGBackend::with_string(&mut text, plot.size).into_drawing_area();
+        let area = SVGBackend::with_string(&mut text, (FINE * plot.size.0, FINE * plot.size.1)).into_drawing_area();
         let (x, y) = (range(plot, 0)?, range(plot, 1)?);
+        let corner = free_corner(plot, [&x, &y]);
         let drawn = match (plot.log_x, plot.log_y) {
-            (false, false) => draw(&area, plot, x, y),
-            (true, false) => draw(&area, plot, x.log_scale(), y),
-            (false, true) => draw(&area, plot, x, y.log_scale()),
-            (true, true) => draw(&area, plot, x.log_scale(), y.log_scale()),
+            (false, false) => draw(&area, plot, corner, x, y),
+            (true, false) => draw(&area, plot, corner, x.log_scale(), y),
+            (false, true) => draw(&area, plot, corner, x, y.log_scale()),
+            (true, true) => draw(&area, plot, corner, x.log_scale(), y.log_scale()),
         };
         drawn.and_then(|()| area.present().map_err(|e| e.to_string())).map_err(|reason| refuse(path, reason))?;
     }
+    // The drawing keeps its fine units in the view box; only the size it is shown at is that in pixels.
+    let size = |scale: u32| format!("<svg width=\"{}\" height=\"{}\"", scale * plot.size.0, scale * plot.size.1);
+    let text = text.replacen(&size(FINE), &size(1), 1);
     std::fs::write(path, text).map_err(|e| refuse(path, e.to_string()))
 }
 
@@ -123,8 +130,12 @@ fn range(plot: &PlotSpec, axis: usize) -> Result<std::ops::Range<f64>, InputErro
     Ok(if logarithmic { low.exp()..high.exp() } else { low..high })
 }
 
-/// Short label of a tick.
-fn tick(value: f64) -> String {
+/// Short label of a tick; on a logarithmic axis only 1, 2 and 5 times a power of ten have one.
+fn tick(value: f64, is_log: bool) -> String {
+    let mantissa = value / 10_f64.powf(value.log10().floor());
+    if is_log && ![1.0, 2.0, 5.0, 10.0].iter().any(|m| (mantissa - m).abs() < 1e-6) {
+        return String::new();
+    }
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
         return format!("{value:.1e}").replace(".0e", "e");
@@ -136,62 +147,110 @@ fn tick(value: f64) -> String {
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Draws axes, curves and legend.
-fn draw<X, Y>(area: &Area, plot: &PlotSpec, x: X, y: Y) -> Result<(), String>
+fn draw<X, Y>(area: &Area, plot: &PlotSpec, corner: SeriesLabelPosition, x: X, y: Y) -> Result<(), String>
 where
     X: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
     Y: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
 {
-    let words = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+    let words = |e: DrawError| e.to_string();
     area.fill(&WHITE).map_err(words)?;
     let mut builder = ChartBuilder::on(area);
-    builder.margin(14).margin_right(24).x_label_area_size(48).y_label_area_size(72);
+    builder.margin(14 * FINE).margin_right(24 * FINE).x_label_area_size(48 * FINE).y_label_area_size(72 * FINE);
     if !plot.title.is_empty() {
-        builder.caption(&plot.title, (FONT, 20));
+        builder.caption(&plot.title, (FONT, 20 * FINE));
     }
     let mut chart = builder.build_cartesian_2d(x, y).map_err(words)?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .bold_line_style(BLACK.mix(0.12))
-        .axis_style(BLACK.mix(0.6))
-        .label_style((FONT, 14))
-        .axis_desc_style((FONT, 16))
+        .bold_line_style(BLACK.mix(0.12).stroke_width(FINE))
+        .axis_style(BLACK.mix(0.6).stroke_width(FINE))
+        .set_all_tick_mark_size(5 * FINE)
+        .label_style((FONT, 14 * FINE))
+        .axis_desc_style((FONT, 16 * FINE))
         .x_desc(&plot.x_label)
         .y_desc(&plot.y_label)
-        .x_label_formatter(&|v| tick(*v))
-        .y_label_formatter(&|v| tick(*v))
+        .x_label_formatter(&|v| tick(*v, plot.log_x))
+        .y_label_formatter(&|v| tick(*v, plot.log_y))
         .draw()
         .map_err(words)?;
+    curves(&mut chart, plot).map_err(words)?;
+    if plot.series.iter().all(|s| s.name.is_empty()) {
+        return Ok(());
+    }
+    let mut legend = chart.configure_series_labels();
+    legend
+        .position(corner)
+        .margin(10 * FINE)
+        .legend_area_size(30 * FINE)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.2).stroke_width(FINE))
+        .label_font((FONT, 14 * FINE))
+        .draw()
+        .map_err(words)
+}
+
+/// What drawing into an SVG may fail with.
+type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
+/// Draws the curves and prepares their legend entries.
+fn curves<'a, 'b: 'a, X, Y>(
+    chart: &mut ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>,
+    plot: &PlotSpec,
+) -> Result<(), DrawError>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
     for (series, color) in plot.series.iter().zip(COLORS.iter().cycle()) {
-        let stroke = color.stroke_width(2);
+        let stroke = color.stroke_width(2 * FINE);
         let pieces = series.points.split(|p| !is_drawable(plot, *p)).filter(|piece| !piece.is_empty());
         for (index, piece) in pieces.enumerate() {
             let points = piece.iter().copied();
             let drawn = match series.style {
                 SeriesStyle::Line => chart.draw_series(LineSeries::new(points, stroke)),
-                SeriesStyle::Dashed => chart.draw_series(DashedLineSeries::new(points, 7, 5, stroke)),
-                SeriesStyle::Points => chart.draw_series(points.map(|p| Circle::new(p, 3, color.filled()))),
+                SeriesStyle::Dashed => chart.draw_series(DashedLineSeries::new(points, 7 * FINE, 5 * FINE, stroke)),
+                SeriesStyle::Points => chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled()))),
                 SeriesStyle::LinePoints => {
-                    chart.draw_series(LineSeries::new(points.clone(), stroke)).map_err(words)?;
-                    chart.draw_series(points.map(|p| Circle::new(p, 3, color.filled())))
+                    chart.draw_series(LineSeries::new(points.clone(), stroke))?;
+                    chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled())))
                 }
             };
-            let shown = drawn.map_err(words)?;
+            let shown = drawn?;
             if index == 0 && !series.name.is_empty() {
                 let ([first, second], radius) = key(series.style);
-                let line = move |[from, to]: [i32; 2]| PathElement::new(vec![(from, 0), (to, 0)], stroke);
+                let line = move |[from, to]: [i32; 2]| {
+                    PathElement::new(vec![(FINE as i32 * from, 0), (FINE as i32 * to, 0)], stroke)
+                };
                 shown.label(&series.name).legend(move |at| {
-                    let dot = Circle::new((11, 0), radius, color.filled());
+                    let dot = Circle::new((11 * FINE as i32, 0), radius * FINE as i32, color.filled());
                     EmptyElement::at(at) + line(first) + line(second) + dot
                 });
             }
         }
     }
-    if plot.series.iter().all(|s| s.name.is_empty()) {
-        return Ok(());
-    }
-    let mut legend = chart.configure_series_labels();
-    legend.background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.2)).label_font((FONT, 14)).draw().map_err(words)
+    Ok(())
+}
+
+/// Corner of the plot that holds the fewest points, for the legend.
+fn free_corner(plot: &PlotSpec, ranges: [&std::ops::Range<f64>; 2]) -> SeriesLabelPosition {
+    let share = |value: f64, range: &std::ops::Range<f64>, is_log: bool| {
+        let place = |v: f64| if is_log { v.ln() } else { v };
+        (place(value) - place(range.start)) / (place(range.end) - place(range.start))
+    };
+    let places: Vec<(f64, f64)> = (plot.series.iter().flat_map(|s| &s.points))
+        .filter(|p| is_drawable(plot, **p))
+        .map(|p| (share(p.0, ranges[0], plot.log_x), share(p.1, ranges[1], plot.log_y)))
+        .collect();
+    let corners = [
+        (1.0, 1.0, SeriesLabelPosition::UpperRight),
+        (0.0, 1.0, SeriesLabelPosition::UpperLeft),
+        (1.0, 0.0, SeriesLabelPosition::LowerRight),
+        (0.0, 0.0, SeriesLabelPosition::LowerLeft),
+    ];
+    let crowd = |x: f64, y: f64| places.iter().filter(|p| (p.0 - x).abs() < 0.3 && (p.1 - y).abs() < 0.3).count();
+    let best = corners.into_iter().min_by_key(|(x, y, _)| crowd(*x, *y));
+    best.map_or(SeriesLabelPosition::UpperRight, |(_, _, position)| position)
 }
 
 /// Legend sample of a style: ends of two strokes (one may be empty) and radius of a dot, in pixels.
@@ -232,6 +291,7 @@ mod tests {
 
     #[test]
     fn ticks_are_short() {
-        assert_eq!([0.25, -3.0, 0.0, 1e-7, 1.5e6].map(tick), ["0.25", "-3", "0", "1e-7", "1.5e6"]);
+        assert_eq!([0.25, -3.0, 0.0, 1e-7, 1.5e6].map(|v| tick(v, false)), ["0.25", "-3", "0", "1e-7", "1.5e6"]);
+        assert_eq!([0.001, 3.0, 50.0].map(|v| tick(v, true)), ["0.001", "", "50"]);
     }
 }

@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 const KEY: Vec3 = Vec3::new(-0.43, -0.62, 0.66);
 /// Direction to the fill light (right, a little below, in front).
 const FILL: Vec3 = Vec3::new(0.75, 0.25, 0.61);
-/// Rays per sample for occlusion and for the soft shadow.
-const RAYS: usize = 8;
+/// Rays for the occlusion, and again for the soft shadow, of each surface seen in a pixel.
+const RAYS: usize = 32;
 /// Reach of the ambient occlusion, in tube radii.
 const REACH: f64 = 3.5;
 /// Largest side of the shadow map, in its samples.
@@ -49,14 +49,13 @@ impl Light {
     }
 
     /// Share (0 to 1) of the key light that reaches a point; `spread` is the radius of the penumbra in samples.
-    fn reaches(&self, point: Vec3, spread: f64, turn: f64) -> f64 {
+    fn reaches(&self, point: Vec3, spread: f64, rays: Rays) -> f64 {
         let seen = (self.axes * point - self.low) * self.scale;
-        let lit = (0..RAYS).filter(|&k| {
-            let (dx, dy) = spiral(k, turn);
+        let lit = rays.iter().filter(|[dx, dy]| {
             let (x, y) = (seen.x + dx * spread * self.scale, seen.y + dy * spread * self.scale);
             !lookup(&self.map, x, y).is_some_and(|z| z > seen.z)
         });
-        lit.count() as f64 / RAYS as f64
+        lit.count() as f64 / rays.spiral.len() as f64
     }
 }
 
@@ -69,19 +68,37 @@ fn lookup(samples: &Samples, x: f64, y: f64) -> Option<f64> {
     z.is_finite().then_some(f64::from(z))
 }
 
-/// Point k of a sunflower spiral in the unit disc, rotated by `turn` rad.
-fn spiral(k: usize, turn: f64) -> (f64, f64) {
-    let (sin, cos) = (2.399_963_229_728_653 * k as f64 + turn).sin_cos();
-    let r = ((k as f64 + 0.5) / RAYS as f64).sqrt();
-    (r * cos, r * sin)
+/// A sunflower spiral of `num` points in the unit disc (golden angle, equal areas).
+fn spiral(num: usize) -> Vec<[f64; 2]> {
+    let point = |k: usize| {
+        let (sin, cos) = (2.399_963_229_728_653 * k as f64).sin_cos();
+        let r = ((k as f64 + 0.5) / num as f64).sqrt();
+        [r * cos, r * sin]
+    };
+    (0..num).map(point).collect()
 }
 
-/// Angle that looks random but depends on the sample only.
-fn dither(x: usize, y: usize) -> f64 {
+/// The spiral as rotated for one sample.
+#[derive(Clone, Copy)]
+struct Rays<'a> {
+    spiral: &'a [[f64; 2]],
+    cos: f64,
+    sin: f64,
+}
+
+impl Rays<'_> {
+    fn iter(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.spiral.iter().map(|[x, y]| [x * self.cos - y * self.sin, x * self.sin + y * self.cos])
+    }
+}
+
+/// Angle that looks random but depends on the sample only, as cosine and sine.
+fn dither(x: usize, y: usize) -> (f64, f64) {
     let mut h = (x as u32).wrapping_mul(0x9E37_79B9) ^ (y as u32).wrapping_mul(0x85EB_CA6B);
     h = (h ^ (h >> 15)).wrapping_mul(0x2C1B_3C6D);
     h = (h ^ (h >> 12)).wrapping_mul(0x297A_2D39);
-    f64::from(h ^ (h >> 15)) / 4_294_967_296.0 * TAU
+    let (sin, cos) = (f64::from(h ^ (h >> 15)) / 4_294_967_296.0 * TAU).sin_cos();
+    (cos, sin)
 }
 
 /// Everything needed to colour a sample.
@@ -89,11 +106,23 @@ struct Scene<'a> {
     capsules: &'a [Capsule],
     samples: &'a Samples,
     light: &'a Light,
+    spiral: Vec<[f64; 2]>,
+    key: Vec3,
+    fill: Vec3,
+    half: Vec3,
     spots: SpotGrid,
     background: Vec3,
     /// Depth of the nearest surface and of the whole scene.
     front: f64,
     range: f64,
+}
+
+/// How much light reaches a point: found once for all samples of a pixel that see the same surface.
+#[derive(Clone, Copy)]
+struct Visibility {
+    point: Vec3,
+    open: f64,
+    shadow: f64,
 }
 
 /// Colours all samples and averages them to pixels.
@@ -108,14 +137,18 @@ pub(super) fn develop(
     let front = heights().fold(f64::NEG_INFINITY, f64::max);
     let range = (front - heights().fold(f64::INFINITY, f64::min)).max(1.0);
     let background = linear(picture.background);
-    let scene = Scene { capsules, samples, light, spots: SpotGrid::new(picture, camera), background, front, range };
+    let spots = SpotGrid::new(picture, camera);
+    let key = KEY.normalize();
+    let (fill, half) = (FILL.normalize(), (key + Vec3::z()).normalize());
     let n = picture.supersampling;
+    let scene =
+        Scene { capsules, samples, light, spiral: spiral(RAYS), key, fill, half, spots, background, front, range };
     let mut rgb = vec![0; 3 * picture.width * picture.height];
     rgb.par_chunks_mut(3 * picture.width).enumerate().for_each(|(row, line)| {
         for (column, pixel) in line.chunks_exact_mut(3).enumerate() {
-            let mut sum = Vec3::zeros();
+            let (mut sum, mut last) = (Vec3::zeros(), None);
             for (x, y) in (0..n * n).map(|k| (n * column + k % n, n * row + k / n)) {
-                sum += scene.color(x, y);
+                sum += scene.color(x, y, &mut last);
             }
             pixel.copy_from_slice(&encoded(sum / (n * n) as f64));
         }
@@ -124,8 +157,8 @@ pub(super) fn develop(
 }
 
 impl Scene<'_> {
-    /// Colour of a sample, linear light.
-    fn color(&self, x: usize, y: usize) -> Vec3 {
+    /// Colour of a sample, linear light; `last` is what the pixel's other samples found out.
+    fn color(&self, x: usize, y: usize, last: &mut Option<Visibility>) -> Vec3 {
         let at = y * self.samples.width + x;
         let index = self.samples.capsule[at];
         if index == NOTHING {
@@ -135,33 +168,41 @@ impl Scene<'_> {
         let point = Vec3::new(x as f64 + 0.5, y as f64 + 0.5, f64::from(self.samples.depth[at]));
         let (normal, mut albedo) = surface(capsule, point);
         let glow = self.spots.paint(point, &mut albedo);
-        let (turn, radius) = (dither(x, y), capsule.shape.radius);
-        let open = self.openness(point, normal, REACH * radius, turn);
-        let shadow = self.light.reaches(point + normal * (0.12 * radius + 1.5), 0.45 * radius, turn);
-        let (key, fill) = (KEY.normalize(), FILL.normalize());
-        let direct = 0.72 * shadow * ((normal.dot(&key) + 0.15) / 1.15).max(0.0);
-        let sky = 0.36 * open * (0.8 - 0.2 * normal.y);
-        let soft = 0.16 * open * normal.dot(&fill).max(0.0);
-        let half = (key + Vec3::z()).normalize();
-        let gloss = 0.22 * shadow * normal.dot(&half).max(0.0).powi(50);
+        let radius = capsule.shape.radius;
+        let known = last.filter(|v| (v.point - point).norm_squared() < (0.2 * radius).powi(2));
+        let seen = known.unwrap_or_else(|| self.visibility(point, normal, radius, dither(x, y)));
+        *last = Some(seen);
+        let Visibility { open, shadow, .. } = seen;
+        let direct = 0.86 * shadow * ((normal.dot(&self.key) + 0.15) / 1.15).max(0.0);
+        let sky = 0.34 * open * (0.8 - 0.2 * normal.y);
+        let soft = 0.16 * open * normal.dot(&self.fill).max(0.0);
+        let gloss = 0.22 * shadow * normal.dot(&self.half).max(0.0).powi(50);
         let edge = (1.0 - normal.z).clamp(0.0, 1.0).powi(3);
         let lit = albedo * ((direct + sky + soft) * (1.0 - 0.5 * edge)) + Vec3::repeat(gloss) + glow;
-        let haze = 0.22 * ((self.front - point.z) / self.range).clamp(0.0, 1.0);
+        let haze = 0.1 * ((self.front - point.z) / self.range).clamp(0.0, 1.0);
         lit.lerp(&self.background, haze)
     }
 
+    /// Sky and key light that reach a point; `(cos, sin)` rotates the rays.
+    fn visibility(&self, point: Vec3, normal: Vec3, radius: f64, (cos, sin): (f64, f64)) -> Visibility {
+        let rays = Rays { spiral: &self.spiral, cos, sin };
+        let open = self.openness(point, normal, REACH * radius, rays);
+        let shadow = self.light.reaches(point + normal * (0.12 * radius + 1.5), 0.45 * radius, rays);
+        Visibility { point, open, shadow }
+    }
+
     /// Ambient occlusion from the depth buffer: 1 in the open, towards 0 in a crevice.
-    fn openness(&self, point: Vec3, normal: Vec3, reach: f64, turn: f64) -> f64 {
-        let blocked: f64 = (0..RAYS)
-            .filter_map(|k| {
-                let (dx, dy) = spiral(k, turn);
+    fn openness(&self, point: Vec3, normal: Vec3, reach: f64, rays: Rays) -> f64 {
+        let blocked: f64 = rays
+            .iter()
+            .filter_map(|[dx, dy]| {
                 let (x, y) = (point.x + dx * reach, point.y + dy * reach);
                 let way = Vec3::new(dx * reach, dy * reach, lookup(self.samples, x, y)? - point.z);
                 let distance = way.norm().max(1.0);
                 Some((normal.dot(&way) / distance - 0.12).max(0.0) / (1.0 + (distance / reach).powi(4)))
             })
             .sum();
-        (1.0 - 2.2 * blocked / RAYS as f64).max(0.12)
+        (1.0 - 3.0 * blocked / rays.spiral.len() as f64).max(0.12)
     }
 }
 
@@ -170,15 +211,19 @@ fn surface(capsule: &Capsule, point: Vec3) -> (Vec3, Vec3) {
     let [a, b] = capsule.shape.ends;
     let axis = b - a;
     let raw = axis.dot(&(point - a)) / axis.norm_squared().max(f64::MIN_POSITIVE);
-    let u = raw.clamp(0.0, 1.0);
-    let mut normal = point - (a + axis * u);
+    // Parameter by the cross-sections at both ends, which neighbouring capsules share: nothing jumps at a joint.
+    let (ahead, behind) = (capsule.tangents[0].dot(&(point - a)), capsule.tangents[1].dot(&(b - point)));
+    let u = if ahead + behind > 0.2 * axis.norm() {
+        (ahead / (ahead + behind)).clamp(-0.5, 1.5)
+    } else {
+        raw.clamp(0.0, 1.0)
+    };
+    let offset = point - (a + axis * u);
     let tangent = capsule.tangents[0].lerp(&capsule.tangents[1], u).normalize();
     let on_cap = (raw < 0.0 && capsule.caps[0]) || (raw > 1.0 && capsule.caps[1]);
-    let radial = normal - tangent * tangent.dot(&normal);
-    if !on_cap {
-        normal = radial;
-    }
-    let color = capsule.colors[0].lerp(&capsule.colors[1], u);
+    let radial = offset - tangent * tangent.dot(&offset);
+    let normal = if on_cap { point - if raw < 0.0 { a } else { b } } else { radial };
+    let color = capsule.colors[0].lerp(&capsule.colors[1], u.clamp(0.0, 1.0));
     let stripe = capsule.stripe[0].lerp(&capsule.stripe[1], u);
     let (cosine, stripe_color) = capsule.stripe_look;
     let is_striped = stripe.dot(&radial) > cosine * stripe.norm() * radial.norm();

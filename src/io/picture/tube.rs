@@ -58,31 +58,35 @@ pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<Capsule> {
     all
 }
 
-/// Nodes worth drawing: no repeated points, none closer than seen.
-fn nodes(tube: &Tube, sample: f64) -> Vec<Node> {
-    let num = tube.points.len();
-    let grey = [150, 155, 160];
+/// Indices of the points worth drawing: none repeated, none closer than can be seen.
+fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
+    let points = &tube.points;
     let close = (SPARSE * tube.radius).max(sample);
     let mut kept: Vec<usize> = Vec::new();
-    for i in 0..num {
+    for i in 0..points.len() {
         let Some(&before) = kept.last() else {
             kept.push(i);
             continue;
         };
-        let gap = (tube.points[i] - tube.points[before]).norm();
-        let bends = i + 1 < num && {
-            let (into, out) = (tube.points[i] - tube.points[before], tube.points[i + 1] - tube.points[i]);
-            into.angle(&out) > TURNING
-        };
+        let step = points[i] - points[before];
+        let bends = points.get(i + 1).is_some_and(|next| step.angle(&(next - points[i])) > TURNING);
         let twists = tube.stripe.as_ref().is_some_and(|s| s.directions[i].angle(&s.directions[before]) > 1.0);
-        let is_end = i + 1 == num && !tube.closed;
+        let is_end = i + 1 == points.len() && !tube.closed;
+        let gap = step.norm();
         if gap > 0.0 && (gap >= close || is_end || (gap >= 0.1 * close && (bends || twists))) {
             kept.push(i);
         }
     }
-    if tube.closed && kept.len() > 1 && tube.points[kept[0]] == tube.points[kept[kept.len() - 1]] {
+    if tube.closed && kept.len() > 1 && points[kept[0]] == points[kept[kept.len() - 1]] {
         kept.pop();
     }
+    kept
+}
+
+/// Nodes of a tube with what is known there; `sample` is the size of a sample \[L\].
+fn nodes(tube: &Tube, sample: f64) -> Vec<Node> {
+    let grey = [150, 155, 160];
+    let kept = worth_drawing(tube, sample);
     let tangents = tangents(&kept.iter().map(|&i| tube.points[i]).collect::<Vec<_>>(), tube.closed);
     let color = |i: usize| linear(tube.colors.get(i).or(tube.colors.first()).copied().unwrap_or(grey));
     let stripe = |i: usize, t: Vec3| {

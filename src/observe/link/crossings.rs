@@ -13,15 +13,24 @@ use rayon::prelude::*;
 const DIRECTIONS: [[f64; 3]; 4] = [
     [0.271_828_18, 0.577_215_66, 0.761_803_39],
     [-0.641_421_35, 0.317_320_51, 0.414_159_26],
-    [0.693_147_18, -0.441_213_56, 0.236_067_97],
+    [0.683_147_18, -0.441_213_56, 0.236_067_97],
     [0.202_056_9, 0.373_205_08, -0.915_965_59],
 ];
 
 /// Relative size below which the sign of a product of coordinate differences is not trusted.
 const CLEAR: f64 = 1e-13;
 
-/// Writhe (turns) of a closed polygon of extent about 1; `None` if no direction shows all crossings clearly.
+/// Writhe (turns) of a closed polygon of extent about 1; `None` if no direction shows all crossings clearly, or if an edge
+/// folds straight back on the one before, where no ribbon has a definite twist.
 pub(super) fn writhe(points: &[Vec3]) -> Option<f64> {
+    let num = points.len();
+    let folds_back = |i: usize| {
+        let (into, out) = (points[(i + 1) % num] - points[i], points[(i + 2) % num] - points[(i + 1) % num]);
+        into.dot(&out) <= (1e-12 - 1.0) * into.norm() * out.norm()
+    };
+    if (0..num).any(folds_back) {
+        return None;
+    }
     DIRECTIONS.iter().find_map(|d| {
         let n = Vec3::from(*d).normalize();
         let edges = project(points, n);
