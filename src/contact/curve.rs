@@ -1,1 +1,418 @@
-//! (to be written)
+//! Contact centrelines: cubic Bézier segments strung into curves with a radius. Knows nothing of rods.
+//!
+//! c(u) = Σ B_i(u) b_i, u in \[0, 1\], B_i the cubic Bernstein polynomials. All lengths in one unit \[L\] of the caller's choice;
+//! nothing here has an absolute tolerance.
+
+use crate::error::InputError;
+use crate::math::Vec3;
+
+/// A cubic Bézier curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cubic {
+    /// Control points \[L\]; the curve runs from `b[0]` to `b[3]` inside their convex hull.
+    pub b: [Vec3; 4],
+}
+
+impl Cubic {
+    /// The curve with end points `p0`, `p1` and end derivatives `m0`, `m1` = dc/du \[L\] (u in \[0, 1\]).
+    #[must_use]
+    pub fn from_hermite(p0: Vec3, m0: Vec3, p1: Vec3, m1: Vec3) -> Self {
+        Self { b: [p0, p0 + m0 / 3.0, p1 - m1 / 3.0, p1] }
+    }
+
+    /// The straight segment from `p0` to `p1` at constant speed.
+    #[must_use]
+    pub fn straight(p0: Vec3, p1: Vec3) -> Self {
+        let third = (p1 - p0) / 3.0;
+        Self { b: [p0, p0 + third, p1 - third, p1] }
+    }
+
+    /// c(u) \[L\]. Exactly `b[0]` at 0 and `b[3]` at 1.
+    #[must_use]
+    pub fn point(&self, u: f64) -> Vec3 {
+        let v = 1.0 - u;
+        let [b0, b1, b2, b3] = &self.b;
+        b0 * (v * v * v) + b1 * (3.0 * v * v * u) + b2 * (3.0 * v * u * u) + b3 * (u * u * u)
+    }
+
+    /// (c, c′, c″) with respect to u \[L\]. The derivatives use differences of control points (no loss far from the origin).
+    #[must_use]
+    pub fn derivatives(&self, u: f64) -> (Vec3, Vec3, Vec3) {
+        let v = 1.0 - u;
+        let [e0, e1, e2] = self.edges();
+        let first = (e0 * (v * v) + e1 * (2.0 * u * v) + e2 * (u * u)) * 3.0;
+        let second = ((e1 - e0) * v + (e2 - e1) * u) * 6.0;
+        (self.point(u), first, second)
+    }
+
+    /// The two halves, meeting at u = ½ (de Casteljau).
+    #[must_use]
+    pub fn split(&self) -> (Self, Self) {
+        self.split_at(0.5)
+    }
+
+    /// The parts on \[0, u\] and \[u, 1\] (de Casteljau).
+    #[must_use]
+    pub fn split_at(&self, u: f64) -> (Self, Self) {
+        let mix = |a: &Vec3, b: &Vec3| a * (1.0 - u) + b * u;
+        let [b0, b1, b2, b3] = &self.b;
+        let (c01, c12, c23) = (mix(b0, b1), mix(b1, b2), mix(b2, b3));
+        let (c012, c123) = (mix(&c01, &c12), mix(&c12, &c23));
+        let mid = mix(&c012, &c123);
+        (Self { b: [*b0, c01, c012, mid] }, Self { b: [mid, c123, c23, *b3] })
+    }
+
+    /// Edges of the control polygon, b_{i+1} − b_i \[L\]; c′ = 3 × the quadratic Bézier curve of these.
+    #[must_use]
+    pub fn edges(&self) -> [Vec3; 3] {
+        [self.b[1] - self.b[0], self.b[2] - self.b[1], self.b[3] - self.b[2]]
+    }
+
+    /// End-to-end vector b3 − b0 \[L\].
+    #[must_use]
+    pub fn chord(&self) -> Vec3 {
+        self.b[3] - self.b[0]
+    }
+
+    /// Upper bound of the largest distance \[L\] of a point of the curve from the chord *segment* b0 b3:
+    /// ¾ max(d(b1), d(b2)), because the distance from a segment is convex, zero at both ends, and B_1 + B_2 ≤ ¾.
+    /// Quarters (in the limit) with every halving of the curve. Rounded up.
+    #[must_use]
+    pub fn bulge(&self) -> f64 {
+        let chord = self.chord();
+        let d1 = distance_to_segment(&(self.b[1] - self.b[0]), &chord);
+        let d2 = distance_to_segment(&(self.b[2] - self.b[0]), &chord);
+        // Rounding of the foot costs second order, of the offset a few ulp of the polygon's size.
+        let size = self.edges().iter().map(Vec3::amax).sum::<f64>();
+        0.75 * d1.max(d2) + 4.0 * f64::EPSILON * size
+    }
+
+    /// Upper bound of the total turning of the tangent along the curve, rad: the sum of the angles between successive
+    /// edges of the control polygon, zero edges (repeated control points) left out. A curve shrunk to a point has 0.
+    #[must_use]
+    pub fn turning_bound(&self) -> f64 {
+        let mut turning = 0.0;
+        let mut last: Option<Vec3> = None;
+        for edge in self.edges() {
+            // Written so that NaN is not taken for a zero edge.
+            if edge == Vec3::zeros() {
+                continue;
+            }
+            if let Some(before) = last {
+                turning += angle(&before, &edge);
+            }
+            last = Some(edge);
+        }
+        turning
+    }
+
+    /// Direction of the tangent at u = 0 (not normalised): the first non-zero edge; zero for a curve shrunk to a point.
+    #[must_use]
+    pub fn start_tangent(&self) -> Vec3 {
+        self.edges().into_iter().find(|e| *e != Vec3::zeros()).unwrap_or_default()
+    }
+
+    /// Direction of the tangent at u = 1 (not normalised): the last non-zero edge; zero for a curve shrunk to a point.
+    #[must_use]
+    pub fn end_tangent(&self) -> Vec3 {
+        self.edges().into_iter().rev().find(|e| *e != Vec3::zeros()).unwrap_or_default()
+    }
+}
+
+/// Angle between two vectors in \[0, π\], accurate at both ends and for any magnitudes; 0 if either is zero.
+#[must_use]
+pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
+    let (sa, sb) = (a.amax(), b.amax());
+    if sa == 0.0 || sb == 0.0 {
+        return 0.0;
+    }
+    let (a, b) = (a / sa, b / sb);
+    a.cross(&b).norm().atan2(a.dot(&b))
+}
+
+/// Distance of the point `p` from the segment from 0 to `d`.
+fn distance_to_segment(p: &Vec3, d: &Vec3) -> f64 {
+    let scale = d.amax().max(p.amax());
+    if scale == 0.0 || !scale.is_finite() {
+        return scale;
+    }
+    let (p, d) = (p / scale, d / scale);
+    let t = (p.dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
+    // 0/0 of a vanishing chord: measure from its start.
+    let t = if t.is_nan() { 0.0 } else { t };
+    scale * (p - d * t).norm()
+}
+
+/// One curve of a [`CurveSet`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveInfo {
+    /// Global index of its first segment.
+    pub first: usize,
+    /// Number of segments, at least 1.
+    pub count: usize,
+    /// Whether the last segment joins the first.
+    pub closed: bool,
+    /// Contact radius \[L\], greater than 0.
+    pub radius: f64,
+}
+
+/// A curve to be put into a [`CurveSet`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveInput {
+    /// Segments in order; the end of each is the start of the next (and of the first, if closed).
+    pub segments: Vec<Cubic>,
+    /// Reference (unstressed) arc length \[L\] of each segment.
+    pub lengths: Vec<f64>,
+    /// Whether the last segment joins the first.
+    pub closed: bool,
+    /// Contact radius \[L\].
+    pub radius: f64,
+}
+
+/// Several curves, flat: segment indices run over all of them, 0..`segments.len()`.
+#[derive(Clone, Debug, Default)]
+pub struct CurveSet {
+    /// All segments, curve after curve.
+    pub segments: Vec<Cubic>,
+    /// Reference arc length \[L\] of each segment.
+    pub lengths: Vec<f64>,
+    /// The curves, in order of their segments.
+    pub curves: Vec<CurveInfo>,
+    owner: Vec<u32>,
+    arc_start: Vec<f64>,
+}
+
+impl CurveSet {
+    /// Joins the curves. No curve at all is legal (an empty set).
+    ///
+    /// # Errors
+    /// [`InputError`] naming curve and segment: no segments, `lengths` of another size, a radius or length that is not finite and
+    /// positive, a control point that is not finite, or neighbours that do not join (to 1e-6 of their size).
+    pub fn new(curves: Vec<CurveInput>) -> Result<Self, InputError> {
+        let mut set = Self::default();
+        for (index, curve) in curves.into_iter().enumerate() {
+            let count = curve.segments.len();
+            let field = |what: &str| format!("curves[{index}].{what}");
+            if count == 0 {
+                return Err(InputError::Count { field: field("segments"), value: 0, allowed: "at least 1" });
+            }
+            if curve.lengths.len() != count {
+                let value = curve.lengths.len();
+                return Err(InputError::Count { field: field("lengths"), value, allowed: "as many as segments" });
+            }
+            InputError::positive(&field("radius"), curve.radius)?;
+            let mut arc = 0.0;
+            for (i, &length) in curve.lengths.iter().enumerate() {
+                InputError::positive(&field(&format!("lengths[{i}]")), length)?;
+                set.arc_start.push(arc);
+                arc += length;
+            }
+            let first = set.segments.len();
+            let owner =
+                u32::try_from(index).ok().filter(|_| u32::try_from(first + count).is_ok()).ok_or_else(|| {
+                    InputError::Count { field: field("segments"), value: count, allowed: "below 2³² in all" }
+                })?;
+            set.owner.extend(std::iter::repeat_n(owner, count));
+            set.segments.extend(curve.segments);
+            set.lengths.extend(curve.lengths);
+            set.curves.push(CurveInfo { first, count, closed: curve.closed, radius: curve.radius });
+        }
+        set.validate_geometry()?;
+        set.check_joints()?;
+        Ok(set)
+    }
+
+    /// Straight segments through the given points: `(points, radius, closed)`. The joints have kinks; good for benchmarks and
+    /// tests, too rough for equilibria. Reference lengths are the edges' lengths.
+    ///
+    /// # Errors
+    /// As [`CurveSet::new`]; also fewer than 2 points (3 if closed) and repeated neighbours (length 0).
+    pub fn from_polylines(lines: &[(&[Vec3], f64, bool)]) -> Result<Self, InputError> {
+        let mut curves = Vec::with_capacity(lines.len());
+        for (index, &(points, radius, closed)) in lines.iter().enumerate() {
+            if points.len() < if closed { 3 } else { 2 } {
+                let allowed = "at least 2 (3 if closed)";
+                return Err(InputError::Count {
+                    field: format!("curves[{index}].points"),
+                    value: points.len(),
+                    allowed,
+                });
+            }
+            for (i, p) in points.iter().enumerate() {
+                if !p.iter().all(|x| x.is_finite()) {
+                    return Err(not_finite(format!("curves[{index}].points[{i}]"), p));
+                }
+            }
+            let count = if closed { points.len() } else { points.len() - 1 };
+            let segments: Vec<Cubic> =
+                (0..count).map(|i| Cubic::straight(points[i], points[(i + 1) % points.len()])).collect();
+            let lengths = segments.iter().map(|s| s.chord().norm()).collect();
+            curves.push(CurveInput { segments, lengths, closed, radius });
+        }
+        Self::new(curves)
+    }
+
+    /// Number of segments of all curves.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// True if there is no segment.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.segments.is_empty()
+    }
+
+    /// Index of the curve a segment belongs to.
+    #[must_use]
+    pub fn curve_of(&self, segment: usize) -> usize {
+        self.owner[segment] as usize
+    }
+
+    /// The following segment of the same curve; `None` at an open end.
+    #[must_use]
+    pub fn next(&self, segment: usize) -> Option<usize> {
+        let curve = &self.curves[self.curve_of(segment)];
+        if segment + 1 < curve.first + curve.count { Some(segment + 1) } else { curve.closed.then_some(curve.first) }
+    }
+
+    /// The preceding segment of the same curve; `None` at an open end.
+    #[must_use]
+    pub fn prev(&self, segment: usize) -> Option<usize> {
+        let curve = &self.curves[self.curve_of(segment)];
+        if segment > curve.first { Some(segment - 1) } else { curve.closed.then_some(curve.first + curve.count - 1) }
+    }
+
+    /// Reference arc length \[L\] from the start of the curve to parameter `u` of a segment.
+    #[must_use]
+    pub fn arc_length(&self, segment: usize, u: f64) -> f64 {
+        self.arc_start[segment] + u * self.lengths[segment]
+    }
+
+    /// Contact radius \[L\] of the curve a segment belongs to.
+    #[must_use]
+    pub fn radius_of(&self, segment: usize) -> f64 {
+        self.curves[self.curve_of(segment)].radius
+    }
+
+    /// The segments, to be overwritten with new geometry (the joints must keep meeting). Call [`CurveSet::validate_geometry`] after
+    /// numbers of uncertain origin.
+    pub fn segments_mut(&mut self) -> &mut [Cubic] {
+        &mut self.segments
+    }
+
+    /// Checks that every control point is finite.
+    ///
+    /// # Errors
+    /// [`InputError::Vector`] naming curve, segment within the curve and control point.
+    pub fn validate_geometry(&self) -> Result<(), InputError> {
+        for (segment, cubic) in self.segments.iter().enumerate() {
+            for (k, p) in cubic.b.iter().enumerate() {
+                if !p.iter().all(|x| x.is_finite()) {
+                    let curve = self.curve_of(segment);
+                    let local = segment - self.curves[curve].first;
+                    return Err(not_finite(format!("curves[{curve}].segments[{local}].b[{k}]"), p));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_joints(&self) -> Result<(), InputError> {
+        for segment in 0..self.len() {
+            let Some(next) = self.next(segment) else { continue };
+            let (a, b) = (&self.segments[segment], &self.segments[next]);
+            let size: f64 = a.edges().iter().chain(&b.edges()).map(Vec3::amax).sum();
+            // Computed points far from the origin carry its ulps.
+            let ulps = 8.0 * f64::EPSILON * a.b[3].amax();
+            if (b.b[0] - a.b[3]).amax() > 1e-6 * size + ulps {
+                let curve = self.curve_of(segment);
+                let local = segment - self.curves[curve].first;
+                let reason = "its end is not the start of the next segment: make them the same point".to_owned();
+                return Err(InputError::Inconsistent { field: format!("curves[{curve}].segments[{local}]"), reason });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn not_finite(field: String, p: &Vec3) -> InputError {
+    InputError::Vector { field, value: [p.x, p.y, p.z], allowed: "finite" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Cubic {
+        Cubic {
+            b: [
+                Vec3::new(0.0, 0.0, 0.0),
+                Vec3::new(1.0, 2.0, 0.5),
+                Vec3::new(3.0, -1.0, 1.0),
+                Vec3::new(4.0, 0.5, 0.0),
+            ],
+        }
+    }
+
+    #[test]
+    fn hermite_ends_and_derivatives() {
+        let (p0, m0, p1, m1) = (Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(1.0, 2.0, 3.0));
+        let c = Cubic::from_hermite(p0, m0, p1, m1);
+        assert_eq!(c.point(0.0), p0);
+        assert_eq!(c.point(1.0), p1);
+        assert!((c.derivatives(0.0).1 - m0).norm() < 1e-15);
+        assert!((c.derivatives(1.0).1 - m1).norm() < 1e-14);
+        let h = 1e-5;
+        let (_, d, dd) = c.derivatives(0.3);
+        assert!(((c.point(0.3 + h) - c.point(0.3 - h)) / (2.0 * h) - d).norm() < 1e-9);
+        let second = (c.derivatives(0.3 + h).1 - c.derivatives(0.3 - h).1) / (2.0 * h);
+        assert!((second - dd).norm() < 1e-8);
+    }
+
+    #[test]
+    fn split_reproduces_the_curve() {
+        let c = sample();
+        let (l, r) = c.split();
+        for i in 0..=10 {
+            let u = f64::from(i) / 10.0;
+            assert!((l.point(u) - c.point(u / 2.0)).norm() < 1e-14);
+            assert!((r.point(u) - c.point(0.5 + u / 2.0)).norm() < 1e-14);
+        }
+        assert!(l.bulge() < c.bulge() && l.turning_bound() + r.turning_bound() <= c.turning_bound() + 1e-12);
+    }
+
+    #[test]
+    fn bulge_bounds_the_distance_from_the_chord() {
+        let c = sample();
+        let worst = (0..=1000)
+            .map(|i| distance_to_segment(&(c.point(f64::from(i) / 1000.0) - c.b[0]), &c.chord()))
+            .fold(0.0, f64::max);
+        assert!(worst <= c.bulge() && c.bulge() < 2.5 * worst, "{worst} {}", c.bulge());
+    }
+
+    #[test]
+    fn turning_of_degenerate_polygons() {
+        let (o, x, y) = (Vec3::zeros(), Vec3::x(), Vec3::y());
+        assert_eq!(Cubic { b: [o; 4] }.turning_bound(), 0.0);
+        assert_eq!(Cubic { b: [o, o, x, x] }.turning_bound(), 0.0);
+        let half_pi = std::f64::consts::FRAC_PI_2;
+        for unit in [1.0, 1e-160, 1e150] {
+            assert!((Cubic { b: [o, x * unit, x * unit, (x + y) * unit] }.turning_bound() - half_pi).abs() < 1e-15);
+        }
+        let straight = Cubic::straight(o, Vec3::new(1.0, 2.0, 3.0));
+        assert!(straight.turning_bound() < 1e-15);
+    }
+
+    #[test]
+    fn set_indexing() {
+        let p = [Vec3::zeros(), Vec3::x(), Vec3::new(1.0, 1.0, 0.0), Vec3::y()];
+        let set = CurveSet::from_polylines(&[(&p, 0.1, false), (&p, 0.2, true)]).unwrap();
+        assert_eq!(set.len(), 7);
+        assert_eq!((set.curve_of(2), set.curve_of(3)), (0, 1));
+        assert_eq!((set.next(2), set.prev(0), set.next(6), set.prev(3)), (None, None, Some(3), Some(6)));
+        assert_eq!(set.arc_length(1, 0.5), 1.5);
+        assert_eq!(set.radius_of(4), 0.2);
+    }
+}

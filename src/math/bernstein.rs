@@ -1,1 +1,463 @@
-//! (to be written)
+//! Polynomials in Bernstein form on \[0, 1\]: p(t) = Σ b_i C(n,i) tⁱ (1−t)ⁿ⁻ⁱ, up to degree 7.
+//!
+//! [`roots`] isolates every real root by Descartes' rule of signs on the Bernstein coefficients (Lane & Riesenfeld
+//! 1981; Mourrain, Rouillier & Roy 2005) with de Casteljau subdivision. The number of sign changes of the
+//! coefficients bounds the number of roots from above and has the same parity, so a piece without a sign change has no
+//! root and a piece with one has exactly one. There is no absolute tolerance: multiplying all coefficients by any positive
+//! number that keeps them normal changes nothing but roundings.
+
+/// Highest degree handled.
+pub const MAX_DEGREE: usize = 7;
+const CAPACITY: usize = MAX_DEGREE + 1;
+/// Pieces still undecided at width 2⁻⁴⁸ are clusters that f64 parameters cannot separate usefully.
+const MAX_DEPTH: u32 = 48;
+
+/// How the sign of the polynomial changes at a root.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Crossing {
+    /// From negative to positive (at t = 0: positive after; at t = 1: negative before).
+    Rising,
+    /// From positive to negative (at t = 0: negative after; at t = 1: positive before).
+    Falling,
+    /// Touches zero without changing sign (double root, or a near-double pair within rounding).
+    Touching,
+}
+
+/// A root in \[0, 1\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// Parameter.
+    pub t: f64,
+    /// Change of sign there.
+    pub crossing: Crossing,
+}
+
+/// Roots found, ascending; fixed capacity, lives on the stack.
+#[derive(Clone, Copy, Debug)]
+pub struct Roots {
+    t: [f64; CAPACITY],
+    crossing: [Crossing; CAPACITY],
+    len: usize,
+    identically_zero: bool,
+}
+
+impl Default for Roots {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Roots {
+    /// No roots.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { t: [0.0; CAPACITY], crossing: [Crossing::Touching; CAPACITY], len: 0, identically_zero: false }
+    }
+
+    /// Forgets all roots.
+    pub fn clear(&mut self) {
+        self.len = 0;
+        self.identically_zero = false;
+    }
+
+    /// The parameters, ascending.
+    #[must_use]
+    pub fn as_slice(&self) -> &[f64] {
+        &self.t[..self.len]
+    }
+
+    /// The roots with their changes of sign, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = Root> + '_ {
+        (0..self.len).map(|i| Root { t: self.t[i], crossing: self.crossing[i] })
+    }
+
+    /// True if every coefficient was zero: every t is a root and none is listed.
+    #[must_use]
+    pub const fn identically_zero(&self) -> bool {
+        self.identically_zero
+    }
+
+    fn push(&mut self, t: f64, crossing: Crossing) {
+        if self.len > 0 && self.t[self.len - 1] == t {
+            // Two isolated roots that round to the same parameter are one root; opposite changes cancel.
+            let last = &mut self.crossing[self.len - 1];
+            *last = match (*last, crossing) {
+                (Crossing::Touching, c) | (c, Crossing::Touching) => c,
+                (a, b) if a == b => a,
+                _ => Crossing::Touching,
+            };
+            return;
+        }
+        debug_assert!(self.len < CAPACITY, "more roots than sign variations");
+        if self.len < CAPACITY {
+            self.t[self.len] = t;
+            self.crossing[self.len] = crossing;
+            self.len += 1;
+        }
+    }
+}
+
+/// p(t) by de Casteljau's algorithm. `coeffs` holds the degree + 1 Bernstein coefficients, at most 8; an empty slice is 0.
+#[must_use]
+pub fn eval(coeffs: &[f64], t: f64) -> f64 {
+    let Some(mut b) = load(coeffs) else { return 0.0 };
+    for level in (1..coeffs.len()).rev() {
+        for i in 0..level {
+            b[i] = (1.0 - t) * b[i] + t * b[i + 1];
+        }
+    }
+    b[0]
+}
+
+/// Bernstein coefficients of p′ (degree n − 1), written to the first n entries of the result: n (b_{i+1} − b_i).
+/// The derivative of a constant (and of an empty slice) is all zeros.
+#[must_use]
+pub fn derivative(coeffs: &[f64]) -> [f64; MAX_DEGREE] {
+    let mut d = [0.0; MAX_DEGREE];
+    let n = coeffs.len().saturating_sub(1);
+    for i in 0..n.min(MAX_DEGREE) {
+        d[i] = n as f64 * (coeffs[i + 1] - coeffs[i]);
+    }
+    d
+}
+
+fn load(coeffs: &[f64]) -> Option<[f64; CAPACITY]> {
+    assert!(coeffs.len() <= CAPACITY, "Bernstein polynomials here have degree at most {MAX_DEGREE}");
+    let mut b = [0.0; CAPACITY];
+    b[..coeffs.len()].copy_from_slice(coeffs);
+    (!coeffs.is_empty()).then_some(b)
+}
+
+/// p and p′ (both wrt t) at once.
+fn eval_with_slope(b: &[f64], t: f64) -> (f64, f64) {
+    let n = b.len() - 1;
+    let mut w = [0.0; CAPACITY];
+    w[..=n].copy_from_slice(b);
+    for level in (1..n).rev() {
+        for i in 0..=level {
+            w[i] = (1.0 - t) * w[i] + t * w[i + 1];
+        }
+    }
+    ((1.0 - t) * w[0] + t * w[1], n as f64 * (w[1] - w[0]))
+}
+
+/// Number of sign changes of the coefficients, zeros skipped.
+fn variations(b: &[f64]) -> usize {
+    let mut count = 0;
+    let mut last = 0.0_f64;
+    for &c in b {
+        if c != 0.0 {
+            if last != 0.0 && (c < 0.0) != (last < 0.0) {
+                count += 1;
+            }
+            last = c;
+        }
+    }
+    count
+}
+
+/// A piece of the polynomial on [t0, t0 + width].
+#[derive(Clone, Copy)]
+struct Piece {
+    b: [f64; CAPACITY],
+    n: usize,
+    t0: f64,
+    width: f64,
+    depth: u32,
+    /// Report a root at the left end of this piece before its interior (set on a right half whose start is a root).
+    root_at_start: Option<Crossing>,
+}
+
+/// All real roots of Σ `coeffs[i]` C(n,i) tⁱ (1−t)ⁿ⁻ⁱ in \[0, 1\], ascending, each once, replacing the contents of `out`.
+///
+/// * Simple roots are polished to machine precision (Newton safeguarded by bisection). A sign change between two
+///   computed values is never lost: both halves of a subdivided piece share the computed value at their common end.
+/// * Exact zeros at t = 0 and t = 1 are reported as 0 and 1 exactly, with the one-sided sign as their [`Crossing`].
+/// * A multiple root, and a group of roots that rounding cannot separate (all coefficients of the piece around it below
+///   a few ulp of the largest coefficient, about 1e-8 apart for a pair), is one root: `Rising`/`Falling` if the sign differs across
+///   the group, else `Touching`. A minimum of |p| above zero by less than that noise may be reported as `Touching` too.
+/// * The zero polynomial reports no root and sets [`Roots::identically_zero`]; so does nothing else.
+/// * NaN or infinite coefficients: no roots.
+/// * Invariant under p → c p, c > 0 (up to rounding); under p → −p the roots stay and the crossings swap.
+///
+/// # Panics
+/// If there are more than 8 coefficients.
+pub fn roots(coeffs: &[f64], out: &mut Roots) {
+    out.clear();
+    let n = coeffs.len().saturating_sub(1);
+    // Early exit of the common case: all of one sign.
+    if coeffs.iter().all(|&c| c > 0.0) || coeffs.iter().all(|&c| c < 0.0) {
+        return;
+    }
+    let Some(mut b) = load(coeffs) else { return };
+    let mut largest = 0.0_f64;
+    for &c in coeffs {
+        if !c.is_finite() {
+            return;
+        }
+        largest = largest.max(c.abs());
+    }
+    if largest == 0.0 {
+        out.identically_zero = true;
+        return;
+    }
+    // A rescale keeps subnormal products out of the subdivision; signs and zeros are untouched.
+    if !(1e-250..=1e250).contains(&largest) {
+        for c in &mut b[..=n] {
+            *c /= largest;
+        }
+        largest = 1.0;
+    }
+    let noise = 4.0 * (n + 1) as f64 * f64::EPSILON * largest;
+
+    let mut m = n;
+    let at_start = deflate_start(&mut b, &mut m);
+    let at_end = deflate_end(&mut b, &mut m);
+    if at_start {
+        out.push(0.0, if b[0] > 0.0 { Crossing::Rising } else { Crossing::Falling });
+    }
+    isolate(Piece { b, n: m, t0: 0.0, width: 1.0, depth: 0, root_at_start: None }, noise, out);
+    if at_end {
+        out.push(1.0, if b[m] < 0.0 { Crossing::Rising } else { Crossing::Falling });
+    }
+}
+
+/// While b_0 = 0, divides by t: p = t q, q_i = b_{i+1} n/(i+1). True if that happened.
+fn deflate_start(b: &mut [f64; CAPACITY], n: &mut usize) -> bool {
+    let mut any = false;
+    while *n > 0 && b[0] == 0.0 {
+        for i in 0..*n {
+            b[i] = b[i + 1] * *n as f64 / (i + 1) as f64;
+        }
+        *n -= 1;
+        any = true;
+    }
+    any
+}
+
+/// While b_n = 0, divides by 1 − t: p = (1−t) q, q_i = b_i n/(n−i). True if that happened.
+fn deflate_end(b: &mut [f64; CAPACITY], n: &mut usize) -> bool {
+    let mut any = false;
+    while *n > 0 && b[*n] == 0.0 {
+        for i in 0..*n {
+            b[i] = b[i] * *n as f64 / (*n - i) as f64;
+        }
+        *n -= 1;
+        any = true;
+    }
+    any
+}
+
+/// Depth-first, left to right, so that roots come out ascending. Neither end of a piece is a root.
+fn isolate(first: Piece, noise: f64, out: &mut Roots) {
+    const STACK: usize = MAX_DEPTH as usize + 2;
+    let mut stack = [first; STACK];
+    let mut top = 1;
+    while top > 0 {
+        top -= 1;
+        let piece = stack[top];
+        if let Some(crossing) = piece.root_at_start {
+            out.push(piece.t0, crossing);
+        }
+        let b = &piece.b[..=piece.n];
+        match variations(b) {
+            0 => continue,
+            1 => {
+                out.push(piece.t0 + piece.width * polish(b), crossing_of(b[0], b[piece.n]));
+                continue;
+            }
+            _ => {}
+        }
+        if piece.depth >= MAX_DEPTH || b.iter().all(|c| c.abs() <= noise) {
+            out.push(piece.t0 + piece.width * cluster_centre(b), crossing_of(b[0], b[piece.n]));
+            continue;
+        }
+        let (left, right) = halve(&piece);
+        stack[top] = right;
+        stack[top + 1] = left;
+        top += 2;
+    }
+}
+
+fn crossing_of(before: f64, after: f64) -> Crossing {
+    match (before < 0.0, after < 0.0) {
+        (true, false) => Crossing::Rising,
+        (false, true) => Crossing::Falling,
+        _ => Crossing::Touching,
+    }
+}
+
+/// De Casteljau at ½. A midpoint that is exactly a root is moved to `root_at_start` of the right half and divided out of both.
+fn halve(piece: &Piece) -> (Piece, Piece) {
+    let n = piece.n;
+    let mut left = *piece;
+    let mut right = *piece;
+    for level in 0..=n {
+        left.b[level] = right.b[0];
+        for i in 0..n - level {
+            right.b[i] = 0.5 * right.b[i] + 0.5 * right.b[i + 1];
+        }
+    }
+    left.width = 0.5 * piece.width;
+    left.depth += 1;
+    left.root_at_start = None;
+    right.width = left.width;
+    right.t0 = piece.t0 + left.width;
+    right.depth = left.depth;
+    right.root_at_start = None;
+    let at_mid = deflate_end(&mut left.b, &mut left.n) | deflate_start(&mut right.b, &mut right.n);
+    if at_mid {
+        right.root_at_start = Some(crossing_of(left.b[left.n], right.b[0]));
+    }
+    (left, right)
+}
+
+/// The root of a piece with b_0 b_n < 0, in (0, 1): Newton kept inside a shrinking bracket.
+fn polish(b: &[f64]) -> f64 {
+    let rising = b[0] < 0.0;
+    let (mut lo, mut hi) = (0.0_f64, 1.0_f64);
+    // Start from the secant of the end values, which is the root for a straight control polygon.
+    let (first, last) = (b[0], b[b.len() - 1]);
+    let mut t = (first / (first - last)).clamp(0.0, 1.0);
+    let mut last_step = 1.0_f64;
+    for _ in 0..200 {
+        let (value, slope) = eval_with_slope(b, t);
+        if value == 0.0 {
+            return t;
+        }
+        if (value < 0.0) == rising {
+            lo = t;
+        } else {
+            hi = t;
+        }
+        let mut next = t - value / slope;
+        // Outside the bracket (also for slope 0 or NaN) or not at least halving: bisect.
+        if !(next > lo && next < hi) || (next - t).abs() > 0.5 * last_step {
+            next = 0.5 * (lo + hi);
+        }
+        last_step = (next - t).abs();
+        if last_step <= f64::EPSILON * next || next <= lo || next >= hi {
+            return next.clamp(lo, hi);
+        }
+        t = next;
+    }
+    t
+}
+
+/// Representative of a cluster: where |p| is smallest among its ends, middle and the middle's two Newton-like guesses.
+fn cluster_centre(b: &[f64]) -> f64 {
+    if (b[0] < 0.0) != (b[b.len() - 1] < 0.0) {
+        return polish(b);
+    }
+    // Even: the vertex of the parabola through the ends and the middle.
+    let (first, middle, last) = (b[0], eval(b, 0.5), b[b.len() - 1]);
+    let curvature = first - 2.0 * middle + last;
+    let vertex = 0.5 + 0.25 * (first - last) / curvature;
+    if vertex > 0.0 && vertex < 1.0 { vertex } else { 0.5 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bernstein coefficients of c Π (t − r).
+    fn from_roots(r: &[f64], c: f64) -> Vec<f64> {
+        // Multiply Bernstein polynomials by (t − r) = −r (1−t) + (1−r) t.
+        let mut b = vec![c];
+        for &root in r {
+            let n = b.len();
+            let mut next = vec![0.0; n + 1];
+            for i in 0..=n {
+                let from_left = if i > 0 { b[i - 1] * i as f64 / n as f64 } else { 0.0 };
+                let from_same = if i < n { b[i] * (n - i) as f64 / n as f64 } else { 0.0 };
+                next[i] = (1.0 - root) * from_left - root * from_same;
+            }
+            b = next;
+        }
+        b
+    }
+
+    fn find(b: &[f64]) -> Vec<f64> {
+        let mut out = Roots::new();
+        roots(b, &mut out);
+        out.as_slice().to_vec()
+    }
+
+    #[test]
+    fn simple_roots_to_machine_precision_at_any_scale() {
+        let r = [0.1, 0.25, 0.5, 0.7, 0.99];
+        for scale in [1.0, 1e-150, 1e150, 1e-290, -3.7] {
+            let found = find(&from_roots(&r, scale));
+            assert_eq!(found.len(), 5, "{scale}: {found:?}");
+            for (a, b) in found.iter().zip(&r) {
+                assert!((a - b).abs() < 1e-13, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn ends_and_midpoint_are_exact() {
+        let mut out = Roots::new();
+        roots(&from_roots(&[0.0, 0.5, 1.0], 1.0), &mut out);
+        assert_eq!(out.as_slice(), &[0.0, 0.5, 1.0]);
+        let crossings: Vec<_> = out.iter().map(|r| r.crossing).collect();
+        assert_eq!(crossings, [Crossing::Rising, Crossing::Falling, Crossing::Rising]);
+    }
+
+    #[test]
+    fn multiple_roots_are_one() {
+        let mut out = Roots::new();
+        for (r, crossing) in [
+            (&[0.3, 0.3][..], Crossing::Touching),
+            (&[0.3, 0.3, 0.3], Crossing::Rising),
+            (&[0.5, 0.5], Crossing::Touching),
+            (&[0.3, 0.3 + 1e-12], Crossing::Touching),
+        ] {
+            roots(&from_roots(r, 1.0), &mut out);
+            assert!(out.as_slice().len() <= 1, "{r:?} {out:?}");
+            for root in out.iter() {
+                assert_eq!(root.crossing, crossing);
+                assert!((root.t - r[0]).abs() < 3e-5, "{r:?} {root:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn odd_multiple_root_is_never_lost() {
+        assert_eq!(find(&from_roots(&[0.3, 0.3, 0.3, 0.3, 0.3], 1.0)).len(), 1);
+    }
+
+    #[test]
+    fn near_double_roots_are_separated_when_f64_can() {
+        let found = find(&from_roots(&[0.3, 0.3 + 1e-6], 1.0));
+        assert_eq!(found.len(), 2);
+        assert!((found[0] - 0.3).abs() < 1e-9 && (found[1] - 0.300001).abs() < 1e-9);
+    }
+
+    #[test]
+    fn degenerate_inputs() {
+        let mut out = Roots::new();
+        roots(&[0.0; 6], &mut out);
+        assert!(out.identically_zero() && out.as_slice().is_empty());
+        for b in [&[][..], &[1.0], &[f64::NAN, 1.0], &[-1.0, f64::INFINITY]] {
+            roots(b, &mut out);
+            assert!(out.as_slice().is_empty() && !out.identically_zero());
+        }
+        assert_eq!(find(&[0.0, 0.0, 1.0]), [0.0]);
+        assert_eq!(find(&[1.0, 0.0, 0.0]), [1.0]);
+    }
+
+    #[test]
+    fn tiny_root_keeps_relative_precision() {
+        let found = find(&[-1e-30, 1.0]);
+        assert!((found[0] - 1e-30).abs() < 1e-45);
+    }
+
+    #[test]
+    fn helpers() {
+        let b = from_roots(&[0.2, 0.9], 2.0);
+        assert!((eval(&b, 0.4) - 2.0 * 0.2 * -0.5).abs() < 1e-15);
+        assert!((eval(&derivative(&b)[..2], 0.4) - 2.0 * (0.2 - 0.5)).abs() < 1e-15);
+        assert_eq!(derivative(&[3.0])[0], 0.0);
+    }
+}

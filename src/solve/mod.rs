@@ -1,6 +1,13 @@
-//! (to be written)
+//! Finds equilibria.
 
+pub mod assembly;
+mod coupling;
+pub mod engine;
 pub mod newton;
-pub mod step_bound;
 pub mod path;
 pub mod stability;
+pub mod state;
+pub mod step_bound;
+
+pub use engine::Engine;
+pub use state::{Drive, State};

@@ -1,0 +1,315 @@
+//! The assembled problem: elements, contact curves, supports, state and buffers. Built once from a model.
+
+use crate::contact::broad_phase::BroadPhase;
+use crate::contact::curve::{Cubic, CurveInput, CurveSet};
+use crate::contact::exclusion::Exclusion;
+use crate::error::InputError;
+use crate::math::quaternion::to_array;
+use crate::math::shape_functions::Table;
+use crate::math::{Quat, Vec3};
+use crate::rod::element::{ElementNodes, Six, raw_strains, stiffness};
+use crate::rod::{Natural, Rod};
+use crate::scene::{ContactLaw, Model};
+use crate::solve::state::State;
+
+/// One element: where its nodes are and which rod it belongs to.
+#[derive(Debug, Clone, Copy)]
+pub struct Element {
+    /// Rod index.
+    pub rod: usize,
+    /// Global node indices; order + 1 of them are used.
+    pub nodes: [usize; 4],
+    /// The last node is the first node of the rod seen through the seam.
+    pub closes: bool,
+}
+
+/// Contact side of the engine; absent when the law is none.
+#[derive(Debug)]
+pub struct ContactSide {
+    /// Contact curves of all rods with a contact radius.
+    pub set: CurveSet,
+    /// Per segment: the two global nodes it joins.
+    pub nodes: Vec<[usize; 2]>,
+    /// Per curve: the rod.
+    pub rods: Vec<usize>,
+    /// Turning bounds.
+    pub exclusion: Exclusion,
+    /// Candidate pairs.
+    pub broad_phase: BroadPhase,
+    /// Separate search for the step bound (ranges differ every time).
+    pub step_search: BroadPhase,
+    /// κ \[F/L²\].
+    pub stiffness: f64,
+    /// Offsets c per node \[L\] (all rods; zero for a plain penalty).
+    pub offsets: Vec<f64>,
+    /// Smallest contact radius \[L\].
+    pub min_radius: f64,
+}
+
+impl ContactSide {
+    /// Offsets at both ends of a segment \[L\].
+    pub fn offset(&self, segment: usize) -> [f64; 2] {
+        self.nodes[segment].map(|n| self.offsets[n])
+    }
+}
+
+/// The problem in the form the solver works on.
+#[derive(Debug)]
+pub struct Engine {
+    pub(crate) model: Model,
+    /// First global node of each rod; one more entry than rods.
+    pub(crate) first_node: Vec<usize>,
+    pub(crate) elements: Vec<Element>,
+    pub(crate) tables: [Table; 3],
+    pub(crate) material: Vec<Six>,
+    /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
+    pub(crate) reference: Vec<Reference>,
+    pub(crate) free: Vec<[bool; 6]>,
+    pub(crate) state: State,
+    pub(crate) contact: Option<ContactSide>,
+    pub(crate) scales: Scales,
+    pub(crate) pool: Option<rayon::ThreadPool>,
+}
+
+/// Reference strains of a rod: stored per element only where the rod is curved by nature in its own way.
+#[derive(Debug)]
+pub(crate) enum Reference {
+    Uniform(Six),
+    PerElement(usize, Vec<[Six; 3]>),
+}
+
+impl Reference {
+    pub(crate) fn of(&self, element: usize) -> [Six; 3] {
+        match self {
+            Self::Uniform(six) => [*six; 3],
+            Self::PerElement(first, list) => list[element - first],
+        }
+    }
+}
+
+/// Scales that make tolerances and shifts dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// Largest rod length \[L\].
+    pub length: f64,
+    /// Smallest bending stiffness \[F·L²\].
+    pub bending: f64,
+    /// Length that turns rotations into displacements in norms: a node distance \[L\].
+    pub lever: f64,
+}
+
+impl Engine {
+    /// Checks the model and builds elements, contact curves and the start state.
+    ///
+    /// # Errors
+    /// Whatever [`Model::check`] refuses; threads that cannot be started.
+    pub fn new(model: Model, threads: Option<usize>) -> Result<Self, InputError> {
+        model.check()?;
+        let mut first_node = vec![0];
+        for rod in &model.rods {
+            first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
+        }
+        let num_nodes = first_node[model.rods.len()];
+        let free = free_unknowns(&model, &first_node, num_nodes);
+        let state = State {
+            positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
+            frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
+            seams: model.rods.iter().map(|r| std::f64::consts::TAU * r.start_excess_link).collect(),
+            load_factor: 0.0,
+            pressures: vec![0.0; model.rods.len()],
+        };
+        let elements = build_elements(&model, &first_node);
+        let scales = scales(&model);
+        let pool = match threads {
+            None => None,
+            Some(count) => Some(rayon::ThreadPoolBuilder::new().num_threads(count).build().map_err(|e| {
+                InputError::Inconsistent { field: "threads".to_owned(), reason: e.to_string() }
+            })?),
+        };
+        let mut engine = Self {
+            tables: [Table::new(1), Table::new(2), Table::new(3)],
+            material: model.rods.iter().map(|r| stiffness(&r.section)).collect(),
+            reference: Vec::new(),
+            contact: None,
+            model,
+            first_node,
+            elements,
+            free,
+            state,
+            scales,
+            pool,
+        };
+        engine.reference = engine.build_reference();
+        engine.contact = engine.build_contact()?;
+        Ok(engine)
+    }
+
+    /// The model this engine was built from.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The present configuration.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Replaces the configuration (for example by a user's start shape or a checkpoint).
+    ///
+    /// # Errors
+    /// `InputError::Inconsistent` when the sizes do not match the model.
+    pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
+        let fits = state.positions.len() == self.state.positions.len()
+            && state.frames.len() == self.state.frames.len()
+            && state.seams.len() == self.state.seams.len()
+            && state.pressures.len() == self.state.pressures.len();
+        if !fits {
+            let reason = "has another number of nodes or rods than the model".to_owned();
+            return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
+        }
+        self.state = state;
+        Ok(())
+    }
+
+    /// Node positions of a rod \[L\].
+    pub fn positions(&self, rod: usize) -> &[Vec3] {
+        &self.state.positions[self.first_node[rod]..self.first_node[rod + 1]]
+    }
+
+    /// Node frames of a rod.
+    pub fn frames(&self, rod: usize) -> &[Quat] {
+        &self.state.frames[self.first_node[rod]..self.first_node[rod + 1]]
+    }
+
+    /// Number of nodes of all rods.
+    pub fn num_nodes(&self) -> usize {
+        self.state.positions.len()
+    }
+
+    /// Nodes of an element in a state, signs aligned.
+    pub(crate) fn element_nodes(&self, state: &State, element: &Element) -> ElementNodes {
+        let count = self.model.rods[element.rod].order + 1;
+        let mut nodes = ElementNodes::default();
+        for a in 0..count {
+            let node = element.nodes[a];
+            nodes.r[a] = state.positions[node].into();
+            let frame =
+                if element.closes && a + 1 == count { state.seam_frame(element.rod, node) } else { state.frames[node] };
+            nodes.q[a] = to_array(&frame);
+        }
+        nodes.align_signs(count);
+        nodes
+    }
+
+    pub(crate) fn table(&self, rod: usize) -> &Table {
+        &self.tables[self.model.rods[rod].order - 1]
+    }
+
+    /// Reference length of the elements of a rod \[L\].
+    pub(crate) fn element_length(&self, rod: usize) -> f64 {
+        self.model.rods[rod].length / self.model.rods[rod].num_elements as f64
+    }
+
+    fn build_reference(&self) -> Vec<Reference> {
+        let mut first = 0;
+        let mut all = Vec::new();
+        for (index, rod) in self.model.rods.iter().enumerate() {
+            let straight = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+            all.push(match rod.natural {
+                Natural::Straight => Reference::Uniform(straight),
+                Natural::Uniform { kappa } => Reference::Uniform([0.0, 0.0, 1.0, kappa[0], kappa[1], kappa[2]]),
+                Natural::AsShaped => {
+                    let own = &self.elements[first..first + rod.num_elements];
+                    let strains = own.iter().map(|element| {
+                        let nodes = self.element_nodes(&self.state, element);
+                        raw_strains(self.table(index), &nodes, self.element_length(index))
+                    });
+                    Reference::PerElement(first, strains.collect())
+                }
+            });
+            first += rod.num_elements;
+        }
+        all
+    }
+
+    fn build_contact(&self) -> Result<Option<ContactSide>, InputError> {
+        let dimensionless = match self.model.contact.law {
+            ContactLaw::None => return Ok(None),
+            ContactLaw::Penalty { stiffness } | ContactLaw::AugmentedLagrangian { stiffness, .. } => stiffness,
+        };
+        let mut inputs = Vec::new();
+        let (mut nodes, mut rods) = (Vec::new(), Vec::new());
+        for (index, rod) in self.model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
+            let count = rod.num_elements * rod.order;
+            let first = self.first_node[index];
+            nodes.extend((0..count).map(|k| [first + k, first + (k + 1) % rod.num_nodes()]));
+            rods.push(index);
+            let length = rod.length / count as f64;
+            inputs.push(CurveInput {
+                segments: nodes[nodes.len() - count..].iter().map(|&n| contact_cubic(&self.state, n, length)).collect(),
+                lengths: vec![length; count],
+                closed: rod.closed,
+                radius: rod.section.contact_radius,
+            });
+        }
+        if inputs.is_empty() {
+            return Ok(None);
+        }
+        let min_radius = inputs.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
+        Ok(Some(ContactSide {
+            set: CurveSet::new(inputs)?,
+            nodes,
+            rods,
+            exclusion: Exclusion::new(),
+            broad_phase: BroadPhase::new(),
+            step_search: BroadPhase::new(),
+            stiffness: dimensionless * self.scales.bending / min_radius.powi(4),
+            offsets: vec![0.0; self.num_nodes()],
+            min_radius,
+        }))
+    }
+}
+
+/// The contact centreline between two neighbouring nodes: the cubic Hermite curve through r_a, r_b with the nodes' own
+/// tangents d3. C¹ along the rod, which the elements' own Lagrange curve is not.
+pub(crate) fn contact_cubic(state: &State, [a, b]: [usize; 2], length: f64) -> Cubic {
+    let d3 = |n: usize| state.frames[n] * Vec3::z();
+    Cubic::from_hermite(state.positions[a], d3(a) * length, state.positions[b], d3(b) * length)
+}
+
+fn free_unknowns(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<[bool; 6]> {
+    let all = if model.planar { [true, true, false, false, false, true] } else { [true; 6] };
+    let mut free = vec![all; num_nodes];
+    for support in &model.supports {
+        let flags = &mut free[first_node[support.node.rod] + support.node.node];
+        for k in 0..3 {
+            flags[k] &= !support.position[k];
+            flags[k + 3] &= !support.rotation[k];
+        }
+    }
+    free
+}
+
+fn build_elements(model: &Model, first_node: &[usize]) -> Vec<Element> {
+    let mut elements = Vec::new();
+    for (index, rod) in model.rods.iter().enumerate() {
+        for e in 0..rod.num_elements {
+            let nodes = std::array::from_fn(|a| {
+                let local = (e * rod.order + a.min(rod.order)) % rod.num_nodes();
+                first_node[index] + local
+            });
+            elements.push(Element { rod: index, nodes, closes: rod.closed && e + 1 == rod.num_elements });
+        }
+    }
+    elements
+}
+
+fn scales(model: &Model) -> Scales {
+    let fold = |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
+    let spacing = |r: &Rod| r.length / (r.num_elements * r.order) as f64;
+    Scales {
+        length: fold(&|r| r.length, 0.0, f64::max),
+        bending: fold(&|r| r.section.bending[0].min(r.section.bending[1]), f64::INFINITY, f64::min),
+        lever: fold(&spacing, f64::INFINITY, f64::min),
+    }
+}
