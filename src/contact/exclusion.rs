@@ -148,6 +148,15 @@ impl Exclusion {
         self.turning_between(set, i, u, j, v) < FRAC_PI_2 || self.turning_between(set, j, v, i, u) < FRAC_PI_2
     }
 
+    /// True if whole segments i ≠ j of one curve have at least `limit` of turning (bound) between their facing ends, both ways round.
+    pub(crate) fn turns_between_at_least(&self, set: &CurveSet, i: usize, j: usize, limit: f64) -> bool {
+        let (i, j) = if i < j { (i, j) } else { (j, i) };
+        let curve = set.curve_of(i);
+        let around =
+            if set.curves[curve].closed { self.total[curve] - self.end[j] + self.start[i] } else { f64::INFINITY };
+        i != j && (self.start[j] - self.end[i]).min(around) >= limit
+    }
+
     fn within(&self, reach: &[u32], i: usize, j: usize) -> bool {
         if i == j {
             return true;

@@ -108,6 +108,45 @@ pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3]
     out
 }
 
+/// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): what the
+/// mixed-integration-point step predicts.
+pub fn predicted_stress(
+    table: &Table,
+    nodes: &ElementNodes,
+    length: f64,
+    material: &Six,
+    reference: &[Six; 3],
+    increment: &[f64; MAX_DOF],
+) -> [Six; 3] {
+    let num_nodes = table.order + 1;
+    let mut change = ElementNodes::default();
+    for a in 0..num_nodes {
+        for k in 0..3 {
+            change.r[a][k] = increment[6 * a + k];
+        }
+        let turn = [increment[6 * a + 3], increment[6 * a + 4], increment[6 * a + 5]];
+        change.q[a] = pure_mul(&turn, &nodes.q[a]).map(|x| 0.5 * x);
+    }
+    let mut out = [[0.0; 6]; 3];
+    for g in 0..table.order {
+        let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
+        let dp = interpolate(&change, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
+        let raw = raw_strain(&p);
+        let b = gradients(&p, &raw);
+        for i in 0..6 {
+            let mut strain = raw[i] - reference[g][i];
+            for k in 0..3 {
+                strain += b[i][k] * dp.rp[k];
+            }
+            for k in 0..4 {
+                strain += b[i][3 + k] * dp.z[k] + b[i][7 + k] * dp.zp[k];
+            }
+            out[g][i] = material[i] * strain;
+        }
+    }
+    out
+}
+
 /// First derivatives of the six strains with respect to y = (r', z, z'); b[i][0..3], [3..7], [7..11].
 fn gradients(p: &Point, strain: &Six) -> [[f64; 11]; 6] {
     let mut b = [[0.0; 11]; 6];

@@ -1,0 +1,560 @@
+//! Gradient, tangent and potential of the whole problem at a state.
+
+use rayon::prelude::*;
+
+use crate::contact::detect::{self, PairTerm};
+use crate::error::{InputError, SolveError};
+use crate::math::quadrature::gauss;
+use crate::math::shape_functions::lagrange;
+use crate::math::{Quat, Vec3};
+use crate::rod::element::{ElementOutput, MAX_DOF, Six, Want, evaluate};
+use crate::solve::coupling::{NodalGradient, NodalTangent, SegmentFrame, nodal_gradient, nodal_tangent};
+use crate::solve::engine::{ContactSide, Engine, contact_cubic};
+use crate::solve::state::{Drive, State};
+use crate::sparse::Pattern;
+
+/// Elements or contact terms computed in parallel before one ordered scatter: bounds the buffer, not the result.
+const BATCH: usize = 1024;
+
+/// Elastic energies by kind and the rest of the potential \[F·L\].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Potential {
+    /// Stretch, shear, bend, twist.
+    pub elastic: [f64; 4],
+    /// Energy of the contact law.
+    pub contact: f64,
+    /// Minus the work of dead forces and pressure.
+    pub load: f64,
+}
+
+impl Potential {
+    /// Sum of all parts.
+    pub fn total(&self) -> f64 {
+        self.elastic.iter().sum::<f64>() + self.contact + self.load
+    }
+}
+
+/// Everything first-order at a state.
+#[derive(Debug, Clone, Default)]
+pub struct Residual {
+    /// Gradient of the potential, six per node, supported unknowns included (there it is the reaction).
+    pub gradient: Vec<f64>,
+    /// Per unknown: sum of absolute contributions, the size against which rounding and convergence are judged.
+    pub magnitude: Vec<f64>,
+    /// Potential.
+    pub potential: Potential,
+    /// Contact terms.
+    pub terms: Vec<PairTerm>,
+    /// Gradient of the contact potential alone.
+    pub(crate) contact_gradient: Vec<f64>,
+    /// Contact tangent by terms, if assembled: nodes and block.
+    pub(crate) contact_blocks: Vec<([usize; 4], Box<NodalTangent>)>,
+    /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting moment there.
+    pub seam_moments: Vec<f64>,
+}
+
+/// Tangent in the pattern's values plus the load-step right-hand side.
+#[derive(Debug, Default)]
+pub struct Tangent {
+    /// Upper values in the pattern.
+    pub values: Vec<f64>,
+    /// K_fp · drive per unknown (six per node).
+    pub drive: Vec<f64>,
+}
+
+/// Geometry and candidates at a state, brought up to date once before gradient or tangent are asked for.
+impl Engine {
+    /// Moves the contact curves to `state` and refreshes candidates; true if the candidate list changed.
+    pub(crate) fn update_contact(&mut self, state: &State) -> Result<bool, SolveError> {
+        let Some(mut side) = self.contact.take() else { return Ok(false) };
+        let pool = self.pool.take();
+        let result = in_pool(pool.as_ref(), || side.update(state));
+        self.pool = pool;
+        self.contact = Some(side);
+        result
+    }
+
+    /// Gradient (and potential) at `state`; contact must be up to date for it.
+    pub(crate) fn residual(&self, state: &State) -> Residual {
+        self.install(|| {
+            let mut out = self.start_residual();
+            for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
+                let results: Vec<ElementOutput> = batch
+                    .par_iter()
+                    .enumerate()
+                    .map(|(k, _)| self.element_output(batch_index * BATCH + k, state, None, Want::Residual))
+                    .collect();
+                for (k, result) in results.iter().enumerate() {
+                    self.scatter_element_gradient(batch_index * BATCH + k, result, state, &mut out);
+                }
+            }
+            self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
+            self.add_loads(state, &mut out, None);
+            out
+        })
+    }
+
+    /// Gradient and tangent at `state`; `predicted` are the stresses of mixed-integration-point Newton, three per element.
+    pub(crate) fn linearise(
+        &self,
+        state: &State,
+        predicted: Option<&[[Six; 3]]>,
+        drive: &Drive,
+        pattern: &Pattern,
+        tangent: &mut Tangent,
+    ) -> Residual {
+        tangent.values.clear();
+        tangent.values.resize(pattern.num_entries(), 0.0);
+        tangent.drive.clear();
+        tangent.drive.resize(6 * self.num_nodes(), 0.0);
+        let prescribed = self.prescribed(drive);
+        self.install(|| {
+            let mut out = self.start_residual();
+            for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
+                let results: Vec<ElementOutput> = batch
+                    .par_iter()
+                    .enumerate()
+                    .map(|(k, _)| {
+                        let e = batch_index * BATCH + k;
+                        self.element_output(e, state, predicted.map(|p| &p[e]), Want::Tangent)
+                    })
+                    .collect();
+                for (k, result) in results.iter().enumerate() {
+                    let e = batch_index * BATCH + k;
+                    self.scatter_element_gradient(e, result, state, &mut out);
+                    self.scatter_element_tangent(e, result, state, drive, prescribed.as_deref(), pattern, tangent);
+                }
+            }
+            self.add_contact_gradient(state, detect::Want::Hessian, &mut out, Some((pattern, prescribed.as_deref(), tangent)));
+            self.add_loads(state, &mut out, Some((pattern, tangent)));
+            out
+        })
+    }
+
+    /// Gradient of the contact potential alone, six per node; contact must be up to date for `state`.
+    pub(crate) fn contact_gradient(&self, state: &State) -> Vec<f64> {
+        self.install(|| {
+            let mut out = self.start_residual();
+            self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
+            out.contact_gradient
+        })
+    }
+
+    /// Sparsity pattern for the present candidates.
+    pub(crate) fn build_pattern(&self) -> Pattern {
+        let elements = self.elements.iter().flat_map(|element| {
+            let count = self.model.rods[element.rod].order + 1;
+            (0..count).flat_map(move |a| (a..count).map(move |c| (element.nodes[a], element.nodes[c])))
+        });
+        let contacts = self.contact.iter().flat_map(|side| {
+            side.broad_phase.pairs().iter().flat_map(|&[i, j]| {
+                let (p, q) = (side.nodes[i as usize], side.nodes[j as usize]);
+                [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
+            })
+        });
+        Pattern::new(&self.free, elements.chain(contacts))
+    }
+
+    /// Runs in the engine's own pool, if it has one.
+    pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        in_pool(self.pool.as_ref(), work)
+    }
+
+    /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
+    pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64], drive: &Drive) -> Vec<[Six; 3]> {
+        self.install(|| {
+            (0..self.elements.len())
+                .into_par_iter()
+                .with_min_len(64)
+                .map(|e| self.predict_element(e, state, increment, drive))
+                .collect()
+        })
+    }
+
+    /// Stresses C ε at all points.
+    pub(crate) fn actual_stress(&self, state: &State) -> Vec<[Six; 3]> {
+        self.install(|| {
+            (0..self.elements.len())
+                .into_par_iter()
+                .with_min_len(64)
+                .map(|e| {
+                    let strain = self.element_strain(e, state);
+                    let material = &self.material[self.elements[e].rod];
+                    strain.map(|six| std::array::from_fn(|i| material[i] * six[i]))
+                })
+                .collect()
+        })
+    }
+
+    /// Strains minus reference at the points of an element.
+    pub(crate) fn element_strain(&self, e: usize, state: &State) -> [Six; 3] {
+        let element = &self.elements[e];
+        let nodes = self.element_nodes(state, element);
+        let raw = crate::rod::element::raw_strains(self.table(element.rod), &nodes, self.element_length(element.rod));
+        let reference = self.reference[element.rod].of(e);
+        std::array::from_fn(|g| std::array::from_fn(|i| raw[g][i] - reference[g][i]))
+    }
+
+    fn predict_element(&self, e: usize, state: &State, increment: &[f64], drive: &Drive) -> [Six; 3] {
+        let element = &self.elements[e];
+        let nodes = self.element_nodes(state, element);
+        let count = self.model.rods[element.rod].order + 1;
+        let mut local = [0.0; MAX_DOF];
+        for a in 0..count {
+            local[6 * a..6 * a + 6].copy_from_slice(&increment[6 * element.nodes[a]..6 * element.nodes[a] + 6]);
+        }
+        if element.closes && !drive.seams.is_empty() {
+            let axis = self.seam_axis(state, element.rod) * drive.seams[element.rod];
+            for k in 0..3 {
+                local[6 * (count - 1) + 3 + k] += axis[k];
+            }
+        }
+        let reference = self.reference[element.rod].of(e);
+        let length = self.element_length(element.rod);
+        crate::rod::element::predicted_stress(
+            self.table(element.rod),
+            &nodes,
+            length,
+            &self.material[element.rod],
+            &reference,
+            &local,
+        )
+    }
+
+    fn start_residual(&self) -> Residual {
+        let n = 6 * self.num_nodes();
+        Residual {
+            gradient: vec![0.0; n],
+            magnitude: vec![0.0; n],
+            seam_moments: vec![0.0; self.model.rods.len()],
+            ..Residual::default()
+        }
+    }
+
+    fn element_output(&self, e: usize, state: &State, predicted: Option<&[Six; 3]>, want: Want) -> ElementOutput {
+        let element = &self.elements[e];
+        let nodes = self.element_nodes(state, element);
+        let mut out = ElementOutput::default();
+        let reference = self.reference[element.rod].of(e);
+        let length = self.element_length(element.rod);
+        let material = &self.material[element.rod];
+        evaluate(self.table(element.rod), &nodes, length, material, &reference, predicted, want, &mut out);
+        out
+    }
+
+    fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {
+        let frame: Quat = state.seam_frame(rod, self.first_node[rod]);
+        frame * Vec3::z()
+    }
+
+    fn scatter_element_gradient(&self, e: usize, result: &ElementOutput, state: &State, out: &mut Residual) {
+        let element = &self.elements[e];
+        let count = self.model.rods[element.rod].order + 1;
+        for a in 0..count {
+            let base = 6 * element.nodes[a];
+            for k in 0..6 {
+                out.gradient[base + k] += result.residual[6 * a + k];
+                out.magnitude[base + k] += result.residual[6 * a + k].abs();
+            }
+        }
+        for (sum, energy) in out.potential.elastic.iter_mut().zip(result.energy) {
+            *sum += energy;
+        }
+        if element.closes {
+            let moment = &result.residual[6 * (count - 1) + 3..6 * count];
+            out.seam_moments[element.rod] = self.seam_axis(state, element.rod).dot(&Vec3::new(moment[0], moment[1], moment[2]));
+        }
+    }
+
+    /// Per unknown increments of supported nodes, `None` when nothing moves.
+    fn prescribed(&self, drive: &Drive) -> Option<Vec<f64>> {
+        if drive.nodes.is_empty() {
+            return None;
+        }
+        let mut all = vec![0.0; 6 * self.num_nodes()];
+        for &(node, displacement, rotation) in &drive.nodes {
+            for k in 0..3 {
+                all[6 * node + k] += displacement[k];
+                all[6 * node + 3 + k] += rotation[k];
+            }
+        }
+        Some(all)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn scatter_element_tangent(
+        &self,
+        e: usize,
+        result: &ElementOutput,
+        state: &State,
+        drive: &Drive,
+        prescribed: Option<&[f64]>,
+        pattern: &Pattern,
+        tangent: &mut Tangent,
+    ) {
+        let element = &self.elements[e];
+        let count = self.model.rods[element.rod].order + 1;
+        for a in 0..count {
+            for c in a..count {
+                let (p, q) = (element.nodes[a], element.nodes[c]);
+                let entry = |i: usize, j: usize| result.tangent[6 * a + i][6 * c + j];
+                pattern.add_block(&mut tangent.values, p, q, entry);
+                if p == q && a != c {
+                    pattern.add_block(&mut tangent.values, p, q, |i, j| entry(j, i));
+                }
+            }
+        }
+        let seam = element.closes && drive.seams.get(element.rod).is_some_and(|x| *x != 0.0);
+        if prescribed.is_none() && !seam {
+            return;
+        }
+        let mut local = [0.0; MAX_DOF];
+        if let Some(all) = prescribed {
+            for a in 0..count {
+                local[6 * a..6 * a + 6].copy_from_slice(&all[6 * element.nodes[a]..6 * element.nodes[a] + 6]);
+            }
+        }
+        if seam {
+            let axis = self.seam_axis(state, element.rod) * drive.seams[element.rod];
+            for k in 0..3 {
+                local[6 * (count - 1) + 3 + k] += axis[k];
+            }
+        }
+        for row in 0..6 * count {
+            let sum: f64 = (0..6 * count).map(|col| symmetric(&result.tangent, row, col) * local[col]).sum();
+            tangent.drive[6 * element.nodes[row / 6] + row % 6] += sum;
+        }
+    }
+
+    fn add_contact_gradient(
+        &self,
+        state: &State,
+        want: detect::Want,
+        out: &mut Residual,
+        mut tangent: Option<(&Pattern, Option<&[f64]>, &mut Tangent)>,
+    ) {
+        let Some(side) = &self.contact else { return };
+        out.contact_gradient.resize(out.gradient.len(), 0.0);
+        let terms = detect::evaluate(&side.set, side.broad_phase.pairs(), side.stiffness, &|s| side.offset(s), want);
+        for batch in terms.chunks(BATCH) {
+            let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
+                batch.par_iter().map(|term| side.map_term(term, state)).collect();
+            for (term, (gradient, block)) in batch.iter().zip(mapped) {
+                let nodes = side.term_nodes(term);
+                out.potential.contact += term.energy;
+                for (p, &node) in nodes.iter().enumerate() {
+                    for k in 0..6 {
+                        out.gradient[6 * node + k] += gradient[6 * p + k];
+                        out.contact_gradient[6 * node + k] += gradient[6 * p + k];
+                        out.magnitude[6 * node + k] += gradient[6 * p + k].abs();
+                    }
+                }
+                if let (Some((pattern, prescribed, tangent)), Some(block)) = (&mut tangent, block) {
+                    scatter_contact(&nodes, &block, pattern, *prescribed, tangent);
+                    out.contact_blocks.push((nodes, block));
+                }
+            }
+        }
+        out.terms = terms;
+        for term in &mut out.terms {
+            term.hessian = None;
+        }
+    }
+
+    /// Dead forces and moments, line loads, pressure.
+    fn add_loads(&self, state: &State, out: &mut Residual, mut tangent: Option<(&Pattern, &mut Tangent)>) {
+        let factor = state.load_factor;
+        for load in &self.model.loads {
+            let node = self.first_node[load.node.rod] + load.node.node;
+            for k in 0..3 {
+                add_load(out, 6 * node + k, factor * load.force[k]);
+                add_load(out, 6 * node + 3 + k, factor * load.moment[k]);
+            }
+            out.potential.load -= factor * load.force.dot(&state.positions[node]);
+        }
+        for load in &self.model.line_loads {
+            self.add_line_load(load.rod, load.force * factor, state, out);
+        }
+        for (rod, &pressure) in state.pressures.iter().enumerate().filter(|(_, p)| **p != 0.0) {
+            let tangent = tangent.as_mut().map(|(pattern, tangent)| (*pattern, &mut **tangent));
+            self.add_pressure(rod, pressure, state, out, tangent);
+        }
+    }
+
+    fn add_line_load(&self, rod: usize, force: Vec3, state: &State, out: &mut Residual) {
+        let weights = integrals(self.model.rods[rod].order).0;
+        let length = self.element_length(rod);
+        for element in self.elements.iter().filter(|e| e.rod == rod) {
+            for a in 0..=self.model.rods[rod].order {
+                let nodal = force * (weights[a] * length);
+                let node = element.nodes[a];
+                for k in 0..3 {
+                    add_load(out, 6 * node + k, nodal[k]);
+                }
+                out.potential.load -= nodal.dot(&state.positions[node]);
+            }
+        }
+    }
+
+    /// Pressure p on a closed planar rod has the potential p × enclosed area ½∮(x dy − y dx).
+    fn add_pressure(
+        &self,
+        rod: usize,
+        pressure: f64,
+        state: &State,
+        out: &mut Residual,
+        mut tangent: Option<(&Pattern, &mut Tangent)>,
+    ) {
+        let order = self.model.rods[rod].order;
+        let skew = integrals(order).1;
+        for element in self.elements.iter().filter(|e| e.rod == rod) {
+            for a in 0..=order {
+                for c in 0..=order {
+                    // ½ p (N_a N_c' − N_a' N_c) x_a y_c
+                    let factor = 0.5 * pressure * skew[a][c];
+                    let (p, q) = (element.nodes[a], element.nodes[c]);
+                    let (x, y) = (state.positions[p].x, state.positions[q].y);
+                    out.potential.load += factor * x * y;
+                    out.gradient[6 * p] += factor * y;
+                    out.magnitude[6 * p] += (factor * y).abs();
+                    out.gradient[6 * q + 1] += factor * x;
+                    out.magnitude[6 * q + 1] += (factor * x).abs();
+                    if let Some((pattern, tangent)) = &mut tangent {
+                        // a diagonal block is symmetric: its upper part holds ∂²/∂x∂y once
+                        pattern.add_block(&mut tangent.values, p, q, |i, j| if i == 0 && j == 1 { factor } else { 0.0 });
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl ContactSide {
+    /// Moves the contact curves and refreshes candidates; true if the list changed.
+    pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
+        self.place(state);
+        self.exclusion.update(&self.set)?;
+        let largest = self.offsets.iter().copied().fold(0.0, f64::max);
+        // in steps, so that a slowly growing offset does not rebuild the list every time
+        let range = (0.02f64 * self.min_radius).max(2.0 * largest).log2().ceil().exp2();
+        let margin = 2.0 * self.min_radius;
+        let before = self.broad_phase.generation();
+        self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
+        Ok(self.broad_phase.generation() != before)
+    }
+
+    /// Overwrites the contact curves with those of `state`.
+    pub(crate) fn place(&mut self, state: &State) {
+        let (nodes, lengths) = (&self.nodes, self.set.lengths.clone());
+        self.set
+            .segments_mut()
+            .par_iter_mut()
+            .with_min_len(256)
+            .enumerate()
+            .for_each(|(k, segment)| *segment = contact_cubic(state, nodes[k], lengths[k]));
+    }
+
+    fn frame_of(&self, segment: usize, state: &State) -> SegmentFrame {
+        let [a, b] = self.nodes[segment];
+        SegmentFrame { tangents: [state.frames[a] * Vec3::z(), state.frames[b] * Vec3::z()], lever: self.set.lengths[segment] / 3.0 }
+    }
+
+    /// Global nodes of a term: slave a, b, master a, b.
+    pub(crate) fn term_nodes(&self, term: &PairTerm) -> [usize; 4] {
+        let (s, m) = (self.nodes[term.slave], self.nodes[term.master]);
+        [s[0], s[1], m[0], m[1]]
+    }
+
+    fn map_term(&self, term: &PairTerm, state: &State) -> (NodalGradient, Option<Box<NodalTangent>>) {
+        let sides = [self.frame_of(term.slave, state), self.frame_of(term.master, state)];
+        let gradient = nodal_gradient(&term.gradient, &sides);
+        (gradient, term.hessian.as_deref().map(|h| nodal_tangent(&term.gradient, h, &sides)))
+    }
+}
+
+fn not_finite(error: InputError) -> SolveError {
+    let value = match error {
+        InputError::Vector { value, .. } => value.into_iter().find(|x| !x.is_finite()).unwrap_or(f64::NAN),
+        InputError::Value { value, .. } => value,
+        _ => f64::NAN,
+    };
+    SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value }
+}
+
+pub(crate) fn in_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
+fn add_load(out: &mut Residual, unknown: usize, force: f64) {
+    out.gradient[unknown] -= force;
+    out.magnitude[unknown] += force.abs();
+}
+
+fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: usize) -> f64 {
+    if row / 6 <= col / 6 { tangent[row][col] } else { tangent[col][row] }
+}
+
+fn scatter_contact(
+    nodes: &[usize; 4],
+    block: &NodalTangent,
+    pattern: &Pattern,
+    prescribed: Option<&[f64]>,
+    tangent: &mut Tangent,
+) {
+    for a in 0..4 {
+        for c in a..4 {
+            let (p, q) = (nodes[a], nodes[c]);
+            let entry = |i: usize, j: usize| block[6 * a + i][6 * c + j];
+            pattern.add_block(&mut tangent.values, p, q, entry);
+            if p == q && a != c {
+                pattern.add_block(&mut tangent.values, p, q, |i, j| entry(j, i));
+            }
+            let Some(all) = prescribed else { continue };
+            for i in 0..6 {
+                for j in 0..6 {
+                    tangent.drive[6 * p + i] += entry(i, j) * all[6 * q + j];
+                    if a != c {
+                        tangent.drive[6 * q + j] += entry(i, j) * all[6 * p + i];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// y −= K x for one contact term.
+pub(crate) fn subtract_product(nodes: &[usize; 4], block: &NodalTangent, x: &[f64], y: &mut [f64]) {
+    for a in 0..4 {
+        for c in a..4 {
+            let (p, q) = (6 * nodes[a], 6 * nodes[c]);
+            for i in 0..6 {
+                for j in 0..6 {
+                    let entry = block[6 * a + i][6 * c + j];
+                    y[p + i] -= entry * x[q + j];
+                    if a != c {
+                        y[q + j] -= entry * x[p + i];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// ∫N_a dξ and ∫(N_a N_c' − N_a' N_c) dξ on the unit element.
+fn integrals(order: usize) -> ([f64; 4], [[f64; 4]; 4]) {
+    let rule = gauss(5);
+    let (mut mass, mut skew) = ([0.0; 4], [[0.0; 4]; 4]);
+    for (&xi, &w) in rule.points.iter().zip(rule.weights) {
+        let (n, d) = lagrange(order, xi);
+        for a in 0..=order {
+            mass[a] += w * n[a];
+            for c in 0..=order {
+                skew[a][c] += w * (n[a] * d[c] - d[a] * n[c]);
+            }
+        }
+    }
+    (mass, skew)
+}

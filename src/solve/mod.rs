@@ -1,13 +1,66 @@
-//! Finds equilibria.
+//! Finds equilibria: [`engine`] (the problem assembled), [`assembly`] (gradient and tangent), [`newton`]
+//! (mixed-integration-point Newton), [`step_bound`] (no strand passes another), [`stability`] (leaving unstable states),
+//! [`path`] (load stepping, augmented Lagrangian loop).
 
 pub mod assembly;
 mod coupling;
 pub mod engine;
+mod neutral;
 pub mod newton;
 pub mod path;
 pub mod stability;
 pub mod state;
 pub mod step_bound;
 
+use crate::error::InputError;
+
 pub use engine::Engine;
+pub use newton::NewtonOptions;
+pub use path::{Progress, RunError, Solution, Solver, Status, StepReport, run};
 pub use state::{Drive, State};
+
+/// Choices of a run; the defaults suit DNA loops and cables alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Newton's choices.
+    pub newton: NewtonOptions,
+    /// Leave unstable equilibria along their most negative direction.
+    pub leave_unstable: bool,
+    /// Size of the step off an unstable equilibrium: largest rotation, rad. Legal: 0 < x ≤ 1.
+    pub departure: f64,
+    /// Departures allowed per load step.
+    pub max_departures: usize,
+    /// Augmentations of the contact offsets allowed per load step.
+    pub max_augmentations: usize,
+    /// Smallest load step tried, relative to the stage's own step. Legal: 0 < x ≤ 1.
+    pub min_step: f64,
+    /// Threads; `None` uses the caller's rayon pool. Results do not depend on it.
+    pub threads: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            newton: NewtonOptions::default(),
+            leave_unstable: true,
+            departure: 0.1,
+            max_departures: 4,
+            max_augmentations: 40,
+            min_step: 1.0 / 256.0,
+            threads: None,
+        }
+    }
+}
+
+impl Options {
+    /// Refuses options outside their legal ranges.
+    ///
+    /// # Errors
+    /// Names the field and the value.
+    pub fn check(&self) -> Result<(), InputError> {
+        let unit = |x: f64| x > 0.0 && x <= 1.0;
+        InputError::check("options.departure", self.departure, unit(self.departure), "in (0, 1] rad")?;
+        InputError::check("options.min_step", self.min_step, unit(self.min_step), "in (0, 1]")?;
+        InputError::positive("options.newton.tol_increment", self.newton.tol_increment)
+    }
+}

@@ -63,6 +63,15 @@ impl State {
         next
     }
 
+    /// Moves every node by its full increment, the seams by `t` times the drive's.
+    pub fn retract_scaled(&self, increment: &[f64], drive: &Drive, t: f64) -> Self {
+        let mut next = self.retract(increment, &Drive::default(), 1.0);
+        for (seam, change) in next.seams.iter_mut().zip(&drive.seams) {
+            *seam += t * change;
+        }
+        next
+    }
+
     /// Frame at s = L of a closed rod whose first node is `first`.
     pub fn seam_frame(&self, rod: usize, first: usize) -> Quat {
         self.frames[first] * spin(self.seams[rod])

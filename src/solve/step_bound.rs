@@ -1,1 +1,118 @@
-//! (to be written)
+//! How far a step may go: no strand may pass through another, no element may turn too far.
+//!
+//! Control points move by at most the chord of their linear motion plus the second-order part of the rotation, and the
+//! relative motion of two cubics is bounded by that of their control points (convex hulls). A step fraction t keeps
+//! every pair of strands apart if t × (bound of the relative motion) is less than their present distance; pairs too far
+//! apart to meet are not looked at.
+
+use rayon::prelude::*;
+
+use crate::contact::capsule::distance_lower_bound;
+use crate::error::SolveError;
+use crate::math::Vec3;
+use crate::solve::engine::{ContactSide, Engine};
+use crate::solve::state::{Drive, State};
+
+/// Fraction of the contact distance that strands must keep between them within one step.
+const KEEP: f64 = 0.5;
+/// Strands already closer than that may lose this fraction of their distance.
+const DEEP: f64 = 0.25;
+/// Largest relative rotation of neighbouring nodes in one step, rad: interpolation needs less than π between them.
+const MAX_RELATIVE_ROTATION: f64 = 1.0;
+
+impl Engine {
+    /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
+    pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64], drive: &Drive) -> Result<f64, SolveError> {
+        let mut t = rotation_fraction(self, increment, drive);
+        if let Some(mut side) = self.contact.take() {
+            let pool = self.pool.take();
+            let bound = crate::solve::assembly::in_pool(pool.as_ref(), || side.passage_fraction(state, increment));
+            self.pool = pool;
+            self.contact = Some(side);
+            t = t.min(bound?);
+        }
+        Ok(t)
+    }
+}
+
+fn rotation_fraction(engine: &Engine, increment: &[f64], drive: &Drive) -> f64 {
+    let rotation = |node: usize| Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5]);
+    let mut largest = 0.0f64;
+    for element in &engine.elements {
+        let order = engine.model.rods[element.rod].order;
+        for a in 1..=order {
+            let mut last = rotation(element.nodes[a]);
+            if element.closes && a == order && !drive.seams.is_empty() {
+                let d3 = engine.state.frames[element.nodes[a]] * Vec3::z();
+                last += d3 * drive.seams[element.rod];
+            }
+            largest = largest.max((last - rotation(element.nodes[a - 1])).norm());
+        }
+    }
+    if largest > MAX_RELATIVE_ROTATION { MAX_RELATIVE_ROTATION / largest } else { 1.0 }
+}
+
+/// Linear motion of the four control points of a segment and the bound of what is left out.
+struct Motion {
+    linear: [Vec3; 4],
+    second_order: f64,
+}
+
+impl ContactSide {
+    fn passage_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
+        let lengths = &self.set.lengths;
+        let nodes = &self.nodes;
+        let motions: Vec<Motion> = (0..nodes.len())
+            .into_par_iter()
+            .with_min_len(256)
+            .map(|k| motion(state, increment, nodes[k], lengths[k] / 3.0))
+            .collect();
+        let mean = motions.iter().fold(Vec3::zeros(), |sum, m| sum + m.linear[0]) / motions.len() as f64;
+        let farthest = motions
+            .iter()
+            .map(|m| m.linear.iter().map(|x| (x - mean).norm()).fold(0.0, f64::max) + m.second_order)
+            .fold(0.0, f64::max);
+        if !farthest.is_finite() {
+            return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index: 0, value: farthest });
+        }
+        // beyond this range pairs cannot meet; very long steps are first cut to a few contact distances
+        let longest = 16.0 * self.min_radius;
+        let cut = if farthest > longest { longest / farthest } else { 1.0 };
+        let range = 2.0 * farthest * cut;
+        let pairs = self.step_search.candidates(&self.set, &self.exclusion, range, 0.0).map_err(|_| {
+            SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value: f64::NAN }
+        })?;
+        let set = &self.set;
+        let t = pairs
+            .par_iter()
+            .with_min_len(256)
+            .map(|&[i, j]| {
+                let (i, j) = (i as usize, j as usize);
+                let approach = relative_motion(&motions[i], &motions[j]);
+                let distance = distance_lower_bound(&set.segments[i], &set.segments[j]);
+                let contact_distance = set.radius_of(i) + set.radius_of(j);
+                let allowed = (distance - KEEP * contact_distance).max(DEEP * distance);
+                if approach * cut > allowed { allowed / approach } else { cut }
+            })
+            .reduce(|| cut, f64::min);
+        Ok(t)
+    }
+}
+
+fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> Motion {
+    let part = |n: usize, k: usize| Vec3::new(increment[6 * n + k], increment[6 * n + k + 1], increment[6 * n + k + 2]);
+    let (da, db, ta, tb) = (part(a, 0), part(b, 0), part(a, 3), part(b, 3));
+    let d3 = |n: usize| state.frames[n] * Vec3::z();
+    let linear = [da, da + ta.cross(&d3(a)) * lever, db - tb.cross(&d3(b)) * lever, db];
+    Motion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
+}
+
+fn relative_motion(a: &Motion, b: &Motion) -> f64 {
+    let mut largest = 0.0f64;
+    for x in &a.linear {
+        for y in &b.linear {
+            largest = largest.max((x - y).norm_squared());
+        }
+    }
+    largest.sqrt() + a.second_order + b.second_order
+}
