@@ -5,7 +5,7 @@ use crate::io::picture::{
     PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, film_strip, plot_lines,
 };
 use crate::math::{Mat3, Vec3};
-use crate::observe::report::SiteReport;
+use crate::observe::report::{Observation, SiteReport};
 
 use super::{Frame, Record, RodHead, RodSnapshot};
 
