@@ -161,7 +161,12 @@ fn ill_posed_scenes_are_refused_with_a_reason() {
     refused(RING, "rod = \"dna\"", "rod = \"rna\"", &["excess_link.rod = \"rna\": must be one of \"dna\""]);
     let both = &["rods.dna.section: keys of both kinds", "either by bending"];
     refused(RING, "bending = 205.7", "bending = 205.7, young = 1.0", both);
-    refused(RING, "augmented-lagrangian", "penalty", &["contact.tol_penetration: has no meaning with law = \"penalty\""]);
+    refused(
+        RING,
+        "augmented-lagrangian",
+        "penalty",
+        &["contact.tol_penetration: has no meaning with law = \"penalty\""],
+    );
     refused(RING, "title", "planar = true\ntitle", &["\"dna\" is in a planar scene"]);
     refused(BEAM, "position = [\"y\"]", "position = false", &["supports[1]: fixes nothing"]);
     let again = "[[rods]]\nname = \"dna\"\nshape = { kind = \"line\", length = 1 }\nsection = { young = 1, poisson = 0, circle = 1 }\nelements = 1\n[contact]";

@@ -4,5 +4,5 @@
 pub mod file;
 pub mod model;
 
-pub use model::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 pub use file::Scene;
+pub use model::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
