@@ -68,12 +68,21 @@ impl CrossSection {
                 // of Σ_{n odd} n⁻⁵ = (31/32) ζ(5): sum the differences from 1, which vanish at once.
                 let defect: f64 = (1..=13)
                     .step_by(2)
-                    .map(|n| f64::from(n))
+                    .map(f64::from)
                     .map(|n| (1.0 - (n * PI * a / (2.0 * b)).tanh()) / n.powi(5))
                     .sum();
                 let odd_sum = 31.0 / 32.0 * 1.036_927_755_143_37;
                 a * b.powi(3) / 3.0 * (1.0 - 192.0 / PI.powi(5) * (b / a) * (odd_sum - defect))
             }
+        }
+    }
+
+    /// Shear correction factor k of Cowper (1966, J. Appl. Mech. 33:335) for Poisson's ratio ν: 6(1+ν)/(7+6ν) for a disc,
+    /// 10(1+ν)/(12+11ν) for a rectangle.
+    pub fn shear_correction(&self, poisson: f64) -> f64 {
+        match self {
+            Self::Circle { .. } => 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson),
+            Self::Rectangle { .. } => 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson),
         }
     }
 
@@ -97,8 +106,8 @@ impl Section {
     /// Stiffnesses of a homogeneous solid section: EA, EI1, EI2 from Young's modulus `young` E \[F/L²\], GJ and
     /// GA1 = GA2 = k G A from the shear modulus `shear_modulus` G \[F/L²\].
     ///
-    /// `shear_correction` k (dimensionless) lowers the shear stiffness for the uneven shear stress over the section;
-    /// Cowper (1966): 6(1+ν)/(7+6ν) for a disc, 10(1+ν)/(12+11ν) for a rectangle, ν Poisson's ratio. 1 = none.
+    /// `shear_correction` k (dimensionless) lowers the shear stiffness for the uneven shear stress over the section
+    /// (see [`CrossSection::shear_correction`]; 1 = none).
     /// `contact_radius` \[L\] need not be the radius of the section.
     ///
     /// # Errors

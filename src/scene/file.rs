@@ -1,1 +1,190 @@
-//! (to be written)
+//! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
+
+mod build;
+mod points;
+mod text;
+mod values;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::InputError;
+
+use super::model::{Model, Stage};
+
+pub(crate) use points::finite;
+pub use points::read_points;
+
+/// A scene: what is to be computed and what is to be written.
+///
+/// ```toml
+/// title = "336 bp minicircle, excess link to -3"
+/// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
+/// planar = false                               # true: all in the x-y plane, z is no unknown
+///
+/// [[rods]]
+/// name = "dna"
+/// closed = true                                # default false
+/// shape = { kind = "circle", length = 114.24 } # or radius; center, normal
+/// #       { kind = "line", length, start, direction }
+/// #       { kind = "arc", radius, turns, start, tangent, towards }
+/// #       { kind = "helix", radius, pitch, turns, center, axis }
+/// #       { kind = "points", file = "curve.csv" }      CSV or XYZ, relative to the scene file
+/// section = { bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }
+/// #         bending and shearing may be pairs [about/along d1, d2]
+/// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
+/// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
+/// elements = 48
+/// order = 3                                    # 1, 2 or 3 (default)
+/// natural = "straight"                         # or "as-shaped", or { curvature = [k1, k2], twist = k3 }
+/// roll = 0.0                                   # turns every frame about d3, in turns
+///
+/// [[supports]]                                 # any number
+/// rod = "dna"                                  # here and below: not needed when there is one rod
+/// at = "start"                                 # or "end", a node index, { arc = s } (nearest node)
+/// position = true                              # or ["x", "y"]
+/// rotation = ["z"]                             # or true
+///
+/// [[loads]]                                    # dead, times the load factor
+/// at = { arc = 57.0 }
+/// force = [0.0, 0.0, 1.0]
+/// moment = [0.0, 0.0, 0.0]
+///
+/// [[line_loads]]                               # force per reference length
+/// force = [0.0, -0.1, 0.0]
+///
+/// [contact]
+/// law = "augmented-lagrangian"                 # default; or "penalty", "none"
+/// stiffness = 1e3                              # dimensionless, see ContactLaw
+/// tol_penetration = 1e-8                       # relative to the contact radius
+///
+/// [[stages]]                                   # in this order; all ramps of a stage move together
+/// ramp = { excess_link = { rod = "dna", to = -3.0 } }            # turns
+/// #      { rotation = { at, axis, turns }, displacement = { at, to = [x, y, z] },
+/// #        pressure = { to }, load = factor }; lists of tables where several nodes or rods move
+/// steps = 30
+///
+/// [solver]                                     # all optional
+/// tol_increment = 1e-8                         # of the node spacing
+/// max_iterations = 50
+/// threads = 2
+///
+/// [output]
+/// every = 1                                    # write VTK every so many accepted steps
+/// vtk = true
+/// picture = true
+/// dir = "out/minicircle"                       # relative to where the program runs
+/// ```
+///
+/// Every unknown key is refused with its line and the keys that are allowed there, every bad value with its key, the
+/// value and what is allowed. All angles are in turns. A scene that was read has been checked.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// Title, for reports; may be empty.
+    pub title: String,
+    /// Names of the units, for reports.
+    pub units: Units,
+    /// The problem.
+    pub model: Model,
+    /// The path.
+    pub stages: Vec<Stage>,
+    /// Solver settings that differ from the defaults.
+    pub solver: SolverChoice,
+    /// What to write.
+    pub output: OutputChoice,
+}
+
+/// Names of the units in which the scene's numbers are given. Nothing is converted: any consistent units will do.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Units {
+    /// Unit of length; "L" if not said.
+    pub length: String,
+    /// Unit of force; "F" if not said.
+    pub force: String,
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self { length: "L".into(), force: "F".into() }
+    }
+}
+
+/// Solver settings of a scene; `None` leaves the solver's default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverChoice {
+    /// Converged when a full Newton step moves no node by more than this × node spacing and turns none by more (rad).
+    /// Legal: between 0 and 1.
+    pub tol_increment: Option<f64>,
+    /// Newton iterations after which a step counts as failed. Legal: ≥ 1.
+    pub max_iterations: Option<usize>,
+    /// Threads. Legal: ≥ 1. Results do not depend on it.
+    pub threads: Option<usize>,
+}
+
+/// What a run writes.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputChoice {
+    /// VTK file every so many accepted steps (the first and the last always). Legal: ≥ 1.
+    pub every: usize,
+    /// Write VTK files for ParaView.
+    pub vtk: bool,
+    /// Draw pictures.
+    pub picture: bool,
+    /// Folder, relative to the working directory; the command line's `--out` goes before it.
+    pub dir: Option<PathBuf>,
+}
+
+impl Default for OutputChoice {
+    fn default() -> Self {
+        Self { every: 1, vtk: true, picture: true, dir: None }
+    }
+}
+
+impl Scene {
+    /// Reads a scene file; files named in it are found relative to it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and all of [`Scene::from_toml`].
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
+        let text = std::fs::read_to_string(path).map_err(refuse)?;
+        Self::parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a scene from text; files named in it are found relative to `base_dir`.
+    ///
+    /// # Errors
+    /// [`InputError::Parse`] with line and column for text that is no TOML, keys that are unknown or missing, values of
+    /// the wrong type; everything [`Model::check`] and [`Model::check_stages`] refuse.
+    pub fn from_toml(text: &str, base_dir: &Path) -> Result<Self, InputError> {
+        Self::parse(text, "scene", base_dir)
+    }
+
+    fn parse(text: &str, file: &str, base_dir: &Path) -> Result<Self, InputError> {
+        let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: e.to_string() };
+        let text: text::SceneText = toml::from_str(text).map_err(refuse)?;
+        check_choices(&text.solver, &text.output)?;
+        let model = build::model(&text, base_dir)?;
+        let stages = build::stages(&text.stages, &model)?;
+        Ok(Self { title: text.title, units: text.units, model, stages, solver: text.solver, output: text.output })
+    }
+}
+
+fn check_choices(solver: &SolverChoice, output: &OutputChoice) -> Result<(), InputError> {
+    if let Some(tol) = solver.tol_increment {
+        InputError::check("solver.tol_increment", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")?;
+    }
+    let counts = [
+        ("solver.max_iterations", solver.max_iterations),
+        ("solver.threads", solver.threads),
+        ("output.every", Some(output.every)),
+    ];
+    match counts.into_iter().find(|(_, count)| *count == Some(0)) {
+        Some((field, _)) => Err(InputError::Count { field: field.into(), value: 0, allowed: "at least 1" }),
+        None => Ok(()),
+    }
+}

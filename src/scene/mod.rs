@@ -4,4 +4,5 @@
 pub mod file;
 pub mod model;
 
+pub use file::Scene;
 pub use model::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};

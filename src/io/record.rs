@@ -1,0 +1,295 @@
+//! What a run leaves behind: tables, final state, VTK files, pictures, summary. Fed with snapshots, knows no solver.
+
+mod pictures;
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::error::InputError;
+use crate::math::{Quat, Vec3};
+use crate::observe::report::Observation;
+use crate::scene::Scene;
+use crate::scene::file::{OutputChoice, Units};
+
+use super::csv::{RodState, write_state};
+use super::table::write_steps;
+use super::vtk::{PvdWriter, VtkRod, write_vtp};
+
+/// Geometry and nodal fields of one rod in one state.
+#[derive(Debug, Clone, Default)]
+pub struct RodSnapshot {
+    /// Node positions \[L\].
+    pub positions: Vec<Vec3>,
+    /// Node frames.
+    pub frames: Vec<Quat>,
+    /// Curvature at the nodes \[1/L\].
+    pub curvature: Vec<f64>,
+    /// Twist at the nodes \[rad/L\].
+    pub twist: Vec<f64>,
+    /// Contact force per length on the nodes \[F/L\].
+    pub contact_force: Vec<Vec3>,
+}
+
+/// What the record must know of each rod.
+#[derive(Debug, Clone, Serialize)]
+struct RodHead {
+    name: String,
+    length: f64,
+    contact_radius: f64,
+    closed: bool,
+    elements: usize,
+    order: usize,
+    nodes: usize,
+}
+
+/// `summary.json`.
+#[derive(Debug, Clone, Serialize)]
+struct Summary<'a> {
+    title: &'a str,
+    units: &'a Units,
+    rods: &'a [RodHead],
+    converged: bool,
+    status: &'a str,
+    seconds: f64,
+    #[serde(rename = "final")]
+    last: Option<&'a Observation>,
+    steps: &'a [Observation],
+}
+
+/// Frames kept for the film strip; when full, every other one is dropped.
+const MAX_FILM: usize = 48;
+
+#[derive(Debug, Clone)]
+struct Frame {
+    step: usize,
+    rods: Vec<RodSnapshot>,
+}
+
+/// Writes the files of a run into a folder, which is made if need be:
+///
+/// | file | content |
+/// |---|---|
+/// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView with frame, curvature, twist, contact force at the nodes |
+/// | `table.csv` | one line per accepted step |
+/// | `final_state.csv` | positions and quaternions of all nodes |
+/// | `summary.json` | every observation of every step, and the final state |
+/// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
+/// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
+#[derive(Debug)]
+pub struct Record {
+    dir: PathBuf,
+    title: String,
+    units: Units,
+    output: OutputChoice,
+    planar: bool,
+    rods: Vec<RodHead>,
+    steps: Vec<Observation>,
+    film: Vec<Frame>,
+    stride: usize,
+    last: Option<Frame>,
+    last_written: Option<usize>,
+    pvd: PvdWriter,
+}
+
+impl Record {
+    /// A record of `scene` in the folder `dir`.
+    ///
+    /// # Errors
+    /// [`InputError::File`] if the folder cannot be made.
+    pub fn new(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
+        let refuse = |e: std::io::Error| InputError::File { path: dir.to_owned(), reason: e.to_string() };
+        std::fs::create_dir_all(dir).map_err(refuse)?;
+        let head = |rod: &crate::rod::Rod| RodHead {
+            name: rod.name.clone(),
+            length: rod.length,
+            contact_radius: rod.section.contact_radius,
+            closed: rod.closed,
+            elements: rod.num_elements,
+            order: rod.order,
+            nodes: rod.num_nodes(),
+        };
+        Ok(Self {
+            dir: dir.to_owned(),
+            title: scene.title.clone(),
+            units: scene.units.clone(),
+            output: scene.output.clone(),
+            planar: scene.model.planar,
+            rods: scene.model.rods.iter().map(head).collect(),
+            steps: Vec::new(),
+            film: Vec::new(),
+            stride: 1,
+            last: None,
+            last_written: None,
+            pvd: PvdWriter::new(dir.join("run.pvd")),
+        })
+    }
+
+    /// The steps so far.
+    pub fn steps(&self) -> &[Observation] {
+        &self.steps
+    }
+
+    /// Takes in an accepted state and writes its VTK file if it is due; `rods` in the order of the scene.
+    ///
+    /// # Errors
+    /// [`InputError::File`] if a file cannot be written.
+    pub fn push(&mut self, observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
+        let frame = Frame { step: self.steps.len(), rods };
+        self.steps.push(observation);
+        if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
+            self.write_vtk(&frame)?;
+        }
+        if self.output.picture && frame.step.is_multiple_of(self.stride) {
+            self.film.push(frame.clone());
+            if self.film.len() == MAX_FILM {
+                self.stride *= 2;
+                self.film.retain(|kept| kept.step.is_multiple_of(self.stride));
+            }
+        }
+        self.last = Some(frame);
+        Ok(())
+    }
+
+    /// Writes all that is left to write; `status` says how the run ended.
+    ///
+    /// # Errors
+    /// [`InputError::File`] if a file cannot be written.
+    pub fn finish(&mut self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
+        let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
+        write_steps(&self.dir.join("table.csv"), &names, &self.steps)?;
+        self.write_summary(converged, status, seconds)?;
+        let Some(last) = self.last.take() else { return Ok(()) };
+        self.write_final_state(&last)?;
+        if self.output.vtk && self.last_written != Some(last.step) {
+            self.write_vtk(&last)?;
+        }
+        if self.output.picture {
+            self.write_pictures(&last)?;
+        }
+        self.last = Some(last);
+        Ok(())
+    }
+
+    fn write_summary(&self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
+        let path = self.dir.join("summary.json");
+        let (title, units, rods, steps) = (&self.title, &self.units, &self.rods, &self.steps);
+        let summary = Summary { title, units, rods, converged, status, seconds, last: steps.last(), steps };
+        let refuse = |reason: String| InputError::File { path: path.clone(), reason };
+        let text = serde_json::to_string_pretty(&summary).map_err(|e| refuse(e.to_string()))?;
+        std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
+    }
+
+    fn write_final_state(&self, last: &Frame) -> Result<(), InputError> {
+        let state = |(head, rod): (&RodHead, &RodSnapshot)| {
+            let spacing = head.length / (head.elements * head.order) as f64;
+            RodState {
+                arc_lengths: (0..head.nodes).map(|i| spacing * i as f64).collect(),
+                positions: rod.positions.clone(),
+                frames: rod.frames.clone(),
+            }
+        };
+        let states: Vec<RodState> = self.rods.iter().zip(&last.rods).map(state).collect();
+        write_state(&self.dir.join("final_state.csv"), &states)
+    }
+
+    fn write_vtk(&mut self, frame: &Frame) -> Result<(), InputError> {
+        let vtk = |(head, rod): (&RodHead, &RodSnapshot)| {
+            let axis = |axis: Vec3| rod.frames.iter().map(|q| q * axis).collect::<Vec<_>>();
+            let vectors = vec![
+                ("d1", axis(Vec3::x())),
+                ("d2", axis(Vec3::y())),
+                ("d3", axis(Vec3::z())),
+                ("contact_force", rod.contact_force.clone()),
+            ];
+            let scalars = vec![("curvature", rod.curvature.clone()), ("twist", rod.twist.clone())];
+            (rod.positions.clone(), head.closed, scalars, vectors)
+        };
+        let owned: Vec<_> = self.rods.iter().zip(&frame.rods).map(vtk).collect();
+        let rods: Vec<VtkRod> = owned
+            .iter()
+            .map(|(points, closed, scalars, vectors)| VtkRod {
+                points,
+                closed: *closed,
+                scalars: scalars.clone(),
+                vectors: vectors.clone(),
+            })
+            .collect();
+        let step = &self.steps[frame.step];
+        let mut numbers = vec![("energy", step.energies.total), ("contact_force", step.total_contact_force)];
+        if let Some(link) = step.links.first() {
+            numbers.extend([("excess_link", link.excess_link), ("writhe", link.writhe), ("twist", link.twist)]);
+        }
+        let path = self.dir.join(format!("step_{:04}.vtp", frame.step));
+        write_vtp(&path, &rods, &numbers)?;
+        self.last_written = Some(frame.step);
+        self.pvd.push(frame.step as f64, &path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::tests::observation;
+    use super::*;
+    use crate::observe::report::SiteReport;
+
+    const SCENE: &str = r#"
+        title = "record"
+        [[rods]]
+        name = "ring"
+        closed = true
+        shape = { kind = "circle", length = 6.0 }
+        section = { bending = 1.0, twisting = 1.0, stretching = 1.0, shearing = 1.0, contact_radius = 0.1 }
+        elements = 10
+        order = 2
+        [[stages]]
+        ramp = { excess_link = { to = 1.0 } }
+        steps = 100
+        [output]
+        every = 40
+    "#;
+
+    #[test]
+    fn a_run_leaves_its_files() {
+        let dir = std::env::temp_dir().join(format!("supercoil_record_{}", std::process::id()));
+        let scene = Scene::from_toml(SCENE, Path::new("")).unwrap();
+        let mut record = Record::new(&scene, &dir).unwrap();
+        let rod = &scene.model.rods[0];
+        let snapshot = RodSnapshot {
+            positions: rod.positions.clone(),
+            frames: rod.frames.clone(),
+            curvature: vec![1.0; 20],
+            twist: vec![0.0; 20],
+            contact_force: vec![Vec3::zeros(); 20],
+        };
+        let site = SiteReport {
+            rod_a: 0,
+            arc_a: [5.9, 0.1],
+            rod_b: 0,
+            arc_b: [3.0, 3.1],
+            kind: "point",
+            gap: 0.0,
+            force: 1.0,
+            angle: 90.0,
+        };
+        for step in 0..100 {
+            let sites = vec![site.clone()];
+            record.push(Observation { sites, ..observation(step) }, vec![snapshot.clone()]).unwrap();
+        }
+        record.finish(true, "converged", 1.0).unwrap();
+        let names = ["step_0000.vtp", "step_0040.vtp", "step_0080.vtp", "step_0099.vtp", "run.pvd", "table.csv"];
+        for name in
+            names.into_iter().chain(["final_state.csv", "summary.json", "picture.png", "filmstrip.png", "writhe.svg"])
+        {
+            assert!(dir.join(name).metadata().unwrap().len() > 100, "{name}");
+        }
+        let last = record.last.as_ref().unwrap();
+        assert_eq!(record.strip(last).iter().map(|f| f.step).collect::<Vec<_>>(), [0, 20, 40, 60, 80, 99]);
+        assert!(record.film.len() < MAX_FILM);
+        let text = std::fs::read_to_string(dir.join("summary.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(json["steps"].as_array().unwrap().len(), 100);
+        assert_eq!((json["final"]["step"].as_u64(), json["rods"][0]["nodes"].as_u64()), (Some(99), Some(20)));
+        std::fs::remove_dir_all(&dir).unwrap();
+    }
+}

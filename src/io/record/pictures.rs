@@ -1,0 +1,138 @@
+//! Pictures of a run: final shape, film strip, writhe against excess link.
+
+use crate::error::InputError;
+use crate::io::picture::{
+    PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, film_strip, plot_lines,
+};
+use crate::math::{Mat3, Vec3};
+use crate::observe::report::{Observation, SiteReport};
+
+use super::{Frame, Record, RodHead, RodSnapshot};
+
+/// Pictures in the film strip.
+const STRIP: usize = 6;
+
+impl Record {
+    pub(super) fn write_pictures(&self, last: &Frame) -> Result<(), InputError> {
+        let picture = TubePicture { width: 1600, height: 1200, ..self.picture(last) };
+        picture.render()?.save_png(&self.dir.join("picture.png"))?;
+        let mut stills = Vec::new();
+        let frames = self.strip(last);
+        let visible_width = frames.iter().map(|frame| self.visible_width(frame)).reduce(f64::max);
+        for frame in frames {
+            let picture =
+                TubePicture { width: 560, height: 420, supersampling: 2, visible_width, ..self.picture(frame) };
+            stills.push((picture.render()?, self.caption(frame.step)));
+        }
+        film_strip(&stills, 3, [255; 3])?.save_png(&self.dir.join("filmstrip.png"))?;
+        self.write_plot()
+    }
+
+    /// Up to six frames evenly spread over the run, the last state always among them.
+    pub(super) fn strip<'a>(&'a self, last: &'a Frame) -> Vec<&'a Frame> {
+        let mut frames: Vec<&Frame> = self.film.iter().filter(|frame| frame.step < last.step).collect();
+        frames.push(last);
+        let count = STRIP.min(frames.len());
+        let target = |k: usize| last.step as f64 * k as f64 / (count - 1).max(1) as f64;
+        let distance = |frame: &Frame, k: usize| (frame.step as f64 - target(k)).abs();
+        let nearest = |k: usize| frames.iter().copied().min_by(|a, b| distance(a, k).total_cmp(&distance(b, k)));
+        let mut chosen: Vec<&Frame> = (0..count).filter_map(nearest).collect();
+        chosen.dedup_by_key(|frame| frame.step);
+        chosen
+    }
+
+    /// Width that shows the whole frame in a picture of 4:3 as it is viewed.
+    fn visible_width(&self, frame: &Frame) -> f64 {
+        let points = || frame.rods.iter().flat_map(|rod| &rod.positions);
+        let center = points().sum::<Vec3>() / points().count() as f64;
+        let axes = if self.planar { [Vec3::x(), Vec3::y()] } else { widest_axes(points(), &center) };
+        let radius = self.rods.iter().map(|rod| rod.contact_radius).fold(0.0, f64::max);
+        let extent = |axis: usize| {
+            let along = |point: &Vec3| axes[axis].dot(&(point - center)).abs();
+            2.0 * (points().map(along).fold(0.0, f64::max) + radius)
+        };
+        1.06 * extent(0).max(extent(1) * 4.0 / 3.0)
+    }
+
+    fn caption(&self, step: usize) -> String {
+        let observation = &self.steps[step];
+        match observation.links.first() {
+            Some(link) if self.has_link() => format!("ΔLk {:.2}  Wr {:.2}", link.excess_link, link.writhe),
+            _ => format!("stage {} at {:.0} %", observation.stage + 1, 100.0 * observation.fraction),
+        }
+    }
+
+    /// Whether a closed rod's excess link is ever other than zero.
+    fn has_link(&self) -> bool {
+        self.steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0)
+    }
+
+    fn picture(&self, frame: &Frame) -> TubePicture {
+        const COLORS: [[u8; 3]; 4] = [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170]];
+        let observation = &self.steps[frame.step];
+        let tube = |(index, (head, rod)): (usize, (&RodHead, &RodSnapshot))| {
+            let d1 = rod.frames.iter().map(|q| q * Vec3::x()).collect();
+            let link = observation.links.iter().find(|link| link.rod == index);
+            let stripe = Stripe { seam_turns: link.map_or(0.0, |link| link.excess_link), ..Stripe::along(d1) };
+            // A rod without a contact radius is drawn as a thin line.
+            let radius = if head.contact_radius > 0.0 { head.contact_radius } else { 2e-3 * head.length };
+            let colors = vec![COLORS[index % COLORS.len()]];
+            Tube { points: rod.positions.clone(), radius, closed: head.closed, colors, stripe: Some(stripe) }
+        };
+        let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
+        let from_above = View::Along { forward: -Vec3::z(), up: Vec3::y() };
+        let view = if self.planar { from_above } else { View::Auto };
+        TubePicture { tubes, view, spots: self.spots(observation, frame), ..TubePicture::default() }
+    }
+
+    /// A glow in the middle between the strands of every contact site.
+    fn spots(&self, observation: &Observation, frame: &Frame) -> Vec<Spot> {
+        let at = |rod: usize, arcs: [f64; 2]| {
+            let (head, points) = (&self.rods[rod], &frame.rods[rod].positions);
+            let arc =
+                if arcs[1] >= arcs[0] { 0.5 * (arcs[0] + arcs[1]) } else { 0.5 * (arcs[0] + arcs[1] + head.length) };
+            let place = (arc / head.length * (head.elements * head.order) as f64).max(0.0);
+            let (index, fraction) = (place.floor() as usize, place.fract());
+            let point = |i: usize| points[if head.closed { i % points.len() } else { i.min(points.len() - 1) }];
+            point(index).lerp(&point(index + 1), fraction)
+        };
+        let spot = |site: &SiteReport| Spot {
+            center: 0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b)),
+            radius: 0.8 * self.rods[site.rod_a].contact_radius,
+            color: [235, 64, 52],
+        };
+        observation.sites.iter().map(spot).collect()
+    }
+
+    fn write_plot(&self) -> Result<(), InputError> {
+        if !self.has_link() {
+            return Ok(());
+        }
+        let rod =
+            self.steps.iter().flat_map(|step| &step.links).find(|link| link.excess_link != 0.0).map(|link| link.rod);
+        let links = || self.steps.iter().flat_map(|step| &step.links).filter(|link| Some(link.rod) == rod);
+        let writhe = links().map(|link| (link.excess_link, link.writhe)).collect();
+        let twist = links().map(|link| (link.excess_link, link.twist)).collect();
+        let series = |name: &str, points: Vec<(f64, f64)>, style| Series { name: name.to_owned(), points, style };
+        let plot = PlotSpec {
+            title: self.title.clone(),
+            x_label: "excess link ΔLk, turns".to_owned(),
+            y_label: "turns".to_owned(),
+            series: vec![
+                series("writhe", writhe, SeriesStyle::LinePoints),
+                series("twist", twist, SeriesStyle::LinePoints),
+            ],
+            ..PlotSpec::default()
+        };
+        plot_lines(&self.dir.join("writhe.svg"), &plot)
+    }
+}
+
+/// The two axes along which the points spread most, widest first.
+fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Vec3; 2] {
+    let spread: Mat3 = points.map(|point| (point - center) * (point - center).transpose()).sum();
+    let eigen = spread.symmetric_eigen();
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    [0, 1].map(|k| eigen.eigenvectors.column(axes[k]).into_owned())
+}

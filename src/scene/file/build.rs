@@ -1,0 +1,249 @@
+//! From the text of a scene to the model.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use crate::error::InputError;
+use crate::math::{Quat, Vec3};
+use crate::rod::rod::within;
+use crate::rod::{CrossSection, Natural, Rod, Section, Shape};
+use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+
+use super::points::read_points;
+use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionText, ShapeText, StageText};
+use super::values::{At, NaturalText};
+
+pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
+    let contact = contact(&text.contact)?;
+    let mut rods: Vec<Rod> = Vec::new();
+    for (i, rod_text) in text.rods.iter().enumerate() {
+        if rod_text.name.is_empty() || rods.iter().any(|rod| rod.name == rod_text.name) {
+            let allowed = "a name that no other rod has".to_owned();
+            return Err(InputError::Name { field: format!("rods[{i}].name"), name: rod_text.name.clone(), allowed });
+        }
+        rods.push(rod(rod_text, contact.law.is_on(), base_dir)?);
+    }
+    let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
+    for (i, support) in text.supports.iter().enumerate() {
+        let field = format!("supports[{i}]");
+        let (position, rotation) = (support.position.0, support.rotation.0);
+        if (position, rotation) == ([false; 3], [false; 3]) {
+            return Err(inconsistent(field, "fixes nothing: set position or rotation to true or a list of axes"));
+        }
+        let node = node(&model.rods, &field, support.rod.as_deref(), support.at)?;
+        model.supports.push(Support { node, position, rotation });
+    }
+    for (i, load) in text.loads.iter().enumerate() {
+        let node = node(&model.rods, &format!("loads[{i}]"), load.rod.as_deref(), load.at)?;
+        model.loads.push(NodeLoad { node, force: load.force.into(), moment: load.moment.into() });
+    }
+    for (i, load) in text.line_loads.iter().enumerate() {
+        let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
+        model.line_loads.push(LineLoad { rod, force: load.force.into() });
+    }
+    model.check().map(|()| model)
+}
+
+pub(super) fn stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
+    let stage = |(i, stage): (usize, &StageText)| {
+        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model).map(|ramps| Stage { ramps, steps: stage.steps })
+    };
+    let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
+    model.check_stages(&stages)?;
+    let loaded = !model.loads.is_empty() || !model.line_loads.is_empty();
+    if loaded && !stages.iter().flat_map(|stage| &stage.ramps).any(|ramp| matches!(ramp, Ramp::Load { .. })) {
+        let reason = "loads or line_loads are given but no stage ramps their factor from 0: add ramp = { load = 1.0 }";
+        return Err(inconsistent("stages".into(), reason));
+    }
+    Ok(stages)
+}
+
+fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, InputError> {
+    let rods = &model.rods;
+    let mut ramps = Vec::new();
+    for ramp in &text.excess_link.0 {
+        let rod = find_rod(rods, &format!("{field}.excess_link"), ramp.rod.as_deref())?;
+        ramps.push(Ramp::ExcessLink { rod, to: ramp.to });
+    }
+    for ramp in &text.rotation.0 {
+        let node = node(rods, &format!("{field}.rotation"), ramp.rod.as_deref(), ramp.at)?;
+        ramps.push(Ramp::Rotation { node, axis: ramp.axis.into(), to: ramp.turns });
+    }
+    for ramp in &text.displacement.0 {
+        let node = node(rods, &format!("{field}.displacement"), ramp.rod.as_deref(), ramp.at)?;
+        ramps.push(Ramp::Displacement { node, to: ramp.to.into() });
+    }
+    ramps.extend(text.load.map(|to| Ramp::Load { to }));
+    for ramp in &text.pressure.0 {
+        let rod = find_rod(rods, &format!("{field}.pressure"), ramp.rod.as_deref())?;
+        ramps.push(Ramp::Pressure { rod, to: ramp.to });
+    }
+    Ok(ramps)
+}
+
+fn rod(text: &RodText, contact: bool, base_dir: &Path) -> Result<Rod, InputError> {
+    let path = format!("rods.{}", text.name);
+    let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
+    let shape = shape(&text.shape, base_dir).map_err(|error| within(&path, error))?;
+    InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
+    let natural = match text.natural {
+        NaturalText::Straight => Natural::Straight,
+        NaturalText::AsShaped => Natural::AsShaped,
+        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+    };
+    let mut rod = Rod::new(&text.name, &shape, text.closed, section, text.elements, text.order, natural)?;
+    if text.roll != 0.0 {
+        let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
+        rod.frames.iter_mut().for_each(|frame| *frame *= turn);
+    }
+    Ok(rod)
+}
+
+fn shape(text: &ShapeText, base_dir: &Path) -> Result<Shape, InputError> {
+    Ok(match *text {
+        ShapeText::Line { start, direction, length } => {
+            Shape::Line { start: start.into(), direction: direction.into(), length }
+        }
+        ShapeText::Circle { length, radius, center, normal } => {
+            let length = match (length, radius) {
+                (Some(length), None) => length,
+                (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius)?,
+                _ => return Err(inconsistent("shape".into(), "a circle is given by its length or by its radius")),
+            };
+            Shape::Circle { length, center: center.into(), normal: normal.into() }
+        }
+        ShapeText::Arc { start, tangent, towards, radius, turns } => {
+            let ok = turns > 0.0 && turns <= 1.0;
+            InputError::check("shape.turns", turns, ok, "greater than 0 and at most 1 (turns)")?;
+            let (start, tangent, towards) = (start.into(), tangent.into(), towards.into());
+            Shape::Arc { start, tangent, towards, radius, angle: TAU * turns }
+        }
+        ShapeText::Helix { center, axis, radius, pitch, turns } => {
+            Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
+        }
+        ShapeText::Points { ref file } => Shape::Points(read_points(&base_dir.join(file))?),
+    })
+}
+
+const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), or by young, \
+    poisson or shear_modulus, and circle = radius or rectangle = [width, height]";
+
+fn section(text: &SectionText, contact: bool) -> Result<Section, InputError> {
+    let radius = match (text.contact_radius, text.circle) {
+        (Some(radius), _) | (None, Some(radius)) => radius,
+        (None, None) if !contact => 0.0,
+        (None, None) => {
+            let reason = "missing: the radius within which other strands touch this rod (0 = takes no part in contact)";
+            return Err(inconsistent("section.contact_radius".into(), reason));
+        }
+    };
+    let moduli = [text.young, text.poisson, text.shear_modulus, text.circle, text.shear_correction];
+    let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
+    let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
+        || [text.bending, text.shearing].iter().any(Option::is_some);
+    match (stiff, geometric) {
+        (true, false) => stiffnesses(text, radius),
+        (false, true) => moduli_section(text, radius),
+        (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
+        (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
+    }
+}
+
+fn stiffnesses(text: &SectionText, contact_radius: f64) -> Result<Section, InputError> {
+    let section = Section {
+        bending: present("bending", text.bending)?.0,
+        twisting: present("twisting", text.twisting)?,
+        stretching: present("stretching", text.stretching)?,
+        shearing: present("shearing", text.shearing)?.0,
+        contact_radius,
+    };
+    section.check("section").map(|()| section)
+}
+
+fn moduli_section(text: &SectionText, contact_radius: f64) -> Result<Section, InputError> {
+    let young = present("young", text.young)?;
+    let shear_modulus = match (text.poisson, text.shear_modulus) {
+        (None, Some(shear_modulus)) => shear_modulus,
+        (Some(poisson), None) => {
+            let ok = poisson > -1.0 && poisson <= 0.5;
+            InputError::check("section.poisson", poisson, ok, "greater than -1 and at most 0.5")?;
+            young / (2.0 * (1.0 + poisson))
+        }
+        _ => return Err(inconsistent("section".into(), "give either poisson or shear_modulus")),
+    };
+    let cross_section = match (text.circle, text.rectangle) {
+        (Some(radius), None) => CrossSection::Circle { radius },
+        (None, Some([width, height])) => CrossSection::Rectangle { width, height },
+        _ => return Err(inconsistent("section".into(), "give either circle = radius or rectangle = [width, height]")),
+    };
+    let poisson = young / (2.0 * shear_modulus) - 1.0;
+    let shear_correction = text.shear_correction.unwrap_or_else(|| cross_section.shear_correction(poisson));
+    Section::from_moduli(young, shear_modulus, cross_section, shear_correction, contact_radius)
+}
+
+fn present<T>(key: &str, value: Option<T>) -> Result<T, InputError> {
+    value.ok_or_else(|| inconsistent(format!("section.{key}"), &format!("missing: {SECTION_WAYS}")))
+}
+
+fn contact(text: &ContactText) -> Result<Contact, InputError> {
+    let stiffness = text.stiffness.unwrap_or(Contact::DEFAULT_STIFFNESS);
+    let unused = |key: &str, law: &str| {
+        Err(inconsistent(format!("contact.{key}"), &format!("has no meaning with law = \"{law}\": remove it")))
+    };
+    let law = match text.law {
+        LawText::None if text.stiffness.is_some() => return unused("stiffness", "none"),
+        LawText::None if text.tol_penetration.is_some() => return unused("tol_penetration", "none"),
+        LawText::Penalty if text.tol_penetration.is_some() => return unused("tol_penetration", "penalty"),
+        LawText::None => ContactLaw::None,
+        LawText::Penalty => ContactLaw::Penalty { stiffness },
+        LawText::AugmentedLagrangian => {
+            let tol_penetration = text.tol_penetration.unwrap_or(Contact::DEFAULT_TOL_PENETRATION);
+            ContactLaw::AugmentedLagrangian { stiffness, tol_penetration }
+        }
+    };
+    Ok(Contact { law })
+}
+
+/// Index of the rod called `name`; the only rod needs no name.
+fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, InputError> {
+    let allowed =
+        || format!("one of {}", rods.iter().map(|rod| format!("\"{}\"", rod.name)).collect::<Vec<_>>().join(", "));
+    match name {
+        None if rods.len() == 1 => Ok(0),
+        None => Err(inconsistent(format!("{field}.rod"), &format!("missing: {}", allowed()))),
+        Some(name) => rods.iter().position(|rod| rod.name == name).ok_or_else(|| InputError::Name {
+            field: format!("{field}.rod"),
+            name: name.to_owned(),
+            allowed: allowed(),
+        }),
+    }
+}
+
+fn node(rods: &[Rod], field: &str, name: Option<&str>, at: At) -> Result<NodeRef, InputError> {
+    let index = find_rod(rods, field, name)?;
+    let rod = &rods[index];
+    let node = match at {
+        At::Start => 0,
+        At::End if rod.closed => {
+            let reason =
+                format!("rod \"{}\" is closed and has no end: use \"start\", a node index or {{ arc = s }}", rod.name);
+            return Err(inconsistent(format!("{field}.at"), &reason));
+        }
+        At::End => rod.num_nodes() - 1,
+        At::Node(node) if node >= rod.num_nodes() => {
+            let allowed = "the index of a node of the rod (less than elements × order, or at most that if open)";
+            return Err(InputError::Count { field: format!("{field}.at"), value: node, allowed });
+        }
+        At::Node(node) => node,
+        At::Arc(arc) => {
+            let ok = (0.0..=rod.length).contains(&arc);
+            InputError::check(&format!("{field}.at.arc"), arc, ok, "between 0 and the length of the rod")?;
+            (arc / rod.length * rod.num_segments() as f64).round() as usize % rod.num_nodes()
+        }
+    };
+    Ok(NodeRef { rod: index, node })
+}
+
+fn inconsistent(field: String, reason: &str) -> InputError {
+    InputError::Inconsistent { field, reason: reason.to_owned() }
+}

@@ -1,0 +1,217 @@
+//! The scene file as it is written: one struct a table, every unknown key refused. Meaning is given in the parent module.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use super::values::{At, Axes, NaturalText, OneOrMany, Pair};
+use super::{OutputChoice, SolverChoice, Units};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneText {
+    #[serde(default)]
+    pub title: String,
+    #[serde(default)]
+    pub units: Units,
+    #[serde(default)]
+    pub planar: bool,
+    pub rods: Vec<RodText>,
+    #[serde(default)]
+    pub supports: Vec<SupportText>,
+    #[serde(default)]
+    pub loads: Vec<LoadText>,
+    #[serde(default)]
+    pub line_loads: Vec<LineLoadText>,
+    #[serde(default)]
+    pub contact: ContactText,
+    #[serde(default)]
+    pub stages: Vec<StageText>,
+    #[serde(default)]
+    pub solver: SolverChoice,
+    #[serde(default)]
+    pub output: OutputChoice,
+}
+
+fn default_order() -> usize {
+    3
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RodText {
+    pub name: String,
+    #[serde(default)]
+    pub closed: bool,
+    pub shape: ShapeText,
+    pub section: SectionText,
+    pub elements: usize,
+    #[serde(default = "default_order")]
+    pub order: usize,
+    #[serde(default)]
+    pub natural: NaturalText,
+    #[serde(default)]
+    pub roll: f64,
+}
+
+fn axis_x() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
+}
+
+fn axis_y() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn axis_z() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum ShapeText {
+    Line {
+        #[serde(default)]
+        start: [f64; 3],
+        #[serde(default = "axis_x")]
+        direction: [f64; 3],
+        length: f64,
+    },
+    Circle {
+        length: Option<f64>,
+        radius: Option<f64>,
+        #[serde(default)]
+        center: [f64; 3],
+        #[serde(default = "axis_z")]
+        normal: [f64; 3],
+    },
+    Arc {
+        #[serde(default)]
+        start: [f64; 3],
+        #[serde(default = "axis_x")]
+        tangent: [f64; 3],
+        #[serde(default = "axis_y")]
+        towards: [f64; 3],
+        radius: f64,
+        turns: f64,
+    },
+    Helix {
+        #[serde(default)]
+        center: [f64; 3],
+        #[serde(default = "axis_z")]
+        axis: [f64; 3],
+        radius: f64,
+        pitch: f64,
+        turns: f64,
+    },
+    Points {
+        file: PathBuf,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectionText {
+    pub bending: Option<Pair>,
+    pub twisting: Option<f64>,
+    pub stretching: Option<f64>,
+    pub shearing: Option<Pair>,
+    pub young: Option<f64>,
+    pub poisson: Option<f64>,
+    pub shear_modulus: Option<f64>,
+    pub circle: Option<f64>,
+    pub rectangle: Option<[f64; 2]>,
+    pub shear_correction: Option<f64>,
+    pub contact_radius: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SupportText {
+    pub rod: Option<String>,
+    pub at: At,
+    #[serde(default)]
+    pub position: Axes,
+    #[serde(default)]
+    pub rotation: Axes,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoadText {
+    pub rod: Option<String>,
+    pub at: At,
+    #[serde(default)]
+    pub force: [f64; 3],
+    #[serde(default)]
+    pub moment: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LineLoadText {
+    pub rod: Option<String>,
+    pub force: [f64; 3],
+}
+
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum LawText {
+    None,
+    Penalty,
+    #[default]
+    AugmentedLagrangian,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ContactText {
+    #[serde(default)]
+    pub law: LawText,
+    pub stiffness: Option<f64>,
+    pub tol_penetration: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StageText {
+    pub ramp: RampText,
+    pub steps: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RampText {
+    #[serde(default)]
+    pub excess_link: OneOrMany<ScalarText>,
+    #[serde(default)]
+    pub rotation: OneOrMany<RotationText>,
+    #[serde(default)]
+    pub displacement: OneOrMany<DisplacementText>,
+    pub load: Option<f64>,
+    #[serde(default)]
+    pub pressure: OneOrMany<ScalarText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ScalarText {
+    pub rod: Option<String>,
+    pub to: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RotationText {
+    pub rod: Option<String>,
+    pub at: At,
+    pub axis: [f64; 3],
+    pub turns: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DisplacementText {
+    pub rod: Option<String>,
+    pub at: At,
+    pub to: [f64; 3],
+}

@@ -1,0 +1,209 @@
+//! Values that may be written in more than one way. Hand-written visitors instead of untagged enums: they say what was
+//! expected, and where.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+
+/// One number for both section axes, or a pair.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pair(pub [f64; 2]);
+
+/// A node: `"start"`, `"end"`, an index, or `{ arc = s }` for the node nearest to an arc length.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum At {
+    Start,
+    End,
+    Node(usize),
+    Arc(f64),
+}
+
+/// Fixed components: `true`, `false`, or a list of `"x"`, `"y"`, `"z"`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Axes(pub [bool; 3]);
+
+/// The stress-free state: `"straight"`, `"as-shaped"`, or `{ curvature = [k1, k2], twist = k3 }`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) enum NaturalText {
+    #[default]
+    Straight,
+    AsShaped,
+    Uniform(UniformText),
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct UniformText {
+    #[serde(default)]
+    pub curvature: [f64; 2],
+    #[serde(default)]
+    pub twist: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ArcText {
+    arc: f64,
+}
+
+/// One table or a list of tables.
+#[derive(Debug, Clone)]
+pub(super) struct OneOrMany<T>(pub Vec<T>);
+
+impl<T> Default for OneOrMany<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+struct PairVisitor;
+
+impl<'de> Visitor<'de> for PairVisitor {
+    type Value = Pair;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number, or two numbers [about d1, about d2]")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Pair, E> {
+        Ok(Pair([value; 2]))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Pair, E> {
+        Ok(Pair([value as f64; 2]))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Pair, E> {
+        Ok(Pair([value as f64; 2]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Pair, A::Error> {
+        <[f64; 2]>::deserialize(SeqAccessDeserializer::new(seq)).map(Pair)
+    }
+}
+
+struct AtVisitor;
+
+impl<'de> Visitor<'de> for AtVisitor {
+    type Value = At;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("\"start\", \"end\", a node index, or { arc = arc length }")
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<At, E> {
+        match value {
+            "start" => Ok(At::Start),
+            "end" => Ok(At::End),
+            _ => Err(E::invalid_value(Unexpected::Str(value), &self)),
+        }
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<At, E> {
+        usize::try_from(value).map(At::Node).map_err(|_| E::invalid_value(Unexpected::Signed(value), &self))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<At, E> {
+        usize::try_from(value).map(At::Node).map_err(|_| E::invalid_value(Unexpected::Unsigned(value), &self))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<At, A::Error> {
+        ArcText::deserialize(MapAccessDeserializer::new(map)).map(|text| At::Arc(text.arc))
+    }
+}
+
+struct AxesVisitor;
+
+impl<'de> Visitor<'de> for AxesVisitor {
+    type Value = Axes;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("true, false, or a list of \"x\", \"y\", \"z\"")
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Axes, E> {
+        Ok(Axes([value; 3]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Axes, A::Error> {
+        let mut axes = [false; 3];
+        while let Some(name) = seq.next_element::<String>()? {
+            let index = ["x", "y", "z"].iter().position(|axis| *axis == name);
+            axes[index.ok_or_else(|| A::Error::invalid_value(Unexpected::Str(&name), &self))?] = true;
+        }
+        Ok(Axes(axes))
+    }
+}
+
+struct NaturalVisitor;
+
+impl<'de> Visitor<'de> for NaturalVisitor {
+    type Value = NaturalText;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("\"straight\", \"as-shaped\", or { curvature = [k1, k2], twist = k3 }")
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<NaturalText, E> {
+        match value {
+            "straight" => Ok(NaturalText::Straight),
+            "as-shaped" => Ok(NaturalText::AsShaped),
+            _ => Err(E::invalid_value(Unexpected::Str(value), &self)),
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<NaturalText, A::Error> {
+        UniformText::deserialize(MapAccessDeserializer::new(map)).map(NaturalText::Uniform)
+    }
+}
+
+struct ManyVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ManyVisitor<T> {
+    type Value = OneOrMany<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a table or a list of tables")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OneOrMany<T>, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(|one| OneOrMany(vec![one]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<OneOrMany<T>, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(OneOrMany)
+    }
+}
+
+impl<'de> Deserialize<'de> for Pair {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(PairVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for At {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(AtVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for Axes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(AxesVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for NaturalText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NaturalVisitor)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for OneOrMany<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ManyVisitor(PhantomData))
+    }
+}

@@ -1,0 +1,185 @@
+//! Scene files: what is accepted means what it says, what is refused is refused with the key, the value and what is allowed.
+
+use std::path::Path;
+
+use supercoil::math::Vec3;
+use supercoil::rod::Natural;
+use supercoil::scene::{ContactLaw, NodeRef, Ramp, Scene};
+
+const RING: &str = r#"
+title = "ring"
+units = { length = "nm", force = "pN" }
+[[rods]]
+name = "dna"
+closed = true
+shape = { kind = "circle", length = 114.24 }
+section = { bending = 205.7, twisting = 308.6, stretching = 1100, shearing = 1100.0, contact_radius = 2.5 }
+elements = 12
+[contact]
+law = "augmented-lagrangian"
+tol_penetration = 1e-8
+[[stages]]
+ramp = { excess_link = { rod = "dna", to = -3.0 } }
+steps = 30
+[output]
+every = 2
+"#;
+
+const BEAM: &str = r#"
+[[rods]]
+name = "beam"
+shape = { kind = "line", length = 2.0 }
+section = { young = 12.0, poisson = 0.25, rectangle = [1.0, 0.1], contact_radius = 0.05 }
+elements = 4
+order = 2
+natural = { curvature = [0.1, 0], twist = 0.2 }
+[[supports]]
+at = "start"
+position = true
+rotation = true
+[[supports]]
+at = { arc = 1.6 }
+position = ["y"]
+[[loads]]
+at = "end"
+force = [0, 0, -1]
+[[stages]]
+ramp = { load = 2.0, rotation = { at = 0, axis = [0, 0, 1], turns = 0.5 } }
+steps = 5
+"#;
+
+fn read(text: &str) -> Result<Scene, supercoil::InputError> {
+    Scene::from_toml(text, Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").as_path())
+}
+
+/// The message after replacing `from`, which must be there, by `to`.
+fn refusal(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from}");
+    read(&text.replacen(from, to, 1)).map(|_| format!("accepted: {to}")).unwrap_or_else(|error| error.to_string())
+}
+
+/// Asserts that the message holds every part.
+fn refused(text: &str, from: &str, to: &str, parts: &[&str]) {
+    let message = refusal(text, from, to);
+    for part in parts {
+        assert!(message.contains(part), "\"{part}\" is not in: {message}");
+    }
+}
+
+#[test]
+fn ring_means_what_it_says() {
+    let scene = read(RING).unwrap();
+    assert_eq!((scene.title.as_str(), scene.units.length.as_str(), scene.output.every), ("ring", "nm", 2));
+    let rod = &scene.model.rods[0];
+    assert_eq!((rod.order, rod.num_elements, rod.num_nodes(), rod.closed), (3, 12, 36, true));
+    assert_eq!((rod.section.bending, rod.section.stretching), ([205.7; 2], 1100.0));
+    let law = ContactLaw::AugmentedLagrangian { stiffness: 1e3, tol_penetration: 1e-8 };
+    assert_eq!(scene.model.contact.law, law);
+    assert_eq!(scene.stages[0].ramps, [Ramp::ExcessLink { rod: 0, to: -3.0 }]);
+    assert_eq!(scene.stages[0].steps, 30);
+}
+
+#[test]
+fn beam_means_what_it_says() {
+    let scene = read(BEAM).unwrap();
+    let (model, rod) = (&scene.model, &scene.model.rods[0]);
+    assert_eq!(rod.natural, Natural::Uniform { kappa: [0.1, 0.0, 0.2] });
+    assert!((rod.section.bending[0] - 12.0 * 1e-3 / 12.0).abs() < 1e-15);
+    assert_eq!(model.supports[1].node, NodeRef { rod: 0, node: 6 });
+    assert_eq!((model.supports[1].position, model.supports[1].rotation), ([false, true, false], [false; 3]));
+    assert_eq!((model.loads[0].node.node, model.loads[0].force), (8, -Vec3::z()));
+    let rotation = Ramp::Rotation { node: NodeRef { rod: 0, node: 0 }, axis: Vec3::z(), to: 0.5 };
+    assert_eq!(scene.stages[0].ramps, [rotation, Ramp::Load { to: 2.0 }]);
+}
+
+#[test]
+fn the_examples_are_accepted() {
+    for name in ["minicircle", "elastica", "ring_pressure", "crossed_beams"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(format!("{name}.toml"));
+        Scene::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+#[test]
+fn unknown_keys_are_named_with_line_and_allowed_keys() {
+    refused(RING, "bending", "bendig", &["unknown field `bendig`", "line 8", "`bending`", "`contact_radius`"]);
+    refused(RING, "title", "tittle", &["unknown field `tittle`", "line 2", "`title`", "`stages`"]);
+    refused(RING, "length = 114.24", "length = 114.24, lenght = 1", &["unknown field `lenght`", "line 7", "`radius`"]);
+    refused(RING, "every", "evry", &["unknown field `evry`", "`every`", "`picture`"]);
+    refused(RING, "excess_link", "excess", &["unknown field `excess`", "`excess_link`", "`pressure`"]);
+    refused(RING, "to = -3.0", "till = -3.0", &["unknown field `till`", "`to`"]);
+    refused(BEAM, "curvature", "kurvature", &["unknown field `kurvature`", "`curvature`", "`twist`"]);
+    refused(BEAM, "{ arc = 1.6 }", "{ s = 1.6 }", &["unknown field `s`", "`arc`"]);
+}
+
+#[test]
+fn missing_and_ill_typed_values_are_named() {
+    refused(RING, "elements = 12", "", &["missing field `elements`"]);
+    refused(RING, "elements = 12", "elements = -3", &["elements = -3", "invalid value", "usize"]);
+    refused(RING, "length = 114.24", "length = \"long\"", &["string \"long\"", "expected f64"]);
+    refused(RING, "twisting = 308.6,", "", &["rods.dna.section.twisting: missing", "bending, twisting"]);
+    refused(RING, ", contact_radius = 2.5", "", &["rods.dna.section.contact_radius: missing"]);
+    refused(RING, "kind = \"circle\"", "kind = \"square\"", &["unknown variant `square`", "`circle`", "`helix`"]);
+    refused(RING, "\"augmented-lagrangian\"", "\"lagrange\"", &["unknown variant `lagrange`", "`penalty`", "`none`"]);
+    refused(BEAM, "\"start\"", "\"middle\"", &["string \"middle\"", "\"start\", \"end\", a node index"]);
+    refused(BEAM, "position = true", "position = [\"w\"]", &["string \"w\"", "\"x\", \"y\", \"z\""]);
+    refused(BEAM, "natural = {", "natural = \"bent\" #", &["string \"bent\"", "\"as-shaped\""]);
+    refused(BEAM, "order = 2", "order = [", &["TOML parse error at line"]);
+}
+
+#[test]
+fn bad_numbers_are_named_with_value_and_range() {
+    refused(RING, "205.7", "nan", &["rods.dna.section.bending[0] = NaN: must be a finite number greater than 0"]);
+    refused(RING, "205.7", "[205.7, -1]", &["rods.dna.section.bending[1] = -1"]);
+    refused(RING, "114.24", "0.0", &["rods.dna.shape.length = 0: must be a finite number greater than 0"]);
+    refused(RING, "114.24", "inf", &["rods.dna.shape.length = inf"]);
+    refused(RING, "to = -3.0", "to = nan", &["stages[0].ramp.excess_link.to = NaN"]);
+    refused(RING, "steps = 30", "steps = 0", &["stages[0].steps = 0: must be at least 1"]);
+    refused(RING, "elements = 12", "elements = 12\norder = 4", &["rods.dna.order = 4: must be 1, 2 or 3"]);
+    refused(RING, "elements = 12", "elements = 0", &["elements = 0: must be at least 1"]);
+    refused(RING, "1e-8", "1.5", &["contact.tol_penetration = 1.5: must be between 0 and 1"]);
+    refused(RING, "every = 2", "every = 0", &["output.every = 0: must be at least 1"]);
+    refused(RING, "[output]", "[solver]\nthreads = 0\n[output]", &["solver.threads = 0"]);
+    refused(BEAM, "poisson = 0.25", "poisson = 0.7", &["rods.beam.section.poisson = 0.7: must be greater than -1"]);
+    refused(BEAM, "[1.0, 0.1]", "[1.0, -0.1]", &["rods.beam.section.rectangle[1] = -0.1"]);
+    refused(BEAM, "arc = 1.6", "arc = 2.6", &["supports[1].at.arc = 2.6: must be between 0 and the length"]);
+    refused(BEAM, "at = 0", "at = 9", &["stages[0].ramp.rotation.at = 9"]);
+    refused(BEAM, "axis = [0, 0, 1]", "axis = [0, 0, 0]", &["axis = (0, 0, 0): must be finite and not zero"]);
+    refused(BEAM, "force = [0, 0, -1]", "force = [0, nan, -1]", &["loads[0].force = (0, NaN, -1)"]);
+}
+
+#[test]
+fn ill_posed_scenes_are_refused_with_a_reason() {
+    let thick = ["rods.dna: a rod thicker than its own curvature allows", "contact_radius = 19", "0.05500"];
+    refused(RING, "contact_radius = 2.5", "contact_radius = 19", &thick);
+    let loose = ["rods.beam: loads[0] acts on it", "free to move as a rigid body", "rotation about the axis"];
+    refused(BEAM, "rotation = true", "rotation = [\"z\"]", &loose);
+    refused(BEAM, "load = 2.0, ", "", &["no stage ramps their factor", "load = 1.0"]);
+    refused(BEAM, "at = 0,", "at = 3,", &["stages[0].ramp.rotation", "no support that fixes its rotation"]);
+    refused(RING, "closed = true", "", &["rods.dna.shape: a circle is closed"]);
+    refused(BEAM, "order = 2", "closed = true", &["rods.beam.shape: a line is open"]);
+    refused(RING, "rod = \"dna\"", "rod = \"rna\"", &["excess_link.rod = \"rna\": must be one of \"dna\""]);
+    let both = &["rods.dna.section: keys of both kinds", "either by bending"];
+    refused(RING, "bending = 205.7", "bending = 205.7, young = 1.0", both);
+    refused(
+        RING,
+        "augmented-lagrangian",
+        "penalty",
+        &["contact.tol_penetration: has no meaning with law = \"penalty\""],
+    );
+    refused(RING, "title", "planar = true\ntitle", &["\"dna\" is in a planar scene"]);
+    refused(BEAM, "position = [\"y\"]", "position = false", &["supports[1]: fixes nothing"]);
+    let again = "[[rods]]\nname = \"dna\"\nshape = { kind = \"line\", length = 1 }\nsection = { young = 1, poisson = 0, circle = 1 }\nelements = 1\n[contact]";
+    refused(RING, "[contact]", again, &["rods[1].name = \"dna\": must be a name that no other rod has"]);
+}
+
+#[test]
+fn points_come_from_files_beside_the_scene() {
+    let points = "kind = \"points\", file = \"oval.csv\"";
+    let scene = read(&RING.replace("kind = \"circle\", length = 114.24", points).replace("= 2.5", "= 0.1")).unwrap();
+    let rod = &scene.model.rods[0];
+    assert!((rod.length - 6.2838).abs() < 1e-3, "{}", rod.length);
+    assert_eq!(rod.start_excess_link, 0.0);
+    let absent = "kind = \"points\", file = \"nowhere.csv\"";
+    refused(RING, "kind = \"circle\", length = 114.24", absent, &["nowhere.csv", "No such file"]);
+}
