@@ -87,6 +87,14 @@ pub enum ContactLaw {
 }
 
 impl ContactLaw {
+    /// The dimensionless stiffness κ ε⁴/B, `None` without contact.
+    pub fn stiffness(&self) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::Penalty { stiffness } | Self::AugmentedLagrangian { stiffness, .. } => Some(*stiffness),
+        }
+    }
+
     /// Whether anything is to be detected at all.
     pub fn is_on(&self) -> bool {
         !matches!(self, Self::None)

@@ -85,8 +85,15 @@ impl Workspace {
                 if accepted {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
+                    if let Some(side) = &mut engine.contact {
+                        side.law.geometric = 1.0;
+                    }
+                    let ratio = gain / trial.expected;
                     if tiny {
                         self.shift = 0.0;
+                    } else if rejected_here == 0 && trial.rounds <= 2 && (0.8..1.25).contains(&ratio) {
+                        // the model was right: let the eigenvalues alone decide
+                        self.shift /= 100.0;
                     } else if rejected_here == 0 && trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
                         self.shift /= 6.0;
                     }
