@@ -54,6 +54,17 @@ impl ContactSide {
     }
 }
 
+impl ContactSide {
+    /// Multiplies the stiffness by `factor` and scales the offsets so that point contacts keep force and gap: their force is
+    /// proportional to κ c^{3/2}.
+    pub(crate) fn scale_stiffness(&mut self, factor: f64) {
+        self.law.stiffness *= factor;
+        self.law.geometric = factor.min(1.0 / factor).sqrt();
+        let scale = factor.powf(-2.0 / 3.0);
+        self.offsets.iter_mut().for_each(|c| *c *= scale);
+    }
+}
+
 /// The problem in the form the solver works on.
 #[derive(Debug)]
 pub struct Engine {

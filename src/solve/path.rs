@@ -13,6 +13,9 @@ use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonReport, Workspace};
 use crate::solve::state::{Drive, State};
 
+/// Stages of a softened law at the start of a load step, and the factor between them.
+const SOFT_STAGES: i32 = 2;
+const SOFTENING: f64 = 10.0;
 /// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
 const TOL_OPENING: f64 = 1e-6;
 
@@ -346,7 +349,17 @@ impl Solver {
     }
 
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        self.search(drive, report)?;
+        // a soft law lets strands slide several zone widths per iteration; hardened in steps it ends where the hard one would
+        let softening = self.softening();
+        self.scale_contact(softening.powi(-SOFT_STAGES));
+        let mut outcome = self.search(drive, report);
+        for _ in 0..SOFT_STAGES {
+            self.scale_contact(softening);
+            if outcome.is_ok() && report.status == Status::Converged {
+                outcome = self.search(&Drive::default(), report);
+            }
+        }
+        outcome?;
         while report.status == Status::Converged {
             let (gaps, touched) = self.nodal_gaps();
             let (penetration, opening) = self.contact_errors(&gaps, &touched);
@@ -365,6 +378,19 @@ impl Solver {
             self.search(&Drive::default(), report)?;
         }
         Ok(())
+    }
+
+    /// Factor by which the augmented Lagrangian's stiffness is raised per soft stage; 1 where there is no contact.
+    fn softening(&self) -> f64 {
+        let augmented = matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. });
+        let Some(side) = &self.engine.contact else { return 1.0 };
+        if augmented && !side.broad_phase.pairs().is_empty() { SOFTENING } else { 1.0 }
+    }
+
+    fn scale_contact(&mut self, factor: f64) {
+        if let (Some(side), true) = (&mut self.engine.contact, factor != 1.0) {
+            side.scale_stiffness(factor);
+        }
     }
 
     /// One equilibrium search, leaving unstable equilibria.
