@@ -388,8 +388,13 @@ impl Solver {
     }
 
     fn scale_contact(&mut self, factor: f64) {
-        if let (Some(side), true) = (&mut self.engine.contact, factor != 1.0) {
-            side.scale_stiffness(factor);
+        if factor == 1.0 {
+            return;
+        }
+        let (_, touched) = self.nodal_gaps();
+        if let Some(side) = &mut self.engine.contact {
+            let line = side.nodes_on_lines(&touched);
+            side.scale_stiffness(factor, &line);
         }
     }
 
