@@ -168,8 +168,8 @@ pub fn predicted_stress(
     out
 }
 
-/// Nodal forces Bᵀ C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, with B at
-/// the start of the step.
+/// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and their nodal
+/// forces Bᵀ C e, with B at the start of the step.
 pub fn surprise_force(
     table: &Table,
     nodes: &ElementNodes,
@@ -177,9 +177,10 @@ pub fn surprise_force(
     length: f64,
     material: &Six,
     increment: &[f64; MAX_DOF],
-) -> [f64; MAX_DOF] {
+) -> ([Six; 3], [f64; MAX_DOF]) {
     let num_nodes = table.order + 1;
     let change = nodal_change(nodes, increment, num_nodes);
+    let mut excess = [[0.0; 6]; 3];
     let (mut grad_r, mut grad_q) = ([[0.0; 3]; 4], [[0.0; 4]; 4]);
     for g in 0..table.order {
         let (raw, linear, b) = linear_change(table, nodes, &change, length, g);
@@ -187,6 +188,7 @@ pub fn surprise_force(
         let mut grad = [0.0; 11];
         for i in 0..6 {
             let stress = material[i] * (after[i] - raw[i] - linear[i]);
+            excess[g][i] = stress;
             for k in 0..11 {
                 grad[k] += stress * b[i][k];
             }
@@ -202,7 +204,7 @@ pub fn surprise_force(
             out[6 * a + 3 + k] = dot(&half[k], &grad_q[a]);
         }
     }
-    out
+    (excess, out)
 }
 
 /// First derivatives of the six strains with respect to y = (r', z, z'); b[i][0..3], [3..7], [7..11].

@@ -219,12 +219,13 @@ impl Engine {
         local
     }
 
-    /// Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`crate::rod::element::surprise_force`].
-    pub(crate) fn elastic_surprise(&self, state: &State, moved: &State, increment: &[f64]) -> Vec<f64> {
+    /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`crate::rod::element::surprise_force`].
+    pub(crate) fn elastic_surprise(&self, state: &State, moved: &State, increment: &[f64]) -> (Vec<[Six; 3]>, Vec<f64>) {
         let mut out = vec![0.0; increment.len()];
+        let mut stresses = Vec::with_capacity(self.elements.len());
         self.install(|| {
             for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
-                let forces: Vec<[f64; MAX_DOF]> = batch
+                let forces: Vec<([Six; 3], [f64; MAX_DOF])> = batch
                     .par_iter()
                     .with_min_len(32)
                     .map(|element| {
@@ -238,7 +239,8 @@ impl Engine {
                         )
                     })
                     .collect();
-                for (k, force) in forces.iter().enumerate() {
+                for (k, (stress, force)) in forces.iter().enumerate() {
+                    stresses.push(*stress);
                     let element = &self.elements[batch_index * BATCH + k];
                     for a in 0..=self.model.rods[element.rod].order {
                         for i in 0..6 {
@@ -248,7 +250,7 @@ impl Engine {
                 }
             }
         });
-        out
+        (stresses, out)
     }
 
     fn start_residual(&self) -> Residual {

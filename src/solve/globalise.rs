@@ -9,6 +9,7 @@
 //! K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
 
 use crate::error::SolveError;
+use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, subtract_product};
 use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual};
@@ -40,6 +41,8 @@ struct Trial {
     rounds: usize,
     /// The corrections shrank.
     settled: bool,
+    /// C e of the last correction: with the linear prediction the stresses that balance the step.
+    excess: Option<Vec<[Six; 3]>>,
 }
 
 impl Workspace {
@@ -53,16 +56,16 @@ impl Workspace {
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let mut state = engine.state.clone();
         let mut rejections = 0;
+        let mut stress = engine.actual_stress(&state);
         self.shift = 0.0;
         while report.iterations.len() < options.max_iterations {
             self.refresh(engine, &state)?;
             let drive_now = drive.scaled(remaining);
-            let stress = engine.actual_stress(&state);
             let residual = self.linearise(engine, &state, &stress, &drive_now);
-            let mut longest = 1.0;
+            let (mut longest, mut rejected_here) = (1.0, 0);
             loop {
                 self.convexify(engine, report.iterations.len())?;
-                let step = self.solve_step(engine, &residual, &state, &drive_now, report.iterations.len())?;
+                let step = self.solve_step(engine, &residual, &drive_now, report.iterations.len())?;
                 let size = increment_size(engine, &step);
                 let trial = self.trial(engine, &state, &residual, &step, longest)?;
                 let noise = ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
@@ -80,8 +83,16 @@ impl Workspace {
                 if accepted {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
-                    if trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
-                        self.shift /= 8.0;
+                    if rejected_here == 0 && trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
+                        self.shift /= 6.0;
+                    }
+                    // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
+                    // constraint surface makes of them
+                    stress = engine.predicted_stress(&state, &trial.increment);
+                    for (total, excess) in stress.iter_mut().zip(trial.excess.iter().flatten()) {
+                        for (t, e) in total.iter_mut().flatten().zip(excess.iter().flatten()) {
+                            *t += e;
+                        }
                     }
                     state = trial.state;
                     engine.state = state.clone();
@@ -89,6 +100,7 @@ impl Workspace {
                     break;
                 }
                 rejections += 1;
+                rejected_here += 1;
                 if rejections > MAX_REJECTIONS || report.iterations.len() >= options.max_iterations {
                     return self.finish(engine, &state, report);
                 }
@@ -199,6 +211,7 @@ impl Workspace {
             fraction: safe,
             rounds: 0,
             settled: false,
+            excess: None,
         };
         let mut last = f64::INFINITY;
         loop {
@@ -212,12 +225,12 @@ impl Workspace {
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            let surprise = self.surprise(engine, state, residual, &there, &trial);
+            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial);
             let correction = self.solve_last(engine, &surprise);
             let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
-            if !(size < 0.25 * last) {
+            if !(size < 0.4 * last) {
                 break;
             }
             last = size;
@@ -225,6 +238,7 @@ impl Workspace {
             trial.settled = size < SMALL_CORRECTION;
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
+            trial.excess = Some(excess);
         }
         engine.update_contact(state)?;
         Ok(trial)
@@ -245,15 +259,15 @@ impl Workspace {
         residual: &Residual,
         there: &Residual,
         trial: &Trial,
-    ) -> Vec<f64> {
-        let mut out = engine.elastic_surprise(state, &trial.state, &trial.increment);
+    ) -> (Vec<[Six; 3]>, Vec<f64>) {
+        let (excess, mut out) = engine.elastic_surprise(state, &trial.state, &trial.increment);
         for (o, (after, before)) in out.iter_mut().zip(there.contact_gradient.iter().zip(&residual.contact_gradient)) {
             *o += after - before;
         }
         for (nodes, block) in &residual.contact_blocks {
             subtract_product(nodes, block, &trial.increment, &mut out);
         }
-        out
+        (excess, out)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
-use crate::solve::neutral;
+use crate::solve::neutral::Neutral;
 use crate::solve::state::{Drive, State};
 use crate::sparse::{Factor, Pattern};
 
@@ -60,6 +60,9 @@ pub struct Workspace {
     pattern: Option<Pattern>,
     factor: Option<Factor>,
     pub(crate) tangent: Tangent,
+    /// Neutral motions at the last linearisation.
+    neutral: Neutral,
+    border: Option<Border>,
     /// Candidate list the pattern was made for.
     generation: u64,
     pub(crate) shift: f64,
@@ -74,8 +77,8 @@ impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in one step,
-    /// passing tangents that are indefinite although both ends of the way are stable. If it does not end in a
-    /// stable state, or if strands are near, the search with shifts takes over from the start.
+    /// passing tangents that are indefinite although both ends of the way are stable. If it does not converge, or if strands are
+    /// near, or when leaving an unstable state (`leaving`), the guarded search does the work.
     ///
     /// # Errors
     /// Numbers that break down; not converging is in the report.
@@ -84,7 +87,7 @@ impl Workspace {
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
-        start_stress: Option<&[[Six; 3]]>,
+        leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
         for rod in 0..drive.seams.len() {
             let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
@@ -94,14 +97,14 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
         let mut spent = Vec::new();
-        if !near_contact || !options.stable_only {
+        if !options.stable_only || !(near_contact || leaving) {
             let direct = NewtonOptions {
                 stable_only: false,
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
                 ..options.clone()
             };
-            match self.direct(engine, drive, &direct, start_stress) {
-                Ok(report) if !options.stable_only || (report.converged && report.num_unstable == 0) => return Ok(report),
+            match self.direct(engine, drive, &direct) {
+                Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
                 Err(error) => return Err(error),
@@ -120,12 +123,11 @@ impl Workspace {
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
-        start_stress: Option<&[[Six; 3]]>,
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let mut remaining = 1.0;
         let mut state = engine.state.clone();
-        let mut stress = start_stress.map_or_else(|| engine.actual_stress(&state), <[[Six; 3]]>::to_vec);
+        let mut stress = engine.actual_stress(&state);
         for iteration in 0..options.max_iterations {
             self.refresh(engine, &state)?;
             let drive_now = drive.scaled(remaining);
@@ -133,7 +135,7 @@ impl Workspace {
             if self.factorise(engine, 0.0).is_none() {
                 return Err(SolveError::Factorisation { iteration, shift: 0.0 });
             }
-            let step = self.solve_step(engine, &residual, &state, &drive_now, iteration)?;
+            let step = self.solve_step(engine, &residual, &drive_now, iteration)?;
             let increment = increment_size(engine, &step);
             let fraction = engine.step_fraction(&state, &step)?;
             let predicted = engine.predicted_stress(&state, &step);
@@ -182,8 +184,10 @@ impl Workspace {
 
     pub(crate) fn linearise(&mut self, engine: &Engine, state: &State, stress: &[[Six; 3]], drive: &Drive) -> Residual {
         let Some(pattern) = &self.pattern else { return Residual::default() };
-        let residual = engine.linearise(state, Some(stress), drive, pattern, &mut self.tangent);
-        neutral::add_pins(engine, state, pattern, &mut self.tangent.values);
+        let mut residual = engine.linearise(state, Some(stress), drive, pattern, &mut self.tangent);
+        self.neutral = Neutral::of(engine, state);
+        self.neutral.add_pins(engine, state, pattern, &mut self.tangent.values);
+        self.neutral.remove_sliding_force(&mut residual.gradient);
         residual
     }
 
@@ -192,13 +196,12 @@ impl Workspace {
         &mut self,
         engine: &Engine,
         residual: &Residual,
-        state: &State,
         drive: &Drive,
         iteration: usize,
     ) -> Result<Vec<f64>, SolveError> {
         let rhs: Vec<f64> = residual.gradient.iter().zip(&self.tangent.drive).map(|(g, d)| -g - d).collect();
         let mut step = self.solve_last(engine, &rhs);
-        neutral::remove(engine, state, &mut step);
+        self.neutral.remove(&mut step);
         set_prescribed(&mut step, drive);
         match step.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(SolveError::NotFinite { iteration, quantity: "increment", index, value: step[index] }),
@@ -220,7 +223,14 @@ impl Workspace {
             });
             &self.shifted
         };
-        factor.factorise(pattern, values).map(|inertia| inertia.num_negative)
+        let negative = factor.factorise(pattern, values)?.num_negative;
+        self.border = None;
+        let Some(constraint) = self.neutral.sliding_constraint() else { return Some(negative) };
+        let response = self.solve_unconstrained(engine, &constraint);
+        let compliance: f64 = constraint.iter().zip(&response).map(|(c, w)| c * w).sum();
+        self.border = Some(Border { constraint, response, compliance });
+        // inertia of the tangent on the motions that do not slide (Haynsworth)
+        Some(negative - usize::from(negative > 0 && compliance < 0.0))
     }
 
     /// Product of the assembled tangent with an increment (supported unknowns give and take nothing).
@@ -237,8 +247,19 @@ impl Workspace {
         expand(engine, pattern, &pattern.multiply(&self.tangent.values, &reduced))
     }
 
-    /// Solves with the last factorisation for all unknowns.
+    /// Solves with the last factorisation for all unknowns, without sliding of a uniform closed rod along itself.
     pub(crate) fn solve_last(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
+        let mut x = self.solve_unconstrained(engine, rhs_nodes);
+        if let Some(border) = &self.border {
+            let part: f64 = border.constraint.iter().zip(&x).map(|(c, x)| c * x).sum();
+            for (x, w) in x.iter_mut().zip(&border.response) {
+                *x -= part / border.compliance * w;
+            }
+        }
+        x
+    }
+
+    fn solve_unconstrained(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return Vec::new() };
         let mut rhs = vec![0.0; pattern.num_equations()];
         for node in 0..engine.num_nodes() {
@@ -261,6 +282,14 @@ impl Workspace {
         let neutral = NEUTRAL_SHIFT;
         self.factorise(engine, neutral).ok_or(SolveError::Factorisation { iteration: 0, shift: neutral })
     }
+}
+
+/// A constraint that holds the neutral sliding motion, with its response K⁻¹c.
+#[derive(Debug)]
+struct Border {
+    constraint: Vec<f64>,
+    response: Vec<f64>,
+    compliance: f64,
 }
 
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself

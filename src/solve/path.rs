@@ -363,7 +363,7 @@ impl Solver {
 
     /// One equilibrium search, leaving unstable equilibria.
     fn search(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut outcome = self.equilibrate(drive, None, report)?;
+        let mut outcome = self.equilibrate(drive, false, report)?;
         while outcome.converged && outcome.num_unstable > 0 && self.options.leave_unstable {
             if report.departures >= self.options.max_departures {
                 break;
@@ -374,10 +374,8 @@ impl Solver {
             let still = Drive::default();
             let state = self.engine.state.clone();
             let fraction = self.engine.step_fraction(&state, &increment)?;
-            let stress = self.engine.predicted_stress(&state, &increment);
             self.engine.state = state.retract(&increment, fraction);
-            let start = (fraction == 1.0).then_some(stress);
-            outcome = self.equilibrate(&still, start.as_deref(), report)?;
+            outcome = self.equilibrate(&still, true, report)?;
         }
         report.num_unstable = outcome.num_unstable;
         report.status = match (outcome.converged, outcome.num_unstable) {
@@ -392,10 +390,10 @@ impl Solver {
     fn equilibrate(
         &mut self,
         drive: &Drive,
-        stress: Option<&[[[f64; 6]; 3]]>,
+        leaving: bool,
         report: &mut StepReport,
     ) -> Result<NewtonReport, SolveError> {
-        let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, stress)?;
+        let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, leaving)?;
         report.iterations += outcome.iterations.len();
         report.history.push(outcome.iterations.clone());
         Ok(outcome)
