@@ -127,7 +127,7 @@ pub(super) mod tests {
     /// A made-up step for the tests of writers.
     pub(in crate::io) fn observation(step: usize) -> Observation {
         let excess_link = -0.1 * step as f64;
-        let link = RodLink { rod: 0, excess_link, link: excess_link, twist: -0.04, writhe: 0.01, seam_moment: 1.5 };
+        let link = RodLink { rod: 0, excess_link, link: excess_link, twist: -0.04, excess_twist: -0.04, writhe: 0.01, seam_moment: 1.5 };
         Observation {
             stage: 0,
             step,
