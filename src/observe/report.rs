@@ -61,8 +61,7 @@ pub struct Reaction {
 ///
 /// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as no
 /// strand has passed through another. Of its two parts the polygon would know each to second order in its edges only,
-/// so `twist` is the elements' own quadrature of (1/2π)∫K3 ds and `writhe` the rest. (K3 is the twist about d3; in a rod
-/// that shears, the writhe is then that of a curve with tangent d3, off the centreline's by the order of the shear.)
+/// so `twist` is the elements' own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RodLink {
     /// Rod index.
@@ -71,9 +70,9 @@ pub struct RodLink {
     pub excess_link: f64,
     /// Measured Tw + Wr.
     pub link: f64,
-    /// Twist Tw of the present shape.
+    /// Twist Tw of the material direction d1 about the centreline.
     pub twist: f64,
-    /// Part of `twist` beyond the rod's natural twist: what costs energy.
+    /// (1/2π)∫K3 ds beyond the rod's natural twist: what costs energy.
     pub excess_twist: f64,
     /// Writhe Wr.
     pub writhe: f64,

@@ -35,7 +35,7 @@ pub fn observe(progress: &Progress) -> Observation {
         links: links(engine, &residual),
         energies: energies(&residual.potential),
         min_gap: min_gap(engine),
-        total_contact_force: sites.iter().map(|site| site.force).sum(),
+        total_contact_force: sites.iter().fold(0.0, |sum, site| sum + site.force),
         sites,
         reactions: reactions(engine, &residual),
         num_unstable: progress.report.num_unstable,
@@ -56,9 +56,9 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
         let excess_link = engine.state().seams[rod] / TAU;
         let (points, d1) = engine.centerline(rod, POINTS_PER_SEGMENT);
         let link = link_numbers(&points, &d1, excess_link).link;
-        let (twist, natural) = engine.total_twist(rod);
+        let (twist, excess_twist) = engine.twist(rod);
         let seam_moment = residual.seam_moments[rod];
-        RodLink { rod, excess_link, link, twist, excess_twist: twist - natural, writhe: link - twist, seam_moment }
+        RodLink { rod, excess_link, link, twist, excess_twist, writhe: link - twist, seam_moment }
     };
     (0..rods.len()).filter(|&rod| rods[rod].closed).map(link_of).collect()
 }

@@ -1,5 +1,5 @@
 //! Fields along the rods at the present state: the smooth centreline with its material direction, strains and contact
-//! force at the nodes, total twist.
+//! force at the nodes, twist.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -63,18 +63,28 @@ impl Engine {
         (points, directions)
     }
 
-    /// Total twist (1/2π)∫K3 ds of a rod and the part of it that is natural, turns; by the elements' own quadrature, which
-    /// is accurate to order 2p in the element size.
+    /// Twist of a rod in turns, by the elements' own quadrature (accurate to order 2p in the element size): of d1 about the
+    /// centreline, Tw = (1/2π)∫ K3 + (Γ1 K1 + Γ2 K2)/Γ3 ds, and the part of (1/2π)∫K3 ds beyond the natural one, which
+    /// costs energy.
+    ///
+    /// K3 counts turns about d3. Seen from the tangent, which shear tilts against d3 by the angles Γ1/Γ3 and Γ2/Γ3, there are
+    /// more by the area between the tangent's and d3's paths on the unit sphere (Fuller 1978); given here to first order
+    /// in the shear, so Tw is off by about the square of the shear angles.
     ///
     /// # Panics
     /// If there is no such rod.
-    pub fn total_twist(&self, rod: usize) -> (f64, f64) {
+    pub fn twist(&self, rod: usize) -> (f64, f64) {
         let weights = self.table(rod).rule.weights;
-        let sum = |strains: [Six; 3]| weights.iter().zip(strains).map(|(w, six)| w * six[5]).sum::<f64>();
         let turns = self.element_length(rod) / TAU;
-        let total: f64 = self.elements_of(rod).map(|e| sum(self.raw_strain_of(e))).sum();
-        let natural: f64 = self.elements_of(rod).map(|e| sum(self.reference[rod].of(e))).sum();
-        (total * turns, natural * turns)
+        let (mut twist, mut excess) = (0.0, 0.0);
+        for e in self.elements_of(rod) {
+            let natural = self.reference[rod].of(e);
+            for (g, [v1, v2, v3, k1, k2, k3]) in self.raw_strain_of(e).into_iter().take(weights.len()).enumerate() {
+                twist += weights[g] * (k3 + (v1 * k1 + v2 * k2) / v3);
+                excess += weights[g] * (k3 - natural[g][5]);
+            }
+        }
+        (twist * turns, excess * turns)
     }
 
     /// Fields at the nodes of a rod. Contact must be up to date, as it is in every state that a solver hands out.
