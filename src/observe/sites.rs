@@ -33,7 +33,8 @@ struct Zone {
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
 pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize]) -> Vec<SiteReport> {
     let zones = zones(set, terms);
-    let mut sites: Vec<SiteReport> = views(set, &zones).iter().map(|members| site(set, &zones, members, rods)).collect();
+    let mut sites: Vec<SiteReport> =
+        views(set, &zones).iter().map(|members| site(set, &zones, members, rods)).collect();
     sites.sort_by(|x, y| {
         let key = |s: &SiteReport| (s.rod_a, s.rod_b);
         key(x).cmp(&key(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
@@ -147,8 +148,7 @@ fn successors(set: &CurveSet, pieces: &[Zone]) -> Vec<Option<usize>> {
             let end = piece.arc_a[1] - shift;
             let first = range.partition_point(|z| z.arc_a[0] < end - tol_arc);
             for (k, other) in range.iter().enumerate().skip(first).take_while(|(_, z)| z.arc_a[0] <= end + tol_arc) {
-                let jump =
-                    (near(other.arc_b[0], piece.arc_b[1], period(set, piece.curve_b)) - piece.arc_b[1]).abs();
+                let jump = (near(other.arc_b[0], piece.arc_b[1], period(set, piece.curve_b)) - piece.arc_b[1]).abs();
                 if jump <= tol_foot && !taken[offset + k] && best.is_none_or(|(least, _)| jump < least) {
                     best = Some((jump, offset + k));
                 }

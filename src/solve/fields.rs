@@ -134,7 +134,11 @@ impl Engine {
     /// Strains (Γ + e3, K) at the integration points, reference not subtracted.
     fn raw_strain_of(&self, e: usize) -> [Six; 3] {
         let element = &self.elements[e];
-        raw_strains(self.table(element.rod), &self.element_nodes(&self.state, element), self.element_length(element.rod))
+        raw_strains(
+            self.table(element.rod),
+            &self.element_nodes(&self.state, element),
+            self.element_length(element.rod),
+        )
     }
 }
 
@@ -159,8 +163,7 @@ mod tests {
     use crate::scene::Model;
 
     fn helix(order: usize) -> Engine {
-        let shape =
-            Shape::Helix { center: Vec3::zeros(), axis: Vec3::z(), radius: 1.0, pitch: TAU, turns: 1.0 };
+        let shape = Shape::Helix { center: Vec3::zeros(), axis: Vec3::z(), radius: 1.0, pitch: TAU, turns: 1.0 };
         let section = Section::isotropic(1.0, 1.0, 1.0, 1.0, 0.0);
         let rod = Rod::new("helix", &shape, false, section, 24, order, Natural::Straight).unwrap();
         Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap()

@@ -14,7 +14,10 @@ fn straight(degrees: f64, height: f64) -> CurveSet {
 
 fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
     let n = set.len() as u32;
-    (0..n).flat_map(|i| (i + 1..n).map(move |j| [i, j])).filter(|p| set.curve_of(p[0] as usize) != set.curve_of(p[1] as usize)).collect()
+    (0..n)
+        .flat_map(|i| (i + 1..n).map(move |j| [i, j]))
+        .filter(|p| set.curve_of(p[0] as usize) != set.curve_of(p[1] as usize))
+        .collect()
 }
 
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
@@ -96,7 +99,8 @@ fn pieces_join_over_the_seam_and_all_round() {
     assert!((sites[0].force / total - 1.0).abs() < 1e-9);
 
     // a straight rod across the first node of the ring: the site runs over the seam
-    let bar: Vec<Vec3> = (0..4).map(|k| Vec3::new(5.0, 0.0, 0.99) + Vec3::new(1.0, 0.1, 0.0) * (f64::from(k) - 1.4)).collect();
+    let bar: Vec<Vec3> =
+        (0..4).map(|k| Vec3::new(5.0, 0.0, 0.99) + Vec3::new(1.0, 0.1, 0.0) * (f64::from(k) - 1.4)).collect();
     let set = CurveSet::from_polylines(&[(&a, 0.5, true), (&bar, 0.5, false)]).unwrap();
     let sites = found(&set, 100.0);
     assert_eq!(sites.len(), 1, "{sites:?}");
