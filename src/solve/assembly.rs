@@ -362,7 +362,7 @@ impl Engine {
     ) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
-        let terms = detect::evaluate(&side.set, side.broad_phase.pairs(), side.stiffness, &|s| side.offset(s), want);
+        let terms = detect::evaluate(&side.set, side.broad_phase.pairs(), side.law, &|s| side.offset(s), want);
         for batch in terms.chunks(BATCH) {
             let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
                 batch.par_iter().map(|term| side.map_term(term, state)).collect();

@@ -71,7 +71,9 @@ impl Workspace {
                 let noise = ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
                 let gain = residual.potential.total() - trial.potential;
                 let driven = remaining > 0.0 || !engine.is_conservative();
-                let accepted = trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
+                // below the tolerance rounding decides over decrease and corrections
+                let tiny = size <= options.tol_increment && trial.potential.is_finite();
+                let accepted = tiny || trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
                 report.iterations.push(Iteration {
                     increment: size,
                     residual: relative_residual(engine, &residual),
@@ -83,7 +85,16 @@ impl Workspace {
                 if accepted {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
-                    if rejected_here == 0 && trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
+                    if let Some(side) = &mut engine.contact {
+                        side.law.geometric = 1.0;
+                    }
+                    let ratio = gain / trial.expected;
+                    if tiny {
+                        self.shift = 0.0;
+                    } else if rejected_here == 0 && trial.rounds <= 2 && (0.8..1.25).contains(&ratio) {
+                        // the model was right: let the eigenvalues alone decide
+                        self.shift /= 100.0;
+                    } else if rejected_here == 0 && trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
                         self.shift /= 6.0;
                     }
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
@@ -96,7 +107,7 @@ impl Workspace {
                     }
                     state = trial.state;
                     engine.state = state.clone();
-                    report.converged = trial.fraction == 1.0 && size <= options.tol_increment;
+                    report.converged = trial.fraction == 1.0 && tiny && self.shift == 0.0;
                     break;
                 }
                 rejections += 1;

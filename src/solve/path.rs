@@ -13,6 +13,15 @@ use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonReport, Workspace};
 use crate::solve::state::{Drive, State};
 
+/// Stages of a softened law at the start of a load step, and the factor between them.
+const SOFT_STAGES: i32 = 2;
+const SOFTENING: f64 = 10.0;
+/// Augmentations under the soft law, and the gap error relative to the radius at which they end: hardening keeps gaps.
+const SOFT_AUGMENTATIONS: usize = 4;
+const TOL_SOFT: f64 = 1e-3;
+/// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
+const TOL_OPENING: f64 = 1e-6;
+
 /// How a run or a step ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -343,22 +352,65 @@ impl Solver {
     }
 
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        self.search(drive, report)?;
+        // a soft law lets strands slide several zone widths per iteration; hardened in steps it ends where the hard one would
+        let softening = self.softening();
+        self.scale_contact(softening.powi(-SOFT_STAGES));
+        let mut outcome = self.search(drive, report);
+        if softening > 1.0 {
+            for _ in 0..SOFT_AUGMENTATIONS {
+                let (gaps, touched) = self.nodal_gaps();
+                let (penetration, opening) = self.contact_errors(&gaps, &touched);
+                if outcome.is_err() || report.status != Status::Converged || penetration.max(opening) < TOL_SOFT {
+                    break;
+                }
+                self.augment(&gaps);
+                report.augmentations += 1;
+                outcome = self.search(&Drive::default(), report);
+            }
+        }
+        for _ in 0..SOFT_STAGES {
+            self.scale_contact(softening);
+            if outcome.is_ok() && report.status == Status::Converged {
+                outcome = self.search(&Drive::default(), report);
+            }
+        }
+        outcome?;
         while report.status == Status::Converged {
-            report.penetration = self.penetration();
+            let (gaps, touched) = self.nodal_gaps();
+            let (penetration, opening) = self.contact_errors(&gaps, &touched);
+            report.penetration = penetration;
             let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else { break };
-            if report.penetration <= tol_penetration {
+            if penetration <= tol_penetration && opening <= tol_penetration.max(TOL_OPENING) {
                 break;
             }
             if report.augmentations >= self.options.max_augmentations {
                 report.status = Status::Penetration;
                 break;
             }
-            self.augment();
+            if std::env::var("SC_DEBUG").is_ok() { eprintln!("  aug {} pen {:.3e} open {:.3e} its {}", report.augmentations, report.penetration, opening, report.history.last().map_or(0, Vec::len)); }
+            self.augment(&gaps);
             report.augmentations += 1;
             self.search(&Drive::default(), report)?;
         }
         Ok(())
+    }
+
+    /// Factor by which the augmented Lagrangian's stiffness is raised per soft stage; 1 where there is no contact.
+    fn softening(&self) -> f64 {
+        let augmented = matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. });
+        let Some(side) = &self.engine.contact else { return 1.0 };
+        if augmented && !side.broad_phase.pairs().is_empty() { SOFTENING } else { 1.0 }
+    }
+
+    fn scale_contact(&mut self, factor: f64) {
+        if factor == 1.0 {
+            return;
+        }
+        let (_, touched) = self.nodal_gaps();
+        if let Some(side) = &mut self.engine.contact {
+            let line = side.nodes_on_lines(&touched);
+            side.scale_stiffness(factor, &line);
+        }
     }
 
     /// One equilibrium search, leaving unstable equilibria.
@@ -399,27 +451,49 @@ impl Solver {
         Ok(outcome)
     }
 
-    /// Worst penetration relative to the smallest contact radius.
-    fn penetration(&self) -> f64 {
-        let Some(side) = &self.engine.contact else { return 0.0 };
+    /// Smallest gap found near each node (window of one contact distance along its zone; infinite where nothing is within reach),
+    /// and whether a zone lies in a segment that meets at the node.
+    fn nodal_gaps(&self) -> (Vec<f64>, Vec<bool>) {
+        let Some(side) = &self.engine.contact else { return (Vec::new(), Vec::new()) };
+        let mut touched = vec![false; side.offsets.len()];
         let residual = self.engine.residual(&self.engine.state);
-        let worst = residual.terms.iter().flat_map(|t| &t.zones).map(|z| -z.min_gap).fold(0.0, f64::max);
-        worst / side.min_radius
+        let mut smallest = vec![f64::INFINITY; side.offsets.len()];
+        for term in &residual.terms {
+            let set = &side.set;
+            let window = set.radius_of(term.slave) + set.radius_of(term.master);
+            side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
+            for zone in &term.zones {
+                let mut spread = |mut segment: usize, mut distance: f64, forward: bool| loop {
+                    for node in side.nodes[segment] {
+                        smallest[node] = smallest[node].min(zone.min_gap);
+                    }
+                    let next = if forward { set.next(segment) } else { set.prev(segment) };
+                    match next {
+                        Some(next) if distance > 0.0 && next != term.slave => segment = next,
+                        _ => break,
+                    }
+                    distance -= set.lengths[segment];
+                };
+                spread(term.slave, window, true);
+                spread(term.slave, window, false);
+            }
+        }
+        (smallest, touched)
+    }
+
+    /// Worst penetration, and worst gap held open by an offset, relative to the smallest contact radius.
+    fn contact_errors(&self, gaps: &[f64], touched: &[bool]) -> (f64, f64) {
+        let Some(side) = &self.engine.contact else { return (0.0, 0.0) };
+        let penetration = gaps.iter().map(|g| -g).fold(0.0, f64::max);
+        let held = (0..gaps.len()).filter(|&n| touched[n] && gaps[n].is_finite() && side.offsets[n] > 0.0);
+        let opening = held.map(|n| gaps[n]).fold(0.0, f64::max);
+        (penetration / side.min_radius, opening / side.min_radius)
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero.
-    fn augment(&mut self) {
-        let residual = self.engine.residual(&self.engine.state);
+    fn augment(&mut self, gaps: &[f64]) {
         let Some(side) = &mut self.engine.contact else { return };
-        let mut smallest = vec![f64::INFINITY; side.offsets.len()];
-        for term in &residual.terms {
-            for zone in &term.zones {
-                for node in side.nodes[term.slave] {
-                    smallest[node] = smallest[node].min(zone.min_gap);
-                }
-            }
-        }
-        for (offset, gap) in side.offsets.iter_mut().zip(smallest) {
+        for (offset, gap) in side.offsets.iter_mut().zip(gaps) {
             *offset = if gap.is_finite() { (*offset - gap).max(0.0) } else { 0.0 };
         }
     }
