@@ -114,3 +114,8 @@ pub mod sparse;
 
 pub use error::{InputError, SolveError};
 pub use nalgebra;
+
+/// The README's code is run with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
