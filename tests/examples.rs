@@ -14,7 +14,6 @@ mod ring_pressure;
 
 /// Linear theory of two clamped beams pushed together, deflections of a four-hundredth of the span.
 #[test]
-#[ignore = "the search stops at first touch of strands that supports drive together"]
 fn crossed_beams_press_as_linear_theory_says() {
     let summary = crossed_beams::run(0.005).unwrap();
     assert_eq!(summary.status, Status::Converged);
@@ -23,7 +22,6 @@ fn crossed_beams_press_as_linear_theory_says() {
 
 /// The neck closes at one point, symmetric about the middle of the wire.
 #[test]
-#[ignore = "the search stops at first touch of strands that supports drive together"]
 fn the_elastica_touches_itself() {
     let summary = elastica::run(20).unwrap();
     assert_eq!(summary.status, Status::Converged);
