@@ -109,8 +109,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Default dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is then a sixth of the radius.
-    pub const DEFAULT_STIFFNESS: f64 = 1e3;
+    /// Default dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is then a third of the radius.
+    pub const DEFAULT_STIFFNESS: f64 = 100.0;
     /// Default penetration tolerance relative to the contact radius.
     pub const DEFAULT_TOL_PENETRATION: f64 = 1e-8;
 

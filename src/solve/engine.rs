@@ -55,13 +55,39 @@ impl ContactSide {
 }
 
 impl ContactSide {
-    /// Multiplies the stiffness by `factor` and scales the offsets so that point contacts keep force and gap: their force is
-    /// proportional to κ c^{3/2}.
-    pub(crate) fn scale_stiffness(&mut self, factor: f64) {
+    /// Multiplies the stiffness by `factor` and scales the offsets so that contacts keep their gap and, nearly, their force: it is
+    /// proportional to κ c along lines and to κ c^{3/2} at points. `line` tells the nodes on lines.
+    pub(crate) fn scale_stiffness(&mut self, factor: f64, line: &[bool]) {
         self.law.stiffness *= factor;
         self.law.geometric = factor.min(1.0 / factor).sqrt();
-        let scale = factor.powf(-2.0 / 3.0);
-        self.offsets.iter_mut().for_each(|c| *c *= scale);
+        for (offset, on_line) in self.offsets.iter_mut().zip(line) {
+            *offset *= factor.powf(if *on_line { -1.0 } else { -2.0 / 3.0 });
+        }
+    }
+
+    /// Nodes on lines: those in runs of segments with zones that are longer than two contact distances.
+    pub(crate) fn nodes_on_lines(&self, touched: &[bool]) -> Vec<bool> {
+        let mut line = vec![false; touched.len()];
+        for curve in &self.set.curves {
+            let mut run: Vec<usize> = Vec::new();
+            let mut length = 0.0;
+            let last = curve.first + curve.count - 1;
+            for segment in curve.first..=last {
+                let inside = self.nodes[segment].iter().all(|&n| touched[n]);
+                if inside {
+                    run.push(segment);
+                    length += self.set.lengths[segment];
+                }
+                if !inside || segment == last {
+                    if length > 4.0 * curve.radius {
+                        run.iter().flat_map(|&s| self.nodes[s]).for_each(|n| line[n] = true);
+                    }
+                    run.clear();
+                    length = 0.0;
+                }
+            }
+        }
+        line
     }
 }
 

@@ -21,7 +21,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tol_increment: 1e-8, max_iterations: 100, stable_only: true }
+        Self { tol_increment: 1e-8, max_iterations: 200, stable_only: true }
     }
 }
 

@@ -16,6 +16,9 @@ use crate::solve::state::{Drive, State};
 /// Stages of a softened law at the start of a load step, and the factor between them.
 const SOFT_STAGES: i32 = 2;
 const SOFTENING: f64 = 10.0;
+/// Augmentations under the soft law, and the gap error relative to the radius at which they end: hardening keeps gaps.
+const SOFT_AUGMENTATIONS: usize = 4;
+const TOL_SOFT: f64 = 1e-3;
 /// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
 const TOL_OPENING: f64 = 1e-6;
 
@@ -353,6 +356,18 @@ impl Solver {
         let softening = self.softening();
         self.scale_contact(softening.powi(-SOFT_STAGES));
         let mut outcome = self.search(drive, report);
+        if softening > 1.0 {
+            for _ in 0..SOFT_AUGMENTATIONS {
+                let (gaps, touched) = self.nodal_gaps();
+                let (penetration, opening) = self.contact_errors(&gaps, &touched);
+                if outcome.is_err() || report.status != Status::Converged || penetration.max(opening) < TOL_SOFT {
+                    break;
+                }
+                self.augment(&gaps);
+                report.augmentations += 1;
+                outcome = self.search(&Drive::default(), report);
+            }
+        }
         for _ in 0..SOFT_STAGES {
             self.scale_contact(softening);
             if outcome.is_ok() && report.status == Status::Converged {
@@ -388,8 +403,13 @@ impl Solver {
     }
 
     fn scale_contact(&mut self, factor: f64) {
-        if let (Some(side), true) = (&mut self.engine.contact, factor != 1.0) {
-            side.scale_stiffness(factor);
+        if factor == 1.0 {
+            return;
+        }
+        let (_, touched) = self.nodal_gaps();
+        if let Some(side) = &mut self.engine.contact {
+            let line = side.nodes_on_lines(&touched);
+            side.scale_stiffness(factor, &line);
         }
     }
 
