@@ -5,7 +5,7 @@
 //! GJ = 5e6/6, shear stiffness 5/6 · 5e6 (and 5e6 as a variant). 16 cubic elements.
 //! Reference: tip position of the continuous rod, solved as a boundary value problem to all printed digits. (The often quoted
 //! (47.23, 15.79, 53.37) at 600 of Simo & Vu-Quoc 1986 comes from coarse meshes.)
-//! Tolerance: 1e-7 of the length 78.54.
+//! Tolerance: 1e-7 absolute.
 
 mod common;
 
@@ -16,7 +16,7 @@ use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::Ramp;
 use supercoil::solve::{Options, Solver, Status};
 
-const TOLERANCE: f64 = 1e-7 * 100.0 * FRAC_PI_4;
+const TOLERANCE: f64 = 1e-7;
 
 fn bend(force: f64, shearing: f64) -> Solver {
     let section = Section::isotropic(1e7 / 12.0, 5e6 / 6.0, 1e7, shearing, 0.5);
@@ -27,7 +27,7 @@ fn bend(force: f64, shearing: f64) -> Solver {
     let report = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     println!("force {force}: {}", history(&report));
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
-    assert!(report.iterations <= 12, "{}", history(&report));
+    assert!(report.iterations <= 30, "{}", history(&report));
     solver
 }
 
