@@ -17,15 +17,42 @@ fn main() {
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
     let stiffness = kappa * eps.powi(4);
-    let law = if al { ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 } } else { ContactLaw::Penalty { stiffness } };
+    let law = if al {
+        ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 }
+    } else {
+        ContactLaw::Penalty { stiffness }
+    };
     let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
     for t in targets {
         let clock = std::time::Instant::now();
         let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: t }]).unwrap();
-        if verbose { for h in &report.history { println!("  search"); for i in h { println!("    inc {:.2e} res {:.2e} t {:.3} shift {:.1e} pot {:.9} r {}", i.increment, i.residual, i.fraction, i.shift, i.potential, i.rounds); } } }
+        if verbose {
+            for h in &report.history {
+                println!("  search");
+                for i in h {
+                    println!(
+                        "    inc {:.2e} res {:.2e} t {:.3} shift {:.1e} pot {:.9} r {}",
+                        i.increment, i.residual, i.fraction, i.shift, i.potential, i.rounds
+                    );
+                }
+            }
+        }
         let r = supercoil::solve::path::quick(&solver);
-        if let Some(e) = &report.error { println!("{e}"); }
-        println!("lk {t}: {:?} it {} {:?} aug {} dep {} unstable {} pen {:.2e} {} [{:.0} ms]", report.status, report.iterations, report.history.iter().map(|h| h.len()).collect::<Vec<_>>(), report.augmentations, report.departures, report.num_unstable, report.penetration, r, clock.elapsed().as_secs_f64()*1e3);
+        if let Some(e) = &report.error {
+            println!("{e}");
+        }
+        println!(
+            "lk {t}: {:?} it {} {:?} aug {} dep {} unstable {} pen {:.2e} {} [{:.0} ms]",
+            report.status,
+            report.iterations,
+            report.history.iter().map(|h| h.len()).collect::<Vec<_>>(),
+            report.augmentations,
+            report.departures,
+            report.num_unstable,
+            report.penetration,
+            r,
+            clock.elapsed().as_secs_f64() * 1e3
+        );
     }
 }

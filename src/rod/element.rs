@@ -301,6 +301,7 @@ pub enum Want {
 ///
 /// `length` reference length \[L\]; `material` diagonal of C; `reference` raw strains of the natural state per point;
 /// `predicted` stresses for the geometric part of the tangent per point (`None`: C ε(x)).
+#[allow(clippy::too_many_arguments)] // geometry, material, what is wanted, where it goes
 pub fn evaluate(
     table: &Table,
     nodes: &ElementNodes,
@@ -513,7 +514,8 @@ mod tests {
             })
             .collect();
         let material = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9];
-        let reference = [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
+        let reference =
+            [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
         Case { r, q, length: 0.8, material, reference }
     }
 
@@ -556,7 +558,11 @@ mod tests {
                 let h = 1e-5;
                 let energy = |step: f64| run(order, &moved(&case, dof, step)).energy.iter().sum::<f64>();
                 let difference = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
-                assert!((difference - out.residual[dof]).abs() < 1e-8, "order {order} dof {dof}: {difference} {}", out.residual[dof]);
+                assert!(
+                    (difference - out.residual[dof]).abs() < 1e-8,
+                    "order {order} dof {dof}: {difference} {}",
+                    out.residual[dof]
+                );
             }
         }
     }
@@ -585,10 +591,16 @@ mod tests {
             };
             for i in 0..dofs {
                 for j in i..dofs {
-                    let second = |h: f64| (energy(i, j, h, h) - energy(i, j, h, -h) - energy(i, j, -h, h) + energy(i, j, -h, -h)) / (4.0 * h * h);
+                    let second = |h: f64| {
+                        (energy(i, j, h, h) - energy(i, j, h, -h) - energy(i, j, -h, h) + energy(i, j, -h, -h))
+                            / (4.0 * h * h)
+                    };
                     let difference = (4.0 * second(h) - second(2.0 * h)) / 3.0;
                     let ours = out.tangent[i][j];
-                    assert!((difference - ours).abs() < 2e-5 * (1.0 + ours.abs()), "order {order} ({i},{j}): {difference} {ours}");
+                    assert!(
+                        (difference - ours).abs() < 2e-5 * (1.0 + ours.abs()),
+                        "order {order} ({i},{j}): {difference} {ours}"
+                    );
                 }
             }
         }

@@ -125,7 +125,12 @@ impl Engine {
                     self.scatter_element_tangent(e, result, prescribed.as_deref(), pattern, tangent);
                 }
             }
-            self.add_contact_gradient(state, detect::Want::Hessian, &mut out, Some((pattern, prescribed.as_deref(), tangent)));
+            self.add_contact_gradient(
+                state,
+                detect::Want::Hessian,
+                &mut out,
+                Some((pattern, prescribed.as_deref(), tangent)),
+            );
             self.add_loads(state, &mut out, Some((pattern, tangent)));
             out
         })
@@ -220,7 +225,12 @@ impl Engine {
     }
 
     /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`crate::rod::element::surprise_force`].
-    pub(crate) fn elastic_surprise(&self, state: &State, moved: &State, increment: &[f64]) -> (Vec<[Six; 3]>, Vec<f64>) {
+    pub(crate) fn elastic_surprise(
+        &self,
+        state: &State,
+        moved: &State,
+        increment: &[f64],
+    ) -> (Vec<[Six; 3]>, Vec<f64>) {
         let mut out = vec![0.0; increment.len()];
         let mut stresses = Vec::with_capacity(self.elements.len());
         self.install(|| {
@@ -294,7 +304,8 @@ impl Engine {
         }
         if element.closes {
             let moment = &result.residual[6 * (count - 1) + 3..6 * count];
-            out.seam_moments[element.rod] = self.seam_axis(state, element.rod).dot(&Vec3::new(moment[0], moment[1], moment[2]));
+            out.seam_moments[element.rod] =
+                self.seam_axis(state, element.rod).dot(&Vec3::new(moment[0], moment[1], moment[2]));
         }
     }
 
@@ -437,7 +448,12 @@ impl Engine {
                     out.magnitude[6 * q + 1] += (factor * x).abs();
                     if let Some((pattern, tangent)) = &mut tangent {
                         // a diagonal block is symmetric: its upper part holds ∂²/∂x∂y once
-                        pattern.add_block(&mut tangent.values, p, q, |i, j| if i == 0 && j == 1 { factor } else { 0.0 });
+                        pattern.add_block(
+                            &mut tangent.values,
+                            p,
+                            q,
+                            |i, j| if i == 0 && j == 1 { factor } else { 0.0 },
+                        );
                     }
                 }
             }
@@ -472,7 +488,10 @@ impl ContactSide {
 
     fn frame_of(&self, segment: usize, state: &State) -> SegmentFrame {
         let [a, b] = self.nodes[segment];
-        SegmentFrame { tangents: [state.frames[a] * Vec3::z(), state.frames[b] * Vec3::z()], lever: self.set.lengths[segment] / 3.0 }
+        SegmentFrame {
+            tangents: [state.frames[a] * Vec3::z(), state.frames[b] * Vec3::z()],
+            lever: self.set.lengths[segment] / 3.0,
+        }
     }
 
     /// Global nodes of a term: slave a, b, master a, b.

@@ -160,9 +160,12 @@ impl Engine {
         let scales = scales(&model);
         let pool = match threads {
             None => None,
-            Some(count) => Some(rayon::ThreadPoolBuilder::new().num_threads(count).build().map_err(|e| {
-                InputError::Inconsistent { field: "threads".to_owned(), reason: e.to_string() }
-            })?),
+            Some(count) => Some(
+                rayon::ThreadPoolBuilder::new()
+                    .num_threads(count)
+                    .build()
+                    .map_err(|e| InputError::Inconsistent { field: "threads".to_owned(), reason: e.to_string() })?,
+            ),
         };
         let mut engine = Self {
             tables: [Table::new(1), Table::new(2), Table::new(3)],
@@ -365,7 +368,8 @@ fn build_elements(model: &Model, first_node: &[usize]) -> Vec<Element> {
 }
 
 fn scales(model: &Model) -> Scales {
-    let fold = |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
+    let fold =
+        |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
     let spacing = |r: &Rod| r.length / (r.num_elements * r.order) as f64;
     Scales {
         length: fold(&|r| r.length, 0.0, f64::max),

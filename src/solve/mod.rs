@@ -1,10 +1,11 @@
-//! Finds equilibria: [`engine`] (the problem assembled), [`assembly`] (gradient and tangent), [`newton`]
+//! Finds equilibria: [`engine`] (the problem assembled), [`fields`] (what it looks like along the rods), [`assembly`] (gradient and tangent), [`newton`]
 //! (mixed-integration-point Newton), [`step_bound`] (no strand passes another), [`stability`] (leaving unstable states),
 //! [`path`] (load stepping, augmented Lagrangian loop).
 
 pub mod assembly;
 mod coupling;
 pub mod engine;
+pub mod fields;
 pub mod globalise;
 mod neutral;
 pub mod newton;
@@ -16,6 +17,7 @@ pub mod step_bound;
 use crate::error::InputError;
 
 pub use engine::Engine;
+pub use fields::NodalFields;
 pub use newton::NewtonOptions;
 pub use path::{Progress, RunError, Solution, Solver, Status, StepReport, run};
 pub use state::{Drive, State};
