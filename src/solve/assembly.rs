@@ -136,15 +136,6 @@ impl Engine {
         })
     }
 
-    /// Gradient of the contact potential alone, six per node; contact must be up to date for `state`.
-    pub(crate) fn contact_gradient(&self, state: &State) -> Vec<f64> {
-        self.install(|| {
-            let mut out = self.start_residual();
-            self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
-            out.contact_gradient
-        })
-    }
-
     /// Sparsity pattern for the present candidates.
     pub(crate) fn build_pattern(&self) -> Pattern {
         let elements = self.elements.iter().flat_map(|element| {

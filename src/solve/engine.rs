@@ -65,6 +65,19 @@ impl ContactSide {
         }
     }
 
+    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve.
+    pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
+        let mut here = segment;
+        loop {
+            self.nodes[here].iter().for_each(|&node| visit(node));
+            match if forward { self.set.next(here) } else { self.set.prev(here) } {
+                Some(next) if distance > 0.0 && next != segment => here = next,
+                _ => break,
+            }
+            distance -= self.set.lengths[here];
+        }
+    }
+
     /// Nodes on lines: those in runs of segments with zones that are longer than two contact distances.
     pub(crate) fn nodes_on_lines(&self, touched: &[bool]) -> Vec<bool> {
         let mut line = vec![false; touched.len()];

@@ -94,12 +94,12 @@ impl Engine {
     /// # Panics
     /// If there is no such rod.
     pub fn nodal_fields(&self, rod: usize) -> NodalFields {
-        self.fields_of(rod, &self.contact_gradient(&self.state))
+        self.fields_of(rod, &self.residual(&self.state).contact_gradient)
     }
 
     /// [`Engine::nodal_fields`] of every rod for the price of one look at the contacts.
     pub fn all_nodal_fields(&self) -> Vec<NodalFields> {
-        let gradient = self.contact_gradient(&self.state);
+        let gradient = self.residual(&self.state).contact_gradient;
         (0..self.model.rods.len()).map(|rod| self.fields_of(rod, &gradient)).collect()
     }
 

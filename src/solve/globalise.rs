@@ -12,7 +12,9 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, subtract_product};
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual};
+use crate::solve::newton::{
+    Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual,
+};
 use crate::solve::state::{Drive, State};
 
 /// Smallest shift that is tried, in units of B/L⁴.
@@ -23,10 +25,15 @@ const MAX_SHIFT: f64 = 1e30;
 const MAX_ROUNDS: usize = 10;
 /// A correction this small in energy, relative to the step, ends the rounds.
 const SMALL_CORRECTION: f64 = 1e-2;
+/// Each correction must be smaller than this times its predecessor (energies).
+const CONTRACTION: f64 = 0.4;
 /// Steps rejected in a row before the search gives up.
 const MAX_REJECTIONS: usize = 30;
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
+/// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
+/// increments far below any length of the rods still matter to it.
+const TOL_CONTACT_CHANGE: f64 = 1e-6;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
 
@@ -39,6 +46,8 @@ struct Trial {
     expected: f64,
     fraction: f64,
     rounds: usize,
+    /// Largest change of a contact force along the step over the largest contact force.
+    contact_change: f64,
     /// The corrections shrank.
     settled: bool,
     /// C e of the last correction: with the linear prediction the stresses that balance the step.
@@ -67,12 +76,15 @@ impl Workspace {
                 self.convexify(engine, report.iterations.len())?;
                 let step = self.solve_step(engine, &residual, &drive_now, report.iterations.len())?;
                 let size = increment_size(engine, &step);
-                let trial = self.trial(engine, &state, &residual, &step, longest)?;
-                let noise = ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
+                let pushed = (remaining > 0.0).then_some(longest);
+                let trial = self.trial(engine, &state, &residual, &step, pushed)?;
+                let noise =
+                    ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
                 let gain = residual.potential.total() - trial.potential;
                 let driven = remaining > 0.0 || !engine.is_conservative();
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
+                let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE;
                 let accepted = tiny || trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
                 report.iterations.push(Iteration {
                     increment: size,
@@ -94,7 +106,10 @@ impl Workspace {
                     } else if rejected_here == 0 && trial.rounds <= 2 && (0.8..1.25).contains(&ratio) {
                         // the model was right: let the eigenvalues alone decide
                         self.shift /= 100.0;
-                    } else if rejected_here == 0 && trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
+                    } else if rejected_here == 0
+                        && trial.rounds <= 5
+                        && (driven || gain >= 0.5 * trial.expected - noise)
+                    {
                         self.shift /= 6.0;
                     }
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
@@ -107,7 +122,7 @@ impl Workspace {
                     }
                     state = trial.state;
                     engine.state = state.clone();
-                    report.converged = trial.fraction == 1.0 && tiny && self.shift == 0.0;
+                    report.converged = trial.fraction == 1.0 && at_rest;
                     break;
                 }
                 rejections += 1;
@@ -132,7 +147,12 @@ impl Workspace {
         self.finish(engine, &state, report)
     }
 
-    fn finish(&mut self, engine: &mut Engine, state: &State, mut report: NewtonReport) -> Result<NewtonReport, SolveError> {
+    fn finish(
+        &mut self,
+        engine: &mut Engine,
+        state: &State,
+        mut report: NewtonReport,
+    ) -> Result<NewtonReport, SolveError> {
         engine.state = state.clone();
         self.shift = 0.0;
         self.refresh(engine, state)?;
@@ -199,16 +219,17 @@ impl Workspace {
         if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
     }
 
-    /// Corrects a step for what its linear prediction missed and evaluates the potential there.
+    /// Corrects a step for what its linear prediction missed and evaluates the potential there. While supports are pushed, at most by
+    /// the fraction `pushed`, contact is left to the iterations after: its potential may rise, the push does the work.
     fn trial(
         &mut self,
         engine: &mut Engine,
         state: &State,
         residual: &Residual,
         step: &[f64],
-        longest: f64,
+        pushed: Option<f64>,
     ) -> Result<Trial, SolveError> {
-        let safe = engine.step_fraction(state, step)?.min(longest);
+        let safe = engine.step_fraction(state, step)?.min(pushed.unwrap_or(1.0));
         let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
         let slope = self.free_dot(engine, step, |i| residual.gradient[i]);
         let mass = masses(engine);
@@ -221,6 +242,7 @@ impl Workspace {
             expected: -safe * slope - 0.5 * safe * safe * (work - self.shift * inertia),
             fraction: safe,
             rounds: 0,
+            contact_change: 0.0,
             settled: false,
             excess: None,
         };
@@ -233,15 +255,16 @@ impl Workspace {
             }
             let there = engine.residual(&trial.state);
             trial.potential = there.potential.total();
+            trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial);
+            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, pushed.is_none());
             let correction = self.solve_last(engine, &surprise);
             let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
-            if !(size < 0.4 * last) {
+            if size.is_nan() || size >= CONTRACTION * last {
                 break;
             }
             last = size;
@@ -270,8 +293,12 @@ impl Workspace {
         residual: &Residual,
         there: &Residual,
         trial: &Trial,
+        contact: bool,
     ) -> (Vec<[Six; 3]>, Vec<f64>) {
         let (excess, mut out) = engine.elastic_surprise(state, &trial.state, &trial.increment);
+        if !contact {
+            return (excess, out);
+        }
         for (o, (after, before)) in out.iter_mut().zip(there.contact_gradient.iter().zip(&residual.contact_gradient)) {
             *o += after - before;
         }
@@ -280,6 +307,13 @@ impl Workspace {
         }
         (excess, out)
     }
+}
+
+/// Largest difference over the largest value before; 0 where all is 0.
+fn relative_change(before: &[f64], after: &[f64]) -> f64 {
+    let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
+    if change == 0.0 { 0.0 } else { change / largest }
 }
 
 fn masses(engine: &Engine) -> Vec<f64> {

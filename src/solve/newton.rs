@@ -359,14 +359,3 @@ pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
     }
     worst
 }
-
-/// Mixed unknowns go the same fraction of their step as the positions: σ ← C(ε + B Δ) + (1 − t)(σ − C ε).
-fn advance_stress(stress: &mut [[Six; 3]], actual: &[[Six; 3]], predicted: &[[Six; 3]], fraction: f64) {
-    for ((old, now), new) in stress.iter_mut().zip(actual).zip(predicted) {
-        for g in 0..3 {
-            for i in 0..6 {
-                old[g][i] = new[g][i] + (1.0 - fraction) * (old[g][i] - now[g][i]);
-            }
-        }
-    }
-}

@@ -135,6 +135,19 @@ struct Snapshot {
     offsets: Option<Vec<f64>>,
 }
 
+/// How far the contact conditions are from met, by nodes and in all.
+#[derive(Debug, Default)]
+struct ContactErrors {
+    /// Smallest gap near each node (window of one contact distance along its zone) \[L\]; infinite where nothing is in reach.
+    gaps: Vec<f64>,
+    /// Whether a zone lies in a segment that meets at the node.
+    touched: Vec<bool>,
+    /// Worst penetration over the smallest contact radius.
+    penetration: f64,
+    /// Worst gap that an offset holds open over the smallest contact radius.
+    opening: f64,
+}
+
 /// Runs all stages of a model; the observer is called for the start state (step 0) and after every accepted step.
 ///
 /// # Errors
@@ -146,6 +159,7 @@ pub fn run(
     options: &Options,
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Solution, RunError> {
+    model.check_stages(stages)?;
     let mut solver = Solver::new(model, options.clone())?;
     let started = Instant::now();
     let report = solver.settle(&Drive::default());
@@ -191,7 +205,13 @@ impl Solver {
     pub fn new(model: Model, options: Options) -> Result<Self, InputError> {
         options.check()?;
         let engine = Engine::new(model, options.threads)?;
-        Ok(Self { engine, workspace: Workspace::default(), options, turned: BTreeMap::new(), displaced: BTreeMap::new() })
+        Ok(Self {
+            engine,
+            workspace: Workspace::default(),
+            options,
+            turned: BTreeMap::new(),
+            displaced: BTreeMap::new(),
+        })
     }
 
     /// The engine.
@@ -214,6 +234,7 @@ impl Solver {
     /// # Errors
     /// Ramps that do not fit the model.
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
+        self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
         let target = self.target(ramps, 1.0);
         Ok(self.attempt(&target))
     }
@@ -352,61 +373,66 @@ impl Solver {
     }
 
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        // a soft law lets strands slide several zone widths per iteration; hardened in steps it ends where the hard one would
-        let softening = self.softening();
-        self.scale_contact(softening.powi(-SOFT_STAGES));
-        let mut outcome = self.search(drive, report);
-        if softening > 1.0 {
-            for _ in 0..SOFT_AUGMENTATIONS {
-                let (gaps, touched) = self.nodal_gaps();
-                let (penetration, opening) = self.contact_errors(&gaps, &touched);
-                if outcome.is_err() || report.status != Status::Converged || penetration.max(opening) < TOL_SOFT {
-                    break;
-                }
-                self.augment(&gaps);
-                report.augmentations += 1;
-                outcome = self.search(&Drive::default(), report);
-            }
+        if self.softens() {
+            self.settle_softly(drive, report)?;
+        } else {
+            self.search(drive, report)?;
         }
-        for _ in 0..SOFT_STAGES {
-            self.scale_contact(softening);
-            if outcome.is_ok() && report.status == Status::Converged {
-                outcome = self.search(&Drive::default(), report);
-            }
-        }
-        outcome?;
+        let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
+            report.penetration = self.contact_errors().penetration;
+            return Ok(());
+        };
         while report.status == Status::Converged {
-            let (gaps, touched) = self.nodal_gaps();
-            let (penetration, opening) = self.contact_errors(&gaps, &touched);
-            report.penetration = penetration;
-            let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else { break };
-            if penetration <= tol_penetration && opening <= tol_penetration.max(TOL_OPENING) {
+            let errors = self.contact_errors();
+            report.penetration = errors.penetration;
+            if errors.penetration <= tol_penetration && errors.opening <= tol_penetration.max(TOL_OPENING) {
                 break;
             }
             if report.augmentations >= self.options.max_augmentations {
                 report.status = Status::Penetration;
                 break;
             }
-            if std::env::var("SC_DEBUG").is_ok() { eprintln!("  aug {} pen {:.3e} open {:.3e} its {}", report.augmentations, report.penetration, opening, report.history.last().map_or(0, Vec::len)); }
-            self.augment(&gaps);
+            self.augment(&errors.gaps);
             report.augmentations += 1;
             self.search(&Drive::default(), report)?;
         }
         Ok(())
     }
 
-    /// Factor by which the augmented Lagrangian's stiffness is raised per soft stage; 1 where there is no contact.
-    fn softening(&self) -> f64 {
+    /// The load step under a softened law, then the law hardened in stages. Under a soft law strands slide several zone widths per
+    /// iteration; hardening keeps gaps, so these are closed before.
+    fn settle_softly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+        self.scale_contact(SOFTENING.powi(-SOFT_STAGES));
+        let mut outcome = self.search(drive, report);
+        for _ in 0..SOFT_AUGMENTATIONS {
+            let errors = self.contact_errors();
+            if outcome.is_err()
+                || report.status != Status::Converged
+                || errors.penetration.max(errors.opening) < TOL_SOFT
+            {
+                break;
+            }
+            self.augment(&errors.gaps);
+            outcome = self.search(&Drive::default(), report);
+        }
+        for _ in 0..SOFT_STAGES {
+            // always, so that a failed step leaves the law as it was
+            self.scale_contact(SOFTENING);
+            if outcome.is_ok() && report.status == Status::Converged {
+                outcome = self.search(&Drive::default(), report);
+            }
+        }
+        outcome
+    }
+
+    /// Whether load steps begin under a softened law: an augmented Lagrangian with strands near each other.
+    fn softens(&self) -> bool {
         let augmented = matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. });
-        let Some(side) = &self.engine.contact else { return 1.0 };
-        if augmented && !side.broad_phase.pairs().is_empty() { SOFTENING } else { 1.0 }
+        augmented && self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty())
     }
 
     fn scale_contact(&mut self, factor: f64) {
-        if factor == 1.0 {
-            return;
-        }
-        let (_, touched) = self.nodal_gaps();
+        let touched = self.contact_errors().touched;
         if let Some(side) = &mut self.engine.contact {
             let line = side.nodes_on_lines(&touched);
             side.scale_stiffness(factor, &line);
@@ -451,43 +477,25 @@ impl Solver {
         Ok(outcome)
     }
 
-    /// Smallest gap found near each node (window of one contact distance along its zone; infinite where nothing is within reach),
-    /// and whether a zone lies in a segment that meets at the node.
-    fn nodal_gaps(&self) -> (Vec<f64>, Vec<bool>) {
-        let Some(side) = &self.engine.contact else { return (Vec::new(), Vec::new()) };
-        let mut touched = vec![false; side.offsets.len()];
+    /// How far the contact conditions are from met.
+    fn contact_errors(&self) -> ContactErrors {
+        let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let residual = self.engine.residual(&self.engine.state);
-        let mut smallest = vec![f64::INFINITY; side.offsets.len()];
+        let mut gaps = vec![f64::INFINITY; side.offsets.len()];
+        let mut touched = vec![false; side.offsets.len()];
         for term in &residual.terms {
-            let set = &side.set;
-            let window = set.radius_of(term.slave) + set.radius_of(term.master);
             side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
-            for zone in &term.zones {
-                let mut spread = |mut segment: usize, mut distance: f64, forward: bool| loop {
-                    for node in side.nodes[segment] {
-                        smallest[node] = smallest[node].min(zone.min_gap);
-                    }
-                    let next = if forward { set.next(segment) } else { set.prev(segment) };
-                    match next {
-                        Some(next) if distance > 0.0 && next != term.slave => segment = next,
-                        _ => break,
-                    }
-                    distance -= set.lengths[segment];
-                };
-                spread(term.slave, window, true);
-                spread(term.slave, window, false);
+            let window = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
+            for gap in term.zones.iter().map(|z| z.min_gap) {
+                for forward in [true, false] {
+                    side.spread(term.slave, window, forward, |node| gaps[node] = gaps[node].min(gap));
+                }
             }
         }
-        (smallest, touched)
-    }
-
-    /// Worst penetration, and worst gap held open by an offset, relative to the smallest contact radius.
-    fn contact_errors(&self, gaps: &[f64], touched: &[bool]) -> (f64, f64) {
-        let Some(side) = &self.engine.contact else { return (0.0, 0.0) };
-        let penetration = gaps.iter().map(|g| -g).fold(0.0, f64::max);
+        let penetration = gaps.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
         let held = (0..gaps.len()).filter(|&n| touched[n] && gaps[n].is_finite() && side.offsets[n] > 0.0);
-        let opening = held.map(|n| gaps[n]).fold(0.0, f64::max);
-        (penetration / side.min_radius, opening / side.min_radius)
+        let opening = held.map(|n| gaps[n]).fold(0.0, f64::max) / side.min_radius;
+        ContactErrors { gaps, touched, penetration, opening }
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero.
@@ -511,30 +519,4 @@ impl Solver {
             side.offsets = offsets;
         }
     }
-}
-
-/// Experiment only.
-pub fn quick(solver: &Solver) -> String {
-    let e = &solver.engine;
-    let r = e.residual(&e.state);
-    let mut zones: Vec<(f64, f64, f64, f64, f64)> = Vec::new();
-    if let Some(side) = &e.contact {
-        for t in &r.terms {
-            for z in &t.zones {
-                zones.push((side.set.arc_length(t.slave, z.piece.u[0]), side.set.arc_length(t.slave, z.piece.u[1]), z.half_force, z.min_gap, 0.0));
-            }
-        }
-    }
-    zones.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut merged: Vec<(f64, f64, f64, f64)> = Vec::new();
-    for z in zones {
-        match merged.last_mut() {
-            Some(m) if (z.0 - m.1).abs() < 1e-9 => { m.1 = z.1; m.2 += z.2; m.3 = m.3.min(z.3); }
-            _ => merged.push((z.0, z.1, z.2, z.3)),
-        }
-    }
-    let twist: f64 = (0..e.elements.len()).map(|k| { let s = e.element_strain(k, &e.state); let t = e.table(e.elements[k].rod); (0..t.order).map(|g| s[g][5] * t.rule.weights[g]).sum::<f64>() * e.element_length(0) }).sum::<f64>() / std::f64::consts::TAU;
-    let link = e.state.seams[0] / std::f64::consts::TAU;
-    let force: f64 = merged.iter().map(|m| m.2).sum();
-    format!("E {:.5} Wr {:.6} F {:.6} zones {:?}", r.potential.elastic.iter().sum::<f64>(), link - twist, force, merged.iter().map(|m| format!("{:.4}+{:.1e} f{:.2}", m.0, m.1 - m.0, 2.0 * m.2)).collect::<Vec<_>>())
 }
