@@ -13,7 +13,7 @@
 
 mod common;
 
-use common::{any_equilibrium, cantilever, tip, verify_point};
+use common::{any_equilibrium, cantilever, verify_point};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;

@@ -6,6 +6,7 @@
 //!    about u0);
 //!  * held straight and untwisted by clamps at both ends, the material moment is −K u0 at every point and the force is 0;
 //!  * the same end moment −K u0, dead, straightens the free rod again.
+//!
 //! All closed form. Tolerances: discretisation (16 cubic elements) for the helix, rounding for the straight states.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
