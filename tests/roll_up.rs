@@ -48,13 +48,11 @@ fn a_full_circle_in_the_plane_takes_one_step_and_at_most_ten_iterations() {
 }
 
 #[test]
-#[ignore = "engine: leaves the circle as unstable by the inertia of the symmetrised tangent, which decides nothing under a fixed-axis moment"]
 fn a_full_circle_in_space_takes_one_step_and_at_most_ten_iterations() {
     full_circles(false, &[(1, 16), (2, 8), (3, 4)]);
 }
 
 #[test]
-#[ignore = "engine: two empty searches for soft contact are run without contact and count as iterations (9 + 2)"]
 fn finer_meshes_take_no_more_iterations() {
     full_circles(true, &[(1, 48), (2, 24), (3, 16)]);
 }
