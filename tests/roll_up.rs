@@ -54,7 +54,6 @@ fn a_full_circle_in_space_takes_one_step_and_at_most_ten_iterations() {
 }
 
 #[test]
-#[ignore = "engine: two empty searches for soft contact are run without contact and count as iterations (9 + 2)"]
 fn finer_meshes_take_no_more_iterations() {
     full_circles(true, &[(1, 48), (2, 24), (3, 16)]);
 }
