@@ -47,9 +47,7 @@ fn crossed_beams_press_with_the_exact_force() {
         let last = upper.num_nodes() - 1;
         let mut solver = Solver::new(clamped(vec![lower, upper]), Options::default()).unwrap();
         let lowered = |by: f64| -> Vec<Ramp> {
-            [0, last]
-                .map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to: Vec3::z() * -by })
-                .to_vec()
+            [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to: Vec3::z() * -by }).to_vec()
         };
         let touch = 0.5 * RADIUS;
         for deflection in [1e-4, 2e-4, 5e-4] {
@@ -78,8 +76,7 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
     let first = 192.0 * gap;
     let mut model = clamped(vec![lower, upper]);
     model.planar = true;
-    model.line_loads =
-        vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
     let mut solver = Solver::new(model, Options::default()).unwrap();
     let mut at = |factor: f64| to(&mut solver, &[Ramp::Load { to: factor * first }]);
     let seen = at(0.98);
@@ -100,7 +97,10 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
         let exact = q * (1.0 - 2.0 * lift_off) + 2.0 * q * lift_off / 3.0;
         let from = seen.sites.iter().map(|s| s.arc_a[0]).fold(f64::INFINITY, f64::min);
         let until = seen.sites.iter().map(|s| s.arc_a[1]).fold(0.0, f64::max);
-        println!("{factor} q1: force {} exact {exact}, line {from:.4}..{until:.4}, ℓ {lift_off:.4}", seen.total_contact_force);
+        println!(
+            "{factor} q1: force {} exact {exact}, line {from:.4}..{until:.4}, ℓ {lift_off:.4}",
+            seen.total_contact_force
+        );
         assert!((seen.total_contact_force / exact - 1.0).abs() < 1e-2);
         assert!((from - lift_off).abs() < 0.02 && (1.0 - until - lift_off).abs() < 0.02);
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use crate::contact::detect::LawParameters;
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::scene::{ContactLaw, Model, Ramp, Stage};
@@ -16,6 +17,8 @@ use crate::solve::state::{Drive, State};
 /// Stages of a softened law at the start of a load step, and the factor between them.
 const SOFT_STAGES: i32 = 2;
 const SOFTENING: f64 = 10.0;
+/// Iterations spent on one hardening stage before it is given up.
+const HARDENING_ITERATIONS: usize = 100;
 /// Augmentations under the soft law, and the gap error relative to the radius at which they end: hardening keeps gaps.
 const SOFT_AUGMENTATIONS: usize = 4;
 const TOL_SOFT: f64 = 1e-3;
@@ -71,6 +74,9 @@ pub struct StepReport {
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
+    /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
+    /// all the same; a point contact is spread wider by the cube root of it.
+    pub softening: f64,
     /// What broke down, if anything did.
     pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
@@ -114,6 +120,8 @@ pub struct Solver {
     engine: Engine,
     workspace: Workspace,
     options: Options,
+    /// Stages by which the contact law is softer than asked for in the present state.
+    stages_left: i32,
     /// Turns and displacements prescribed so far, per node.
     turned: BTreeMap<usize, f64>,
     displaced: BTreeMap<usize, Vec3>,
@@ -131,8 +139,9 @@ struct Target {
 
 /// Snapshot that a failed step returns to.
 struct Snapshot {
+    stages_left: i32,
     state: State,
-    offsets: Option<Vec<f64>>,
+    contact: Option<(LawParameters, Vec<f64>)>,
 }
 
 /// How far the contact conditions are from met, by nodes and in all.
@@ -209,6 +218,7 @@ impl Solver {
             engine,
             workspace: Workspace::default(),
             options,
+            stages_left: 0,
             turned: BTreeMap::new(),
             displaced: BTreeMap::new(),
         })
@@ -362,6 +372,7 @@ impl Solver {
             departures: 0,
             num_unstable: 0,
             penetration: 0.0,
+            softening: 1.0,
             error: None,
             history: Vec::new(),
         };
@@ -374,10 +385,19 @@ impl Solver {
 
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         if self.softens() {
-            self.settle_softly(drive, report)?;
-        } else {
-            self.search(drive, report)?;
+            self.scale_contact(SOFTENING.powi(self.stages_left - SOFT_STAGES));
+            self.stages_left = SOFT_STAGES;
+            let outcome = self.settle_softly(drive, report);
+            report.softening = SOFTENING.powi(self.stages_left);
+            outcome?;
+            return self.enforce_gaps(report);
         }
+        self.search(drive, report)?;
+        self.enforce_gaps(report)
+    }
+
+    /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
+    fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
             report.penetration = self.contact_errors().penetration;
             return Ok(());
@@ -399,30 +419,34 @@ impl Solver {
         Ok(())
     }
 
-    /// The load step under a softened law, then the law hardened in stages. Under a soft law strands slide several zone widths per
-    /// iteration; hardening keeps gaps, so these are closed before.
+    /// The load step under a softened law, then the law hardened in stages. Under a soft law strands slide several zone widths
+    /// per iteration; hardening keeps gaps, so these are closed before. Where the mesh is too coarse for the hard law (lines of
+    /// contact break up into points between nodes) hardening ends early.
     fn settle_softly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        self.scale_contact(SOFTENING.powi(-SOFT_STAGES));
-        let mut outcome = self.search(drive, report);
+        self.search(drive, report)?;
         for _ in 0..SOFT_AUGMENTATIONS {
             let errors = self.contact_errors();
-            if outcome.is_err()
-                || report.status != Status::Converged
-                || errors.penetration.max(errors.opening) < TOL_SOFT
-            {
+            if report.status != Status::Converged || errors.penetration.max(errors.opening) < TOL_SOFT {
                 break;
             }
             self.augment(&errors.gaps);
-            outcome = self.search(&Drive::default(), report);
+            self.search(&Drive::default(), report)?;
         }
-        for _ in 0..SOFT_STAGES {
-            // always, so that a failed step leaves the law as it was
+        while report.status == Status::Converged && self.stages_left > 0 {
+            let before = self.snapshot();
             self.scale_contact(SOFTENING);
-            if outcome.is_ok() && report.status == Status::Converged {
-                outcome = self.search(&Drive::default(), report);
+            let patience = std::mem::replace(&mut self.options.newton.max_iterations, HARDENING_ITERATIONS);
+            let outcome = self.search(&Drive::default(), report);
+            self.options.newton.max_iterations = patience;
+            if outcome.is_err() || report.status != Status::Converged {
+                self.restore(before);
+                report.status = Status::Converged;
+                report.num_unstable = 0;
+                return Ok(());
             }
+            self.stages_left -= 1;
         }
-        outcome
+        Ok(())
     }
 
     /// Whether load steps begin under a softened law: an augmented Lagrangian with strands near each other.
@@ -508,14 +532,17 @@ impl Solver {
 
     fn snapshot(&self) -> Snapshot {
         Snapshot {
+            stages_left: self.stages_left,
             state: self.engine.state.clone(),
-            offsets: self.engine.contact.as_ref().map(|side| side.offsets.clone()),
+            contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone())),
         }
     }
 
     fn restore(&mut self, snapshot: Snapshot) {
+        self.stages_left = snapshot.stages_left;
         self.engine.state = snapshot.state;
-        if let (Some(side), Some(offsets)) = (&mut self.engine.contact, snapshot.offsets) {
+        if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
+            side.law = law;
             side.offsets = offsets;
         }
     }
