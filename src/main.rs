@@ -1,8 +1,9 @@
 //! The command line: `supercoil run FILE --out DIR` and `supercoil check FILE`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input.
-#![allow(clippy::print_stdout, clippy::print_stderr)] // a program talks to its user
+#![allow(clippy::print_stderr)] // a program talks to its user
 
+use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -58,6 +59,11 @@ fn main() -> ExitCode {
     ExitCode::from(code)
 }
 
+/// Prints a line; a reader that has gone away (`supercoil check FILE | head`) is no failure.
+fn say(line: std::fmt::Arguments) {
+    std::io::stdout().write_fmt(format_args!("{line}\n")).ok();
+}
+
 fn refuse(error: &InputError) -> u8 {
     eprintln!("error: {error}");
     BAD_INPUT
@@ -68,15 +74,15 @@ fn check(file: &Path) -> u8 {
         Ok(scene) => scene,
         Err(error) => return refuse(&error),
     };
-    println!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title });
+    say(format_args!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title }));
     for rod in &scene.model.rods {
         let (kind, unit) = (if rod.closed { "closed" } else { "open" }, &scene.units.length);
         let (name, elements, order, length) = (&rod.name, rod.num_elements, rod.order, rod.length);
-        println!("  rod {name}: {kind}, length {length} {unit}, {elements} elements of order {order}");
+        say(format_args!("  rod {name}: {kind}, length {length} {unit}, {elements} elements of order {order}"));
     }
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
     let (supports, stages) = (scene.model.supports.len(), scene.stages.len());
-    println!("  {supports} supports, {stages} stages of {steps} steps in all; nothing to object");
+    say(format_args!("  {supports} supports, {stages} stages of {steps} steps in all; nothing to object"));
     CONVERGED
 }
 
@@ -90,7 +96,7 @@ fn run(file: &Path, out: Option<PathBuf>, threads: Option<u16>, quiet: bool) -> 
     let dir = out.or_else(|| scene.output.dir.clone()).unwrap_or_else(default);
     let units = scene.units.clone();
     if !quiet && !scene.title.is_empty() {
-        println!("{}", scene.title);
+        say(format_args!("{}", scene.title));
     }
     let bar = if quiet { ProgressBar::hidden() } else { bar() };
     let num_stages = scene.stages.len().max(1) as f64;
@@ -112,8 +118,8 @@ fn run(file: &Path, out: Option<PathBuf>, threads: Option<u16>, quiet: bool) -> 
 
 fn report(outcome: &Outcome, units: &supercoil::scene::file::Units, dir: &Path, quiet: bool) -> u8 {
     if !quiet {
-        print!("{}", StepTable { units, steps: &outcome.steps });
-        println!("{} after {:.1} s; files are in {}", outcome.status, outcome.seconds, dir.display());
+        say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+        say(format_args!("{} after {:.1} s; files are in {}", outcome.status, outcome.seconds, dir.display()));
     }
     if outcome.status == Status::Converged {
         return CONVERGED;

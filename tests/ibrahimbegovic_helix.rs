@@ -43,7 +43,6 @@ fn tips(elements: usize, force: f64, moment: f64, stages: &[(f64, usize)]) -> Ve
 }
 
 #[test]
-#[ignore = "engine: the tangent lacks −½ m× of fixed-axis moments; the search then diverges once M/B is beyond a few 1/L"]
 fn ten_circles_drawn_out_into_a_helix() {
     let found = tips(120, 50.0, 200.0 * PI, &[(0.5, 25), (1.0, 25)]);
     verify_point("helix, λ = 0.5", &found[0], [0.019_106_995, 0.000_573_980, -0.226_637_440_7], 1e-6);

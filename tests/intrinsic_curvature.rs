@@ -104,7 +104,6 @@ fn held_straight_the_moment_is_constant_and_the_force_zero() {
 
 /// The helix is straightened by dead moments at its end. They have no potential, so the load goes up in a few steps.
 #[test]
-#[ignore = "engine: the tangent lacks −½ m× of fixed-axis moments; the search then converges too slowly or diverges"]
 fn an_end_moment_straightens_the_helix() {
     let mut solver = relaxed(8, 3);
     *solver.options_mut() = common::any_equilibrium();

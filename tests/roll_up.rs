@@ -48,7 +48,6 @@ fn a_full_circle_in_the_plane_takes_one_step_and_at_most_ten_iterations() {
 }
 
 #[test]
-#[ignore = "engine: leaves the circle as unstable by the inertia of the symmetrised tangent, which decides nothing under a fixed-axis moment"]
 fn a_full_circle_in_space_takes_one_step_and_at_most_ten_iterations() {
     full_circles(false, &[(1, 16), (2, 8), (3, 4)]);
 }

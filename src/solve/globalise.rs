@@ -125,6 +125,11 @@ impl Workspace {
                     report.converged = trial.fraction == 1.0 && at_rest;
                     break;
                 }
+                // the potential cannot resolve the decrease that is left: this is as far as rounding lets anyone go
+                if self.shift == 0.0 && remaining == 0.0 && trial.expected.abs() <= noise {
+                    report.converged = true;
+                    break;
+                }
                 rejections += 1;
                 rejected_here += 1;
                 if rejections > MAX_REJECTIONS || report.iterations.len() >= options.max_iterations {

@@ -7,6 +7,7 @@ mod coupling;
 pub mod engine;
 pub mod fields;
 pub mod globalise;
+mod moment_load;
 mod neutral;
 pub mod newton;
 pub mod path;

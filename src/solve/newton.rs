@@ -201,6 +201,7 @@ impl Workspace {
     ) -> Result<Vec<f64>, SolveError> {
         let rhs: Vec<f64> = residual.gradient.iter().zip(&self.tangent.drive).map(|(g, d)| -g - d).collect();
         let mut step = self.solve_last(engine, &rhs);
+        self.add_moment_skew(engine, &mut step);
         self.neutral.remove(&mut step);
         set_prescribed(&mut step, drive);
         match step.iter().position(|x| !x.is_finite()) {
@@ -294,7 +295,7 @@ struct Border {
 
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
 /// are neutral but for rounding and discretisation.
-const NEUTRAL_SHIFT: f64 = 1e-3;
+const NEUTRAL_SHIFT: f64 = 1e-7;
 
 /// Calls `f(node, unknown, mass)` with the masses that shifts multiply: (B/L⁴)·h for positions, times lever² for rotations.
 pub(crate) fn for_each_mass(engine: &Engine, mut f: impl FnMut(usize, usize, f64)) {

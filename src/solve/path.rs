@@ -239,12 +239,14 @@ impl Solver {
         &mut self.options
     }
 
-    /// Moves all ramps to their targets in one step, without cut-back, from the present state.
+    /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
     ///
     /// # Errors
     /// Ramps that do not fit the model.
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
-        self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
+        if !ramps.is_empty() {
+            self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
+        }
         let target = self.target(ramps, 1.0);
         Ok(self.attempt(&target))
     }
@@ -466,7 +468,9 @@ impl Solver {
     /// One equilibrium search, leaving unstable equilibria.
     fn search(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         let mut outcome = self.equilibrate(drive, false, report)?;
-        while outcome.converged && outcome.num_unstable > 0 && self.options.leave_unstable {
+        // without a potential the inertia of the symmetric part decides nothing
+        let leaves = self.options.leave_unstable && self.engine.is_conservative();
+        while outcome.converged && outcome.num_unstable > 0 && leaves {
             if report.departures >= self.options.max_departures {
                 break;
             }
@@ -483,7 +487,7 @@ impl Solver {
         report.status = match (outcome.converged, outcome.num_unstable) {
             (false, _) => Status::MaxIterations,
             (true, 0) => Status::Converged,
-            (true, _) if !self.options.leave_unstable => Status::Converged,
+            (true, _) if !leaves => Status::Converged,
             (true, _) => Status::Unstable,
         };
         Ok(())
