@@ -137,7 +137,6 @@ fn slenderness_of_a_million() {
 /// On a fine mesh one rounding of a position is then a force that moves the rod by 1e-5 node spacings, a thousand times the tolerance
 /// on increments.
 #[test]
-#[ignore = "engine: cycles at the level of rounding (increments 1e-9 to 2e-5) until it gives up: convergence is judged by the increment alone"]
 fn a_fine_mesh_at_a_slenderness_of_a_million_comes_to_rest() {
     let (thin, thick) = (bent(3, FINE, uniform(), 1e6), bent(3, FINE, uniform(), 1e4));
     let apart = (at(&thin, 1.0).0 - at(&thick, 1.0).0).norm();
