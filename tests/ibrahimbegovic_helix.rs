@@ -38,7 +38,7 @@ fn tips(elements: usize, force: f64, moment: f64, stages: &[(f64, usize)]) -> Ve
     let Solution { status, num_steps, iterations, .. } = solution;
     println!("{status:?}, {num_steps} steps, {iterations} iterations");
     assert_eq!(status, Status::Converged);
-    assert!(iterations <= 30 * (num_steps + 1), "{iterations} iterations in {num_steps} steps");
+    assert!(iterations <= 10 * (num_steps + 1), "{iterations} iterations in {num_steps} steps");
     out
 }
 

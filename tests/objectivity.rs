@@ -98,7 +98,7 @@ fn distance(a: &Solver, b: &Solver) -> f64 {
 #[test]
 fn the_end_state_does_not_depend_on_the_path() {
     for (order, elements) in [(1, 24), (2, 12), (3, 8)] {
-        let mut straight = clamped(order, elements);
+        let straight = clamped(order, elements);
         let end = end_of(&beam(order, elements));
         let turn = [Ramp::Rotation { node: end, axis: Vec3::x(), to: 0.25 }];
         let push = [Ramp::Displacement { node: end, to: Vec3::new(-0.03, 0.2, 0.1) }];
@@ -118,7 +118,6 @@ fn the_end_state_does_not_depend_on_the_path() {
             verify("path independence", &what, distance(&together, other), 0.0, 1e-11);
         }
         go(&mut turned_first, &both, 1.0, 0.0, 7);
-        go(&mut straight, &[], 0.0, 1.0, 1);
         let what = format!("order {order}: there and back");
         verify("path independence", &what, distance(&straight, &turned_first), 0.0, 1e-11);
     }
