@@ -103,7 +103,7 @@ impl Workspace {
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
                 ..options.clone()
             };
-            match self.direct(engine, drive, &direct) {
+            match self.direct(engine, drive, &direct, options.stable_only) {
                 Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
@@ -123,9 +123,10 @@ impl Workspace {
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
+        may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
-        let mut remaining = 1.0;
+        let (mut remaining, mut cut_steps) = (1.0, 0);
         let mut state = engine.state.clone();
         let mut stress = engine.actual_stress(&state);
         for iteration in 0..options.max_iterations {
@@ -156,6 +157,11 @@ impl Workspace {
             if fraction == 1.0 && increment <= options.tol_increment {
                 report.converged = true;
                 break;
+            }
+            // with a guarded search to fall back on, a search that runs away is not waited for
+            cut_steps = if fraction < 1.0 { cut_steps + 1 } else { 0 };
+            if may_give_up && cut_steps >= 2 {
+                return Ok(report);
             }
         }
         self.refresh(engine, &state)?;
@@ -341,22 +347,18 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
     })
 }
 
-/// Largest free |gradient| over the largest sum of contributions, separately for forces and moments.
+/// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node spacing, so that
+/// pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
-    let mut worst = 0.0f64;
-    for kind in 0..2 {
-        let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);
-        for node in 0..engine.num_nodes() {
-            for k in 3 * kind..3 * kind + 3 {
-                magnitude = magnitude.max(residual.magnitude[6 * node + k]);
-                if engine.free[node][k] {
-                    gradient = gradient.max(residual.gradient[6 * node + k].abs());
-                }
+    let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
+    let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);
+    for node in 0..engine.num_nodes() {
+        for k in 0..6 {
+            magnitude = magnitude.max(residual.magnitude[6 * node + k] * scale(k));
+            if engine.free[node][k] {
+                gradient = gradient.max(residual.gradient[6 * node + k].abs() * scale(k));
             }
         }
-        if magnitude > 0.0 {
-            worst = worst.max(gradient / magnitude);
-        }
     }
-    worst
+    if magnitude > 0.0 { gradient / magnitude } else { 0.0 }
 }
