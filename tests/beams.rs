@@ -68,6 +68,28 @@ fn crossed_beams_press_with_the_exact_force() {
     }
 }
 
+/// The force of two crossing beams does not depend on the crossing angle, from nearly parallel to perpendicular.
+#[test]
+fn any_crossing_angle_gives_the_same_force() {
+    let deflection = 1e-4;
+    for degrees in [3.0f64, 10.0, 30.0, 60.0, 90.0] {
+        let direction = Vec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0);
+        let lower = beam("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x(), 24);
+        let upper = beam("upper", Vec3::z() * (2.5 * RADIUS) - direction * 0.5, direction, 24);
+        let last = upper.num_nodes() - 1;
+        let mut solver = Solver::new(clamped(vec![lower, upper]), Options::default()).unwrap();
+        let ramps = [0, last].map(|node| Ramp::Displacement {
+            node: NodeRef { rod: 1, node },
+            to: Vec3::z() * -(0.5 * RADIUS + deflection),
+        });
+        let seen = to(&mut solver, &ramps);
+        let exact = 96.0 * deflection;
+        println!("{degrees}°: force {} exact {exact}, {} site(s)", seen.total_contact_force, seen.sites.len());
+        assert!((seen.total_contact_force / exact - 1.0).abs() < 5e-3, "force {}", seen.total_contact_force);
+        assert!((seen.sites[0].angle - degrees).abs() < 0.1, "angle {}", seen.sites[0].angle);
+    }
+}
+
 #[test]
 fn parallel_beams_touch_in_a_point_then_along_a_line() {
     let gap = 1e-4;
