@@ -64,7 +64,7 @@ impl Workspace {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let mut state = engine.state.clone();
-        let mut rejections = 0;
+        let (mut rejections, mut at_saddle) = (0, 0);
         let mut stress = engine.actual_stress(&state);
         self.shift = 0.0;
         while report.iterations.len() < options.max_iterations {
@@ -84,6 +84,7 @@ impl Workspace {
                 let driven = remaining > 0.0 || !engine.is_conservative();
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
+                let indefinite = self.shift > 0.0;
                 let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE;
                 let accepted = tiny || trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
                 report.iterations.push(Iteration {
@@ -122,7 +123,9 @@ impl Workspace {
                     }
                     state = trial.state;
                     engine.state = state.clone();
-                    report.converged = trial.fraction == 1.0 && at_rest;
+                    // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
+                    at_saddle = if tiny && indefinite { at_saddle + 1 } else { 0 };
+                    report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3);
                     break;
                 }
                 // the potential cannot resolve the decrease that is left: this is as far as rounding lets anyone go

@@ -28,8 +28,14 @@ fn is_free(engine: &Engine, rod: usize) -> bool {
         .all(|f| f.iter().filter(|x| **x).count() == wanted)
 }
 
-/// Closed, isotropic, naturally straight: spinning and sliding cost nothing.
-fn is_uniform(engine: &Engine, rod: usize) -> bool {
+/// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs nothing.
+fn slides(engine: &Engine, rod: usize) -> bool {
+    let data = &engine.model.rods[rod];
+    data.closed && (spins(engine, rod) || engine.model.planar && !matches!(data.natural, Natural::AsShaped))
+}
+
+/// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
+fn spins(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
     let straight = match data.natural {
         Natural::Straight => true,
@@ -84,8 +90,10 @@ impl Neutral {
         for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
             neutral.add(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
         }
-        if is_uniform(engine, 0) {
+        if spins(engine, 0) {
             neutral.add(motion(&|n| (Vec3::zeros(), tangent_of(state, n))));
+        }
+        if slides(engine, 0) {
             let rates: Vec<(Vec3, Vec3)> = (0..engine.num_nodes()).map(|n| sliding_rate(engine, state, n)).collect();
             if neutral.add(motion(&|n| rates[n])) {
                 neutral.sliding = Some(neutral.motions.len() - 1);
@@ -151,7 +159,7 @@ impl Neutral {
             let first = engine.first_node[index];
             let held = |i: usize| factor * if i < 3 { spring } else { turning };
             pattern.add_block(values, first, first, |i, j| if i == j { held(i) } else { 0.0 });
-            if !is_uniform(engine, index) {
+            if !spins(engine, index) {
                 continue;
             }
             let other = opposite(engine, state, index);
