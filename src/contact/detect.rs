@@ -11,6 +11,7 @@
 
 use rayon::prelude::*;
 
+use super::capsule::Capsule;
 use super::curve::CurveSet;
 use super::law::response;
 use super::zone::{FootKind, Pair, Piece, Sample};
@@ -82,19 +83,22 @@ pub fn evaluate(
     want: Want,
 ) -> Vec<PairTerm> {
     const CHUNK: usize = 64;
+    let capsules: Vec<Capsule> = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
     candidates
         .par_chunks(CHUNK)
         .flat_map_iter(|chunk| {
             let mut found = Vec::new();
             let mut pieces = Vec::new();
             for &[i, j] in chunk {
-                for (slave, master) in [(i as usize, j as usize), (j as usize, i as usize)] {
-                    pieces.clear();
+                let (i, j) = (i as usize, j as usize);
+                let nearest = capsules[i].distance_lower_bound(&capsules[j]);
+                for (slave, master) in [(i, j), (j, i)] {
                     let pair = pair_of(set, slave, master, offset(slave));
-                    if super::capsule::distance_lower_bound(pair.slave, pair.master) < pair.reach[0].max(pair.reach[1])
-                    {
-                        pair.pieces(&mut pieces);
+                    if nearest >= pair.reach[0].max(pair.reach[1]) {
+                        continue;
                     }
+                    pieces.clear();
+                    pair.pieces(&mut pieces);
                     if !pieces.is_empty() {
                         found.push(pair_term(set, slave, master, &pair, &pieces, law, want));
                     }

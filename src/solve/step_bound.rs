@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::contact::capsule::distance_lower_bound;
+use crate::contact::capsule::Capsule;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::engine::{ContactSide, Engine};
@@ -79,13 +79,14 @@ impl ContactSide {
             SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value: f64::NAN }
         })?;
         let set = &self.set;
+        let capsules: Vec<Capsule> = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
         let t = pairs
             .par_iter()
             .with_min_len(256)
             .map(|&[i, j]| {
                 let (i, j) = (i as usize, j as usize);
                 let approach = relative_motion(&motions[i], &motions[j]);
-                let distance = distance_lower_bound(&set.segments[i], &set.segments[j]);
+                let distance = capsules[i].distance_lower_bound(&capsules[j]);
                 let contact_distance = set.radius_of(i) + set.radius_of(j);
                 let allowed = (distance - KEEP * contact_distance).max(DEEP * distance);
                 if approach * cut > allowed { allowed / approach } else { cut }
