@@ -29,6 +29,8 @@ const SMALL_CORRECTION: f64 = 1e-2;
 const CONTRACTION: f64 = 0.4;
 /// Steps rejected in a row before the search gives up.
 const MAX_REJECTIONS: usize = 30;
+/// Fractions of a step tried before the shift is raised.
+const SHORTER: [f64; 1] = [0.5];
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
@@ -76,8 +78,15 @@ impl Workspace {
                 self.convexify(engine, report.iterations.len())?;
                 let step = self.solve_step(engine, &residual, &drive_now, report.iterations.len())?;
                 let size = increment_size(engine, &step);
-                let pushed = (remaining > 0.0).then_some(longest);
-                let trial = self.trial(engine, &state, &residual, &step, pushed)?;
+                let pushed = remaining > 0.0;
+                let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
+                // shorter along the same direction first: it costs no factorisation
+                for shorter in if pushed { [].as_slice() } else { &SHORTER } {
+                    if trial.settled || size <= options.tol_increment {
+                        break;
+                    }
+                    trial = self.trial(engine, &state, &residual, &step, *shorter, pushed)?;
+                }
                 let noise =
                     ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
                 let gain = residual.potential.total() - trial.potential;
@@ -227,17 +236,18 @@ impl Workspace {
         if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
     }
 
-    /// Corrects a step for what its linear prediction missed and evaluates the potential there. While supports are pushed, at most by
-    /// the fraction `pushed`, contact is left to the iterations after: its potential may rise, the push does the work.
+    /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the potential there. While
+    /// supports are `pushed`, contact is left to the iterations after: its potential may rise, the push does the work.
     fn trial(
         &mut self,
         engine: &mut Engine,
         state: &State,
         residual: &Residual,
         step: &[f64],
-        pushed: Option<f64>,
+        longest: f64,
+        pushed: bool,
     ) -> Result<Trial, SolveError> {
-        let safe = engine.step_fraction(state, step)?.min(pushed.unwrap_or(1.0));
+        let safe = engine.step_fraction(state, step)?.min(longest);
         let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
         let slope = self.free_dot(engine, step, |i| residual.gradient[i]);
         let mass = masses(engine);
@@ -267,7 +277,7 @@ impl Workspace {
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, pushed.is_none());
+            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, !pushed);
             let correction = self.solve_last(engine, &surprise);
             let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
