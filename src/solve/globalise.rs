@@ -36,6 +36,8 @@ const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
 /// increments far below any length of the rods still matter to it.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
+/// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
+const TOL_SADDLE: f64 = 1e-8;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
 
@@ -133,7 +135,9 @@ impl Workspace {
                     state = trial.state;
                     engine.state = state.clone();
                     // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
-                    at_saddle = if tiny && indefinite { at_saddle + 1 } else { 0 };
+                    // (large shifts make any step tiny: the residual must have gone too)
+                    let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
+                    at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3);
                     break;
                 }
