@@ -130,12 +130,15 @@ fn range(plot: &PlotSpec, axis: usize) -> Result<std::ops::Range<f64>, InputErro
     Ok(if logarithmic { low.exp()..high.exp() } else { low..high })
 }
 
-/// Short label of a tick; on a logarithmic axis only 1, 2 and 5 times a power of ten have one.
-fn tick(value: f64, is_log: bool) -> String {
+/// Short label of a tick on an axis whose values reach up to `largest`; on a logarithmic axis only 1, 2 and 5 times a power of ten
+/// have one.
+fn tick(value: f64, is_log: bool, largest: f64) -> String {
     let mantissa = value / 10_f64.powf(value.log10().floor());
     if is_log && ![1.0, 2.0, 5.0, 10.0].iter().any(|m| (mantissa - m).abs() < 1e-6) {
         return String::new();
     }
+    // ticks are sums of steps: what should be 0 is a rounding error
+    let value = if !is_log && value.abs() < 1e-9 * largest { 0.0 } else { value };
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
         return format!("{value:.1e}").replace(".0e", "e");
@@ -153,6 +156,9 @@ where
     Y: AsRangedCoord<Value = f64, CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>>,
 {
     let words = |e: DrawError| e.to_string();
+    let points = || plot.series.iter().flat_map(|s| &s.points);
+    let largest_x = points().fold(0.0f64, |a, p| a.max(p.0.abs()));
+    let largest_y = points().fold(0.0f64, |a, p| a.max(p.1.abs()));
     area.fill(&WHITE).map_err(words)?;
     let mut builder = ChartBuilder::on(area);
     builder.margin(14 * FINE).margin_right(24 * FINE).x_label_area_size(48 * FINE).y_label_area_size(72 * FINE);
@@ -170,8 +176,8 @@ where
         .axis_desc_style((FONT, 16 * FINE))
         .x_desc(&plot.x_label)
         .y_desc(&plot.y_label)
-        .x_label_formatter(&|v| tick(*v, plot.log_x))
-        .y_label_formatter(&|v| tick(*v, plot.log_y))
+        .x_label_formatter(&|v| tick(*v, plot.log_x, largest_x))
+        .y_label_formatter(&|v| tick(*v, plot.log_y, largest_y))
         .draw()
         .map_err(words)?;
     curves(&mut chart, plot).map_err(words)?;
@@ -291,7 +297,8 @@ mod tests {
 
     #[test]
     fn ticks_are_short() {
-        assert_eq!([0.25, -3.0, 0.0, 1e-7, 1.5e6].map(|v| tick(v, false)), ["0.25", "-3", "0", "1e-7", "1.5e6"]);
-        assert_eq!([0.001, 3.0, 50.0].map(|v| tick(v, true)), ["0.001", "", "50"]);
+        assert_eq!([0.25, -3.0, 0.0, 1e-7, 1.5e6].map(|v| tick(v, false, 3.0)), ["0.25", "-3", "0", "1e-7", "1.5e6"]);
+        assert_eq!([0.001, 3.0, 50.0].map(|v| tick(v, true, 50.0)), ["0.001", "", "50"]);
+        assert_eq!(tick(-2.2e-16, false, 1.8), "0");
     }
 }
