@@ -106,6 +106,12 @@ impl Cubic {
         turning
     }
 
+    /// True if `next` starts where this curve ends, to 1e-6 of their size (and the ulps of points far from the origin).
+    pub(crate) fn joins(&self, next: &Self) -> bool {
+        let size: f64 = self.edges().iter().chain(&next.edges()).map(Vec3::amax).sum();
+        (next.b[0] - self.b[3]).amax() <= 1e-6 * size + 8.0 * f64::EPSILON * self.b[3].amax()
+    }
+
     /// Direction of the tangent at u = 0 (not normalised): the first non-zero edge; zero for a curve shrunk to a point.
     #[must_use]
     pub fn start_tangent(&self) -> Vec3 {
@@ -322,11 +328,7 @@ impl CurveSet {
     fn check_joints(&self) -> Result<(), InputError> {
         for segment in 0..self.len() {
             let Some(next) = self.next(segment) else { continue };
-            let (a, b) = (&self.segments[segment], &self.segments[next]);
-            let size: f64 = a.edges().iter().chain(&b.edges()).map(Vec3::amax).sum();
-            // Computed points far from the origin carry its ulps.
-            let ulps = 8.0 * f64::EPSILON * a.b[3].amax();
-            if (b.b[0] - a.b[3]).amax() > 1e-6 * size + ulps {
+            if !self.segments[segment].joins(&self.segments[next]) {
                 let curve = self.curve_of(segment);
                 let local = segment - self.curves[curve].first;
                 let reason = "its end is not the start of the next segment: make them the same point".to_owned();
