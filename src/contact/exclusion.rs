@@ -37,6 +37,8 @@ pub struct Exclusion {
     reach_bilateral: Vec<u32>,
     /// Per segment: (first, count of its curve, closed).
     place: Vec<(u32, u32, bool)>,
+    /// Curve of each segment.
+    curve: Vec<u32>,
 }
 
 impl Exclusion {
@@ -108,7 +110,9 @@ impl Exclusion {
         }
         self.total.clear();
         self.place.clear();
-        for curve in &strands.curves {
+        self.curve.clear();
+        for (index, curve) in strands.curves.iter().enumerate() {
+            self.curve.extend(std::iter::repeat_n(index as u32, curve.count));
             let place = (curve.first as u32, curve.count as u32, curve.closed);
             self.place.extend(std::iter::repeat_n(place, curve.count));
         }
@@ -147,24 +151,31 @@ impl Exclusion {
     /// segments: the end pieces are cut. Infinite if there is no such arc.
     #[must_use]
     pub fn turning_between(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        let curve = set.curve_of(i);
-        if curve != set.curve_of(j) {
+        self.between(&set.segments[i], i, u, &set.segments[j], j, v)
+    }
+
+    /// As [`Exclusion::turning_between`], for borrowed curves.
+    pub(crate) fn turning_between_pieces(&self, strands: &Strands, i: usize, u: f64, j: usize, v: f64) -> f64 {
+        self.between(&strands.cubic(i), i, u, &strands.cubic(j), j, v)
+    }
+
+    fn between(&self, a: &Cubic, i: usize, u: f64, b: &Cubic, j: usize, v: f64) -> f64 {
+        let (first, _, closed) = self.place[i];
+        if first != self.place[j].0 {
             return f64::INFINITY;
         }
         if i == j && u <= v {
-            return piece(&set.segments[i], u, v).turning_bound();
+            return piece(a, u, v).turning_bound();
         }
+        let total = self.total[self.curve[i] as usize];
         let mut between = self.start[j] - self.end[i];
         if j <= i {
-            if !set.curves[curve].closed {
+            if !closed {
                 return f64::INFINITY;
             }
-            between += self.total[curve];
+            between += total;
         }
-        between.max(0.0)
-            + set.segments[i].split_at(u).1.turning_bound()
-            + set.segments[j].split_at(v).0.turning_bound()
-            + ROUNDING * (1.0 + self.total[curve])
+        between.max(0.0) + a.split_at(u).1.turning_bound() + b.split_at(v).0.turning_bound() + ROUNDING * (1.0 + total)
     }
 
     /// True if neither point can be an orthogonal projection of the other because less than π/2 of turning lies between them, one way or

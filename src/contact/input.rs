@@ -145,7 +145,12 @@ impl<'a> Strands<'a> {
         if u32::try_from(total).map_or(true, |n| n >= u32::MAX) {
             return Err(InputError::Count { field: "curves".to_owned(), value: total, allowed: "below 2³² segments" });
         }
-        Ok(Self::join(curves.iter().map(|c| (c.shape, c.radius, c.closed, c.num_segments()))))
+        Ok(Self::view(curves))
+    }
+
+    /// Without the checks.
+    pub(crate) fn view(curves: &[Curve<'a>]) -> Self {
+        Self::join(curves.iter().map(|c| (c.shape, c.radius, c.closed, c.num_segments())))
     }
 
     /// The curves of a set.

@@ -9,8 +9,12 @@
 //! ```
 
 mod chain_tree;
+mod closest;
+mod detector;
 mod input;
+mod interval;
 mod pair_filter;
+mod site;
 
 pub mod broad_phase;
 pub mod capsule;
@@ -20,6 +24,11 @@ pub mod detect;
 pub mod exclusion;
 pub mod law;
 pub mod projection;
+#[doc(hidden)]
+pub mod stages;
 pub mod zone;
 
+pub use detector::{Contacts, Detector, Neighbours, Options, detect};
 pub use input::{Curve, Shape};
+pub use interval::Zone;
+pub use site::{Site, SiteKind};

@@ -1,0 +1,429 @@
+//! The detector: curves in, contact sites and zones out.
+
+use rayon::prelude::*;
+
+use super::broad_phase::BroadPhase;
+use super::curve::{Cubic, CurveInput, CurveSet, angle};
+use super::detect::{self, PairTerm, Want};
+use super::exclusion::Exclusion;
+use super::input::{Curve, Strands};
+use super::interval::{self, Part, Zone};
+use super::projection::{Feet, local_minima};
+use super::site::{self, Minimum, Site};
+use super::{capsule, closest};
+use crate::error::{InputError, SolveError};
+use crate::math::Vec3;
+use crate::math::quadrature::gauss;
+
+/// Candidate pairs per parallel piece of work.
+const CHUNK: usize = 2048;
+/// Joints with less than this angle between their tangents, rad, are smooth: minima on them are those of the pieces.
+const SMOOTH: f64 = 1e-9;
+
+/// Which segments of one curve are too close along it to be in contact with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Neighbours {
+    /// Less than π/2 of accumulated turning between them: such points provably cannot be each other's nearest (see [`Exclusion`]). Independent of
+    /// how finely the curve is cut.
+    #[default]
+    Turning,
+    /// This many segments before and after each, whatever the geometry; adjacent segments are left out even at 0.
+    Segments(usize),
+}
+
+/// What to look for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Sites and zones with a gap of at most this are found \[L\]. May be negative (only overlaps deeper than that). Raising it costs pairs.
+    pub range: f64,
+    /// Extra reach of the candidate list \[L\], at least 0: the list is kept until a point has moved half of it. 0 makes a new list
+    /// whenever anything has moved, which is the best choice for steps larger than about a tenth of a radius.
+    pub margin: f64,
+    /// Which neighbours along a curve are left out.
+    pub neighbours: Neighbours,
+    /// How finely valleys between cubics are searched: parts of a segment, in \[1, 1024\]. Minima along one contact line closer to each other
+    /// than 1/`sampling` of a segment may be told as one. Polylines are exact without it.
+    pub sampling: usize,
+    /// Whether to look for zones (they cost about as much again as the sites).
+    pub zones: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { range: 0.0, margin: 0.0, neighbours: Neighbours::Turning, sampling: 8, zones: true }
+    }
+}
+
+impl Options {
+    fn check(&self) -> Result<(), InputError> {
+        InputError::check("range", self.range, true, "finite")?;
+        InputError::check("margin", self.margin, self.margin >= 0.0, "finite and at least 0")?;
+        if (1..=1024).contains(&self.sampling) {
+            return Ok(());
+        }
+        Err(InputError::Count { field: "sampling".to_owned(), value: self.sampling, allowed: "from 1 to 1024" })
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    /// Sites ordered by (curve, segment, parameter) of a, then of b.
+    pub sites: Vec<Site>,
+    /// Zones ordered by curve, partner, start of the interval; empty unless asked for.
+    pub zones: Vec<Zone>,
+}
+
+/// Finds contacts of curves and keeps tree, lists and buffers from one call to the next.
+///
+/// ```
+/// use supercoil::contact::{Curve, Detector, Options};
+/// use supercoil::math::Vec3;
+/// let a = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+/// let b = [Vec3::new(0.0, -1.0, 0.25), Vec3::new(0.0, 1.0, 0.25)];
+/// let mut detector = Detector::new(Options { range: 0.1, ..Options::default() });
+/// let contacts = detector.detect(&[Curve::polyline(&a, 0.1), Curve::polyline(&b, 0.1)])?;
+/// assert_eq!(contacts.sites.len(), 1);
+/// assert!((contacts.sites[0].gap - 0.05).abs() < 1e-15);
+/// # Ok::<(), supercoil::InputError>(())
+/// ```
+///
+/// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of one curve that are
+/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; cubics by
+/// subdivision that drops only what provably holds no minimum. No tolerance is a length. The result depends on the curves only (with
+/// `margin` 0 not even on earlier calls), never on the number of threads.
+///
+/// **Special cases.** Parallel straight segments, coincident ones too: one site per pair of segments, marked `flat`, in the middle of the overlap, and the zones tell
+/// the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
+/// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
+/// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
+///
+/// **Cost** O(segments + pairs). Memory about 110 bytes a segment (tree 32, turning 16 + 12 + 12, place in the curve 12, arc length 16, …), 8 bytes a candidate
+/// pair, and a copy of the points.
+#[derive(Debug, Default)]
+pub struct Detector {
+    pub(super) options: Options,
+    pub(super) exclusion: Exclusion,
+    pub(super) broad: BroadPhase,
+    /// Arc length before each segment, and of it.
+    start: Vec<f64>,
+    lengths: Vec<f64>,
+    contacts: Contacts,
+    set: CurveSet,
+}
+
+/// [`Detector::detect`] once.
+///
+/// # Errors
+/// As there.
+pub fn detect(curves: &[Curve], options: Options) -> Result<Contacts, InputError> {
+    let mut detector = Detector::new(options);
+    detector.detect(curves)?;
+    Ok(detector.contacts)
+}
+
+impl Detector {
+    /// Nothing found yet; the options are checked by the first call.
+    #[must_use]
+    pub fn new(options: Options) -> Self {
+        Self { options, ..Self::default() }
+    }
+
+    /// The options; they may be changed between calls.
+    pub fn options_mut(&mut self) -> &mut Options {
+        &mut self.options
+    }
+
+    /// Sites and zones of the curves as they are now. Curves may have moved, grown or changed in number since the last call.
+    ///
+    /// # Errors
+    /// [`InputError`] naming curve and index: too few points, a coordinate or radius that is not finite, radius ≤ 0, repeated points, cubics that do not
+    /// join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more; or an option out of its range.
+    pub fn detect(&mut self, curves: &[Curve]) -> Result<&Contacts, InputError> {
+        let strands = self.update(curves)?;
+        self.contacts.sites = self.find_sites(&strands);
+        self.contacts.zones = if self.options.zones { self.find_zones(&strands) } else { Vec::new() };
+        Ok(&self.contacts)
+    }
+
+    /// Pairs i < j of segments (numbered over all curves) that may be within range, of the last call; sorted.
+    #[must_use]
+    pub fn candidates(&self) -> &[[u32; 2]] {
+        self.broad.pairs()
+    }
+
+    /// Energy, gradient and, if wanted, Hessian of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from each side),
+    /// as one term per ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁
+    /// counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] brings the gradient to its points. `stiffness` κ
+    /// \[F/L²\]. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle.
+    ///
+    /// # Errors
+    /// As [`Detector::detect`].
+    pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
+        InputError::positive("stiffness", stiffness)?;
+        let strands = self.update(curves)?;
+        self.place(&strands)?;
+        let exclusion = &self.exclusion;
+        let wanted = |p: &&[u32; 2]| {
+            let (i, j) = (p[0] as usize, p[1] as usize);
+            !exclusion.excluded(i, j) && !adjacent(&strands, i, j)
+        };
+        let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
+        Ok(detect::evaluate(&self.set, &pairs, stiffness, &|_| [0.0; 2], want))
+    }
+
+    /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
+    /// [`smallest_clearance`](super::clearance::smallest_clearance).
+    ///
+    /// # Errors
+    /// As [`Detector::detect`].
+    pub fn smallest_clearance(
+        &mut self,
+        curves: &[Curve],
+        max_gap: f64,
+        tol: f64,
+    ) -> Result<Option<super::clearance::Clearance>, InputError> {
+        let strands = self.prepare(curves)?;
+        self.place(&strands)?;
+        Ok(super::clearance::smallest_clearance(&self.set, &self.exclusion, max_gap, tol))
+    }
+
+    pub(super) fn prepare<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
+        self.options.check()?;
+        let strands = Strands::new(curves)?;
+        match self.options.neighbours {
+            Neighbours::Turning => self.exclusion.update_strands(&strands).map_err(too_coarse)?,
+            Neighbours::Segments(num) => self.exclusion.update_by_count(&strands, num),
+        }
+        Ok(strands)
+    }
+
+    /// Everything up to the candidate list.
+    fn update<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
+        let strands = self.prepare(curves)?;
+        self.measure(&strands);
+        self.broad.candidates_of(&strands, &self.exclusion, self.options.range, self.options.margin)?;
+        Ok(strands)
+    }
+
+    /// Arc lengths.
+    pub(super) fn measure(&mut self, strands: &Strands) {
+        let length = |i| {
+            if strands.is_straight(i) {
+                let (a, b) = strands.ends(i);
+                norm(&(b - a))
+            } else {
+                arc_length(&strands.cubic(i), 1.0)
+            }
+        };
+        (0..strands.len()).into_par_iter().with_min_len(4096).map(length).collect_into_vec(&mut self.lengths);
+        self.start.clear();
+        for curve in &strands.curves {
+            let mut sum = 0.0;
+            for length in &self.lengths[curve.first..curve.first + curve.count] {
+                self.start.push(sum);
+                sum += length;
+            }
+        }
+    }
+
+    fn arc(&self, strands: &Strands, segment: usize, u: f64) -> f64 {
+        let part = if strands.is_straight(segment) || u == 0.0 || u == 1.0 {
+            u * self.lengths[segment]
+        } else {
+            arc_length(&strands.cubic(segment), u)
+        };
+        self.start[segment] + part
+    }
+
+    pub(super) fn find_sites(&self, strands: &Strands) -> Vec<Site> {
+        let find = |chunk: &[[u32; 2]]| {
+            let mut sites = Vec::new();
+            let mut minima = Vec::new();
+            for &[i, j] in chunk {
+                let (i, j) = (i as usize, j as usize);
+                minima.clear();
+                self.pair_minima(strands, i, j, &mut minima);
+                let arc = |s: usize, u: f64| self.arc(strands, s, u);
+                sites.extend(minima.iter().map(|m| site::dress(strands, arc, m)));
+            }
+            sites
+        };
+        let lists: Vec<Vec<Site>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        let mut sites = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+        lists.iter().for_each(|list| sites.extend_from_slice(list));
+        let place = |s: &Site| (s.curve_a, s.segment_a, s.curve_b, s.segment_b);
+        // Nearly sorted: only sites of one segment a are out of order.
+        sites.sort_by(|p, q| {
+            (p.curve_a, p.segment_a)
+                .cmp(&(q.curve_a, q.segment_a))
+                .then(p.u_a.total_cmp(&q.u_a))
+                .then(place(p).cmp(&place(q)))
+                .then(p.u_b.total_cmp(&q.u_b))
+        });
+        site::remove_twins(&mut sites, |curve, segment| self.lengths[strands.curves[curve].first + segment]);
+        sites
+    }
+
+    /// All minima in range of one candidate pair.
+    fn pair_minima(&self, strands: &Strands, i: usize, j: usize, out: &mut Vec<Minimum>) {
+        let reach = strands.radius_of(i) + strands.radius_of(j) + self.options.range;
+        if reach < 0.0 || self.exclusion.excluded(i, j) {
+            return;
+        }
+        if strands.is_straight(i) && strands.is_straight(j) {
+            // Two adjacent straight segments are nearest at their joint.
+            if !adjacent(strands, i, j) {
+                out.extend(site::straight_minimum(strands, i, j, reach));
+            }
+            return;
+        }
+        let (a, b) = (strands.cubic(i), strands.cubic(j));
+        if capsule::distance_lower_bound(&a, &b) > reach {
+            return;
+        }
+        let mut found = Vec::new();
+        closest::minima(&a, &b, reach, 1.0 / self.options.sampling as f64, &mut found);
+        out.extend(found.iter().map(|c| Minimum { i, u: c.u, j, v: c.v, flat: c.flat }));
+        vertex_minima(strands, i, j, reach, false, out);
+        vertex_minima(strands, j, i, reach, true, out);
+        out.retain(|m| !self.neighbouring_points(strands, m));
+    }
+
+    /// Points too close along the curve, the same point of a joint included.
+    fn neighbouring_points(&self, strands: &Strands, m: &Minimum) -> bool {
+        if strands.curve_of(m.i) != strands.curve_of(m.j) {
+            return false;
+        }
+        let same_joint = (strands.next(m.i) == Some(m.j) && m.u > 1.0 - 1e-6 && m.v < 1e-6)
+            || (strands.next(m.j) == Some(m.i) && m.v > 1.0 - 1e-6 && m.u < 1e-6);
+        let turning = |i, u, j, v| self.exclusion.turning_between_pieces(strands, i, u, j, v);
+        same_joint
+            || (self.options.neighbours == Neighbours::Turning
+                && turning(m.i, m.u, m.j, m.v).min(turning(m.j, m.v, m.i, m.u)) < std::f64::consts::FRAC_PI_2)
+    }
+
+    pub(super) fn find_zones(&self, strands: &Strands) -> Vec<Zone> {
+        let find = |chunk: &[[u32; 2]]| {
+            let mut parts: Vec<Part> = Vec::new();
+            for &[i, j] in chunk {
+                let (i, j) = (i as usize, j as usize);
+                if self.exclusion.excluded(i, j) || adjacent(strands, i, j) {
+                    continue;
+                }
+                let arc = |s: usize, u: f64| self.arc(strands, s, u);
+                interval::parts(strands, &arc, i, j, self.options.range, &mut parts);
+                interval::parts(strands, &arc, j, i, self.options.range, &mut parts);
+            }
+            parts
+        };
+        let parts: Vec<Part> = self.broad.pairs().par_chunks(CHUNK).flat_map_iter(find).collect();
+        interval::join(parts, |curve| {
+            let c = &strands.curves[curve];
+            (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64
+        })
+    }
+
+    /// The curves as a set of cubics, in the old buffers if their numbers have not changed.
+    fn place(&mut self, strands: &Strands) -> Result<(), InputError> {
+        let same = self.set.curves.len() == strands.curves.len()
+            && self.set.curves.iter().zip(&strands.curves).all(|(c, s)| {
+                (c.first, c.count, c.closed, c.radius) == (s.first, s.count, s.closed, s.radius)
+            });
+        self.measure(strands);
+        if same {
+            let cubic = |(k, segment): (usize, &mut Cubic)| *segment = strands.cubic(k);
+            self.set.segments.par_iter_mut().with_min_len(4096).enumerate().for_each(cubic);
+            self.set.set_lengths(&self.lengths);
+            return Ok(());
+        }
+        let input = |s: &super::input::Strand| CurveInput {
+            segments: (s.first..s.first + s.count).map(|k| strands.cubic(k)).collect(),
+            lengths: self.lengths[s.first..s.first + s.count].to_vec(),
+            closed: s.closed,
+            radius: s.radius,
+        };
+        self.set = CurveSet::new(strands.curves.iter().map(input).collect())?;
+        Ok(())
+    }
+}
+
+/// True if two segments share a joint.
+fn adjacent(strands: &Strands, i: usize, j: usize) -> bool {
+    strands.next(i) == Some(j) || strands.next(j) == Some(i)
+}
+
+fn norm(v: &Vec3) -> f64 {
+    let size = v.amax();
+    if (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
+}
+
+/// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for turning below 1 rad).
+fn arc_length(cubic: &Cubic, u: f64) -> f64 {
+    let rule = gauss(5);
+    let part = u / 4.0;
+    let speed = |t: f64| norm(&cubic.derivatives(t).1);
+    let sum = |k: usize| -> f64 {
+        rule.points.iter().zip(rule.weights).map(|(&x, &w)| w * speed((k as f64 + x) * part)).sum()
+    };
+    (0..4).map(sum).sum::<f64>() * part
+}
+
+fn too_coarse(error: SolveError) -> InputError {
+    match error {
+        SolveError::TooCoarse { curve, segment, turning, limit } => InputError::Inconsistent {
+            field: format!("curves[{curve}].pieces[{segment}]"),
+            reason: format!("turns by {turning:.3} rad, {limit:.3} or more: split it, or count neighbours by segments"),
+        },
+        other => InputError::Inconsistent { field: "curves".to_owned(), reason: other.to_string() },
+    }
+}
+
+/// Minima at kinks and open ends of segment `i` that it owns (its start, and its end if open), against segment `j`. `swapped`: `j` comes first in the
+/// result, and vertices of `j` have been looked at already.
+fn vertex_minima(strands: &Strands, i: usize, j: usize, reach: f64, swapped: bool, out: &mut Vec<Minimum>) {
+    let (own, other) = (strands.cubic(i), strands.cubic(j));
+    for u in [0.0, 1.0] {
+        let x = own.b[if u == 0.0 { 0 } else { 3 }];
+        let Some(fits) = vertex(strands, i, u) else { continue };
+        let mut feet = Feet::new();
+        local_minima(&other, &x, reach, &mut feet);
+        let inner = feet.as_slice().iter().map(|f| f.u).filter(|&v| v > 0.0 && v < 1.0);
+        for v in inner {
+            if fits(&(x - other.point(v))) {
+                out.push(ordered(i, u, j, v, swapped));
+            }
+        }
+        for v in [0.0, 1.0] {
+            let y = other.b[if v == 0.0 { 0 } else { 3 }];
+            let near = norm(&(x - y)) <= reach;
+            if near && !swapped && fits(&(x - y)) && vertex(strands, j, v).is_some_and(|f| f(&(y - x))) {
+                out.push(ordered(i, u, j, v, swapped));
+            }
+        }
+    }
+}
+
+fn ordered(i: usize, u: f64, j: usize, v: f64, swapped: bool) -> Minimum {
+    let (i, u, j, v) = if swapped { (j, v, i, u) } else { (i, u, j, v) };
+    Minimum { i, u, j, v, flat: false }
+}
+
+/// For a kink or open end owned by the segment: the test whether the distance to a point does not fall on either side, given the vector from that
+/// point. `None` for smooth joints and for ends that belong to the next segment.
+fn vertex<'a>(strands: &'a Strands, i: usize, u: f64) -> Option<impl Fn(&Vec3) -> bool + use<'a>> {
+    let own = strands.cubic(i);
+    let (before, after) = if u == 0.0 {
+        (strands.prev(i).map(|p| strands.cubic(p).end_tangent()), Some(own.start_tangent()))
+    } else if strands.next(i).is_none() {
+        (Some(own.end_tangent()), None)
+    } else {
+        return None;
+    };
+    if let (Some(p), Some(n)) = (before, after)
+        && angle(&p, &n) <= SMOOTH
+    {
+        return None;
+    }
+    Some(move |w: &Vec3| before.is_none_or(|t| w.dot(&t) <= 0.0) && after.is_none_or(|t| w.dot(&t) >= 0.0))
+}
