@@ -29,6 +29,7 @@ use supercoil::math::Vec3;
 const RADIUS: f64 = 1.0;
 
 struct Arguments {
+    one_thread: bool,
     max: usize,
     repeat: usize,
     input: Option<String>,
@@ -38,7 +39,7 @@ fn arguments() -> Arguments {
     let list: Vec<String> = std::env::args().collect();
     let value = |name: &str| list.iter().position(|a| a == name).and_then(|k| list.get(k + 1)).cloned();
     let number = |name: &str, default: usize| value(name).map_or(default, |v| v.parse().unwrap());
-    Arguments { max: number("--max", 1_000_000), repeat: number("--repeat", 5), input: value("--input") }
+    Arguments { one_thread: list.iter().any(|a| a == "--one-thread"), max: number("--max", 1_000_000), repeat: number("--repeat", 5), input: value("--input") }
 }
 
 /// One measured time.
@@ -118,8 +119,8 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("zones", stage(Stage::Zones));
     let mut detector = Detector::new(options);
     push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
-    if n <= 100_000 {
-        push("assembly", median(repeat, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
+    if n <= 10_000 {
+        push("assembly", median(1, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
     }
     if threads == 1 {
         let neighbours = inputs::neighbours(points);
@@ -198,7 +199,7 @@ fn main() {
             }
             let points = kind.points(n);
             verify(kind, &points);
-            for threads in [1, 2] {
+            for threads in 1..=if arguments.one_thread { 1 } else { 2 } {
                 let first = rows.len();
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| measure(kind, &points, threads, &arguments, &mut rows));

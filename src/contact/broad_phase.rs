@@ -311,16 +311,17 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
 }
 
 /// f32 box in the frame, grown by `r` and rounded outward. In a frame too small or large for f64 everything is one box.
+#[inline]
 fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
     if !(1e-290..1e290).contains(&size) {
         return ([-2.0; 3], [2.0; 3]);
     }
-    let (scale, shift) = (1.0 / size, r / size);
-    // 1e-13 of the frame covers the f64 roundings, one f32 ulp (of the frame's size) the cast.
-    let grow = shift + 1e-13;
+    let scale = 1.0 / size;
+    // Coordinates are within ±1 (to rounding): 2⁻²⁴ covers the cast, 1e-13 the f64 roundings before it.
+    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + 1e-13);
     let below = |k: usize| ((lo[k] - centre[k]) * scale - grow) as f32;
     let above = |k: usize| ((hi[k] - centre[k]) * scale + grow) as f32;
-    (std::array::from_fn(|k| below(k).next_down()), std::array::from_fn(|k| above(k).next_up()))
+    (std::array::from_fn(below), std::array::from_fn(above))
 }
 
 /// What [`BroadPhase::candidates`] must contain, by trying all pairs with the capsule bound: those not excluded and perhaps within

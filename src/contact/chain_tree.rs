@@ -55,8 +55,15 @@ impl Block {
         (lo, hi)
     }
 
-    fn lane(&self, lane: usize) -> Box3 {
-        (std::array::from_fn(|k| self.lo[k][lane]), std::array::from_fn(|k| self.hi[k][lane]))
+    /// Bit 4c + d is set if box c of this block overlaps box d of the other.
+    #[inline(always)]
+    fn overlaps_all(&self, other: &Self) -> u32 {
+        let mut mask = 0;
+        for c in 0..WIDTH {
+            let lane = (std::array::from_fn(|k| self.lo[k][c]), std::array::from_fn(|k| self.hi[k][c]));
+            mask |= other.overlaps(&lane) << (WIDTH * c);
+        }
+        mask
     }
 
     /// Bit d is set if box d overlaps (touches) the given one.
@@ -188,32 +195,31 @@ impl<F: FnMut(u32, u32)> Walk<'_, F> {
 
     /// Pairs inside one block.
     fn inside(&mut self, level: usize, p: usize) {
-        let block = self.tree.levels[level][p];
+        let block = &self.tree.levels[level][p];
         for c in 0..WIDTH {
             let child = p * WIDTH + c;
             if level > 0 && child << (2 * level) < self.tree.len && !self.excluded(level, child, child) {
                 self.inside(level - 1, child);
             }
-            let mask = block.overlaps(&block.lane(c)) & (0b1110 << c);
-            self.follow(level, child, p, mask);
         }
+        // Bit 4c + d for children c < d.
+        self.follow(level, p, p, block.overlaps_all(block) & 0b0000_1000_1100_1110);
     }
 
     /// Pairs between blocks p < q of one level.
     fn between(&mut self, level: usize, p: usize, q: usize) {
-        let tree = self.tree;
-        let (a, b) = (&tree.levels[level][p], &tree.levels[level][q]);
-        for c in 0..WIDTH {
-            let mask = b.overlaps(&a.lane(c));
-            self.follow(level, p * WIDTH + c, q, mask);
-        }
+        let blocks = &self.tree.levels[level];
+        let mask = blocks[p].overlaps_all(&blocks[q]);
+        self.follow(level, p, q, mask);
     }
 
-    #[inline]
-    fn follow(&mut self, level: usize, child: usize, q: usize, mut mask: u32) {
+    #[inline(always)]
+    fn follow(&mut self, level: usize, p: usize, q: usize, mut mask: u32) {
+        // One loop over all sixteen bits: its end is the only branch the processor cannot foresee.
         while mask != 0 {
-            let other = q * WIDTH + mask.trailing_zeros() as usize;
+            let bit = mask.trailing_zeros() as usize;
             mask &= mask - 1;
+            let (child, other) = (p * WIDTH + bit / WIDTH, q * WIDTH + bit % WIDTH);
             if self.excluded(level, child, other) {
                 continue;
             }
