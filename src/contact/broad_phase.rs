@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use super::chain_tree::{Box3, ChainTree};
 use super::curve::CurveSet;
 use super::exclusion::Exclusion;
-use super::input::{Shape, Strands};
+use super::input::{Shape, Strands, lower, upper};
 use super::pair_filter::keep_near;
 use crate::error::InputError;
 use crate::math::Vec3;
@@ -296,14 +296,15 @@ fn spread(x: u64) -> u64 {
 /// Centre and half-size of everything, inflation included.
 fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.inf(&b.0), a.1.sup(&b.1));
-    let (lo, hi) = (0..strands.len().div_ceil(MIN_LEN))
-        .into_par_iter()
-        .map(|part| {
-            let range = part * MIN_LEN..((part + 1) * MIN_LEN).min(strands.len());
-            range.map(|i| strands.bounds(i)).fold(none, join)
+    let grow = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lower(&lo, p), upper(&hi, p));
+    let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (lower(&a.0, &b.0), upper(&a.1, &b.1));
+    let part = |run: &[Vec3]| run.iter().fold(none, grow);
+    let (lo, hi) = strands
+        .control_points()
+        .map(|run| {
+            if run.len() <= MIN_LEN { part(run) } else { run.par_chunks(MIN_LEN).map(part).reduce(|| none, join) }
         })
-        .reduce(|| none, join);
+        .fold(none, join);
     let radius = strands.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
     // Halved first: the sum of two huge coordinates may overflow.
     let size = (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0);

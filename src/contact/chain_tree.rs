@@ -214,21 +214,38 @@ impl<F: FnMut(u32, u32)> Walk<'_, F> {
     }
 
     #[inline(always)]
-    fn follow(&mut self, level: usize, p: usize, q: usize, mut mask: u32) {
+    fn follow(&mut self, level: usize, p: usize, q: usize, mask: u32) {
+        let mut mask = self.trim(level, p, q, mask);
         // One loop over all sixteen bits: its end is the only branch the processor cannot foresee.
         while mask != 0 {
             let bit = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let (child, other) = (p * WIDTH + bit / WIDTH, q * WIDTH + bit % WIDTH);
-            if self.excluded(level, child, other) {
-                continue;
-            }
             if level == 0 {
                 (self.emit)(child as u32, other as u32);
             } else {
                 self.between(level - 1, child, other);
             }
         }
+    }
+
+    /// Takes out the pairs of children that are unwanted altogether.
+    #[inline(always)]
+    fn trim(&self, level: usize, p: usize, q: usize, mask: u32) -> u32 {
+        // Number of children (counted from the first of all) that are unwanted with the children c of p; grows with c.
+        let cut = |c: usize| {
+            let first = ((p * WIDTH + c) << (2 * level)).min(self.tree.len - 1);
+            (self.far[first] as usize + 1) >> (2 * level)
+        };
+        if cut(WIDTH - 1) <= q * WIDTH {
+            return mask;
+        }
+        let mut wanted = 0;
+        for c in 0..WIDTH {
+            let out = cut(c).saturating_sub(q * WIDTH).min(WIDTH);
+            wanted |= ((0b1111 << out) & 0b1111) << (WIDTH * c);
+        }
+        mask & wanted
     }
 }
 
