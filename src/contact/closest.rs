@@ -22,11 +22,11 @@ const BORDER: f64 = 1e-9;
 const LEVEL: f64 = 1e-7;
 
 /// A local minimum at parameters u, v.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Closest {
-    pub(crate) u: f64,
-    pub(crate) v: f64,
-    pub(crate) flat: bool,
+#[derive(Clone, Copy, Debug)]
+struct Closest {
+    u: f64,
+    v: f64,
+    flat: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -35,9 +35,9 @@ struct Cell {
     v: [f64; 2],
 }
 
-/// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks are not looked at), appended to `out`.
+/// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks are not looked at), each handed to `push(u, v, flat)`.
 /// `resolution` is the size of parameter boxes, in (0, 1\], below which valleys are not resolved further.
-pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, resolution: f64, out: &mut Vec<Closest>) {
+pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, resolution: f64, mut push: impl FnMut(f64, f64, bool)) {
     let origin = b.b[0];
     let (a, b) = (a.b.map(|p| p - origin), b.b.map(|p| p - origin));
     let scale = a.iter().chain(&b).map(Vec3::amax).fold(0.0, f64::max);
@@ -47,7 +47,7 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, resolution: f64, o
     }
     let (a, b) = (Cubic { b: a.map(|p| p / scale) }, Cubic { b: b.map(|p| p / scale) });
     let reach = max_distance / scale * (1.0 + 1e-14);
-    let first = out.len();
+    let out = &mut Vec::new();
     let mut stack = vec![Cell { u: [0.0, 1.0], v: [0.0, 1.0] }];
     let mut undecided = Vec::new();
     let mut looked_at = 0;
@@ -82,13 +82,9 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, resolution: f64, o
     }
     valleys(&a, &b, reach, &undecided, out);
     // Two boxes that share a border may both have found the minimum on it.
-    let mut k = first;
-    while k < out.len() {
-        let twin = out[first..k].iter().any(|c| (c.u - out[k].u).abs() + (c.v - out[k].v).abs() < 4.0 * BORDER);
-        if twin {
-            out.remove(k);
-        } else {
-            k += 1;
+    for (k, c) in out.iter().enumerate() {
+        if !out[..k].iter().any(|t| (t.u - c.u).abs() + (t.v - c.v).abs() < 4.0 * BORDER) {
+            push(c.u, c.v, c.flat);
         }
     }
 }

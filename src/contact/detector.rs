@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
-use super::curve::{Cubic, CurveInput, CurveSet, angle};
+use super::curve::{Cubic, CurveInput, CurveSet};
 use super::detect::{self, PairTerm, Want};
 use super::exclusion::Exclusion;
 use super::input::{Curve, Strands};
 use super::interval::{self, Part, Zone};
-use super::projection::{Feet, local_minima};
+use super::options::{Neighbours, Options};
 use super::site::{self, Minimum, Site};
+use super::vertex::vertex_minima;
 use super::{capsule, closest};
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
@@ -17,54 +18,6 @@ use crate::math::quadrature::gauss;
 
 /// Candidate pairs per parallel piece of work.
 const CHUNK: usize = 2048;
-/// Joints with less than this angle between their tangents, rad, are smooth: minima on them are those of the pieces.
-const SMOOTH: f64 = 1e-9;
-
-/// Which segments of one curve are too close along it to be in contact with each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Neighbours {
-    /// Less than π/2 of accumulated turning between them: such points provably cannot be each other's nearest (see [`Exclusion`]). Independent of
-    /// how finely the curve is cut.
-    #[default]
-    Turning,
-    /// This many segments before and after each, whatever the geometry; adjacent segments are left out even at 0.
-    Segments(usize),
-}
-
-/// What to look for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// Sites and zones with a gap of at most this are found \[L\]. May be negative (only overlaps deeper than that). Raising it costs pairs.
-    pub range: f64,
-    /// Extra reach of the candidate list \[L\], at least 0: the list is kept until a point has moved half of it. 0 makes a new list
-    /// whenever anything has moved, which is the best choice for steps larger than about a tenth of a radius.
-    pub margin: f64,
-    /// Which neighbours along a curve are left out.
-    pub neighbours: Neighbours,
-    /// How finely valleys between cubics are searched: parts of a segment, in \[1, 1024\]. Minima along one contact line closer to each other
-    /// than 1/`sampling` of a segment may be told as one. Polylines are exact without it.
-    pub sampling: usize,
-    /// Whether to look for zones (they cost about as much again as the sites).
-    pub zones: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { range: 0.0, margin: 0.0, neighbours: Neighbours::Turning, sampling: 8, zones: true }
-    }
-}
-
-impl Options {
-    fn check(&self) -> Result<(), InputError> {
-        InputError::check("range", self.range, true, "finite")?;
-        InputError::check("margin", self.margin, self.margin >= 0.0, "finite and at least 0")?;
-        if (1..=1024).contains(&self.sampling) {
-            return Ok(());
-        }
-        Err(InputError::Count { field: "sampling".to_owned(), value: self.sampling, allowed: "from 1 to 1024" })
-    }
-}
-
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contacts {
@@ -238,31 +191,16 @@ impl Detector {
 
     pub(super) fn find_sites(&self, strands: &Strands) -> Vec<Site> {
         let find = |chunk: &[[u32; 2]]| {
-            let mut sites = Vec::new();
-            let mut minima = Vec::new();
+            let mut minima = Vec::with_capacity(chunk.len());
             for &[i, j] in chunk {
-                let (i, j) = (i as usize, j as usize);
-                minima.clear();
-                self.pair_minima(strands, i, j, &mut minima);
-                let arc = |s: usize, u: f64| self.arc(strands, s, u);
-                sites.extend(minima.iter().map(|m| site::dress(strands, arc, m)));
+                self.pair_minima(strands, i as usize, j as usize, &mut minima);
             }
-            sites
+            minima
         };
-        let lists: Vec<Vec<Site>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
-        let mut sites = Vec::with_capacity(lists.iter().map(Vec::len).sum());
-        lists.iter().for_each(|list| sites.extend_from_slice(list));
-        let place = |s: &Site| (s.curve_a, s.segment_a, s.curve_b, s.segment_b);
-        // Nearly sorted: only sites of one segment a are out of order.
-        sites.sort_by(|p, q| {
-            (p.curve_a, p.segment_a)
-                .cmp(&(q.curve_a, q.segment_a))
-                .then(p.u_a.total_cmp(&q.u_a))
-                .then(place(p).cmp(&place(q)))
-                .then(p.u_b.total_cmp(&q.u_b))
-        });
-        site::remove_twins(&mut sites, |curve, segment| self.lengths[strands.curves[curve].first + segment]);
-        sites
+        let lists: Vec<Vec<Minimum>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        let minima = site::in_order(strands, lists, |s, u| self.start[s] + u * self.lengths[s], &self.lengths);
+        let arc = |s: usize, u: f64| self.arc(strands, s, u);
+        minima.par_iter().with_min_len(CHUNK).map(|m| site::dress(strands, arc, m)).collect()
     }
 
     /// All minima in range of one candidate pair.
@@ -282,25 +220,34 @@ impl Detector {
         if capsule::distance_lower_bound(&a, &b) > reach {
             return;
         }
-        let mut found = Vec::new();
-        closest::minima(&a, &b, reach, 1.0 / self.options.sampling as f64, &mut found);
-        out.extend(found.iter().map(|c| Minimum { i, u: c.u, j, v: c.v, flat: c.flat }));
+        let first = out.len();
+        closest::minima(&a, &b, reach, 1.0 / self.options.sampling as f64, |u, v, flat| {
+            out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
+        });
         vertex_minima(strands, i, j, reach, false, out);
         vertex_minima(strands, j, i, reach, true, out);
-        out.retain(|m| !self.neighbouring_points(strands, m));
+        let mut k = first;
+        while k < out.len() {
+            if self.neighbouring_points(strands, &out[k]) {
+                out.remove(k);
+            } else {
+                k += 1;
+            }
+        }
     }
 
     /// Points too close along the curve, the same point of a joint included.
     fn neighbouring_points(&self, strands: &Strands, m: &Minimum) -> bool {
-        if strands.curve_of(m.i) != strands.curve_of(m.j) {
+        let (i, j) = (m.i as usize, m.j as usize);
+        if strands.curve_of(i) != strands.curve_of(j) {
             return false;
         }
-        let same_joint = (strands.next(m.i) == Some(m.j) && m.u > 1.0 - 1e-6 && m.v < 1e-6)
-            || (strands.next(m.j) == Some(m.i) && m.v > 1.0 - 1e-6 && m.u < 1e-6);
+        let same_joint = (strands.next(i) == Some(j) && m.u > 1.0 - 1e-6 && m.v < 1e-6)
+            || (strands.next(j) == Some(i) && m.v > 1.0 - 1e-6 && m.u < 1e-6);
         let turning = |i, u, j, v| self.exclusion.turning_between_pieces(strands, i, u, j, v);
         same_joint
             || (self.options.neighbours == Neighbours::Turning
-                && turning(m.i, m.u, m.j, m.v).min(turning(m.j, m.v, m.i, m.u)) < std::f64::consts::FRAC_PI_2)
+                && turning(i, m.u, j, m.v).min(turning(j, m.v, i, m.u)) < std::f64::consts::FRAC_PI_2)
     }
 
     pub(super) fn find_zones(&self, strands: &Strands) -> Vec<Zone> {
@@ -353,7 +300,7 @@ fn adjacent(strands: &Strands, i: usize, j: usize) -> bool {
     strands.next(i) == Some(j) || strands.next(j) == Some(i)
 }
 
-fn norm(v: &Vec3) -> f64 {
+pub(super) fn norm(v: &Vec3) -> f64 {
     let size = v.amax();
     if (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
 }
@@ -377,53 +324,4 @@ fn too_coarse(error: SolveError) -> InputError {
         },
         other => InputError::Inconsistent { field: "curves".to_owned(), reason: other.to_string() },
     }
-}
-
-/// Minima at kinks and open ends of segment `i` that it owns (its start, and its end if open), against segment `j`. `swapped`: `j` comes first in the
-/// result, and vertices of `j` have been looked at already.
-fn vertex_minima(strands: &Strands, i: usize, j: usize, reach: f64, swapped: bool, out: &mut Vec<Minimum>) {
-    let (own, other) = (strands.cubic(i), strands.cubic(j));
-    for u in [0.0, 1.0] {
-        let x = own.b[if u == 0.0 { 0 } else { 3 }];
-        let Some(fits) = vertex(strands, i, u) else { continue };
-        let mut feet = Feet::new();
-        local_minima(&other, &x, reach, &mut feet);
-        let inner = feet.as_slice().iter().map(|f| f.u).filter(|&v| v > 0.0 && v < 1.0);
-        for v in inner {
-            if fits(&(x - other.point(v))) {
-                out.push(ordered(i, u, j, v, swapped));
-            }
-        }
-        for v in [0.0, 1.0] {
-            let y = other.b[if v == 0.0 { 0 } else { 3 }];
-            let near = norm(&(x - y)) <= reach;
-            if near && !swapped && fits(&(x - y)) && vertex(strands, j, v).is_some_and(|f| f(&(y - x))) {
-                out.push(ordered(i, u, j, v, swapped));
-            }
-        }
-    }
-}
-
-fn ordered(i: usize, u: f64, j: usize, v: f64, swapped: bool) -> Minimum {
-    let (i, u, j, v) = if swapped { (j, v, i, u) } else { (i, u, j, v) };
-    Minimum { i, u, j, v, flat: false }
-}
-
-/// For a kink or open end owned by the segment: the test whether the distance to a point does not fall on either side, given the vector from that
-/// point. `None` for smooth joints and for ends that belong to the next segment.
-fn vertex<'a>(strands: &'a Strands, i: usize, u: f64) -> Option<impl Fn(&Vec3) -> bool + use<'a>> {
-    let own = strands.cubic(i);
-    let (before, after) = if u == 0.0 {
-        (strands.prev(i).map(|p| strands.cubic(p).end_tangent()), Some(own.start_tangent()))
-    } else if strands.next(i).is_none() {
-        (Some(own.end_tangent()), None)
-    } else {
-        return None;
-    };
-    if let (Some(p), Some(n)) = (before, after)
-        && angle(&p, &n) <= SMOOTH
-    {
-        return None;
-    }
-    Some(move |w: &Vec3| before.is_none_or(|t| w.dot(&t) <= 0.0) && after.is_none_or(|t| w.dot(&t) >= 0.0))
 }

@@ -13,8 +13,10 @@ mod closest;
 mod detector;
 mod input;
 mod interval;
+mod options;
 mod pair_filter;
 mod site;
+mod vertex;
 
 pub mod broad_phase;
 pub mod capsule;
@@ -28,7 +30,8 @@ pub mod projection;
 pub mod stages;
 pub mod zone;
 
-pub use detector::{Contacts, Detector, Neighbours, Options, detect};
+pub use detector::{Contacts, Detector, detect};
 pub use input::{Curve, Shape};
 pub use interval::Zone;
+pub use options::{Neighbours, Options};
 pub use site::{Site, SiteKind};

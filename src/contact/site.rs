@@ -5,8 +5,7 @@
 //! the distance does not fall on the far side either: at a joint the two parameters' one-sided slopes decide separately. This is why every
 //! local minimum of a pair of polylines is found and none is invented.
 
-use std::f64::consts::FRAC_PI_2;
-
+use super::detector::norm;
 use super::input::Strands;
 use crate::math::Vec3;
 
@@ -53,10 +52,10 @@ pub struct Site {
 /// A minimum of a pair of segments (global indices), before it is dressed as a [`Site`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Minimum {
-    pub(crate) i: usize,
     pub(crate) u: f64,
-    pub(crate) j: usize,
     pub(crate) v: f64,
+    pub(crate) i: u32,
+    pub(crate) j: u32,
     pub(crate) flat: bool,
 }
 
@@ -77,9 +76,9 @@ pub(crate) fn straight_minimum(strands: &Strands, i: usize, j: usize, max_distan
     let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
     let (d, e, r) = (a1 - a0, b1 - b0, a0 - b0);
     let scale = d.amax().max(e.amax()).max(r.amax());
-    // A power of two near 1/scale: scaling by it rounds nothing, so units that are powers of two give the same bits.
+    // Squares of ordinary sizes need no scaling.
     let unit = if (1e-100..1e100).contains(&scale) { 1.0 } else { scale };
-    let (d, e, r) = (d / unit, e / unit, r / unit);
+    let (d, e, r) = if unit == 1.0 { (d, e, r) } else { (d / unit, e / unit, r / unit) };
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
     let n = d.cross(&e);
@@ -116,7 +115,7 @@ pub(crate) fn straight_minimum(strands: &Strands, i: usize, j: usize, max_distan
         return None;
     }
     let owned = owned(strands, i, u, &w) && owned(strands, j, v, &-w);
-    owned.then_some(Minimum { i, u, j, v, flat })
+    owned.then_some(Minimum { i: i as u32, u, j: j as u32, v, flat })
 }
 
 /// Whether a minimum at parameter u of a segment is the segment's to report and no further fall lies beyond its start; `w` points from the other
@@ -137,33 +136,41 @@ fn owned(strands: &Strands, segment: usize, u: f64, w: &Vec3) -> bool {
 
 /// Fills in what a site tells besides its parameters. `arc(segment, u)` is the arc length from the start of the curve.
 pub(crate) fn dress(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
-    let (a, da) = point_and_tangent(strands, found.i, found.u);
-    let (b, db) = point_and_tangent(strands, found.j, found.v);
+    let (i, j, u, v) = (found.i as usize, found.j as usize, found.u, found.v);
+    let ((a, da), (b, db)) = (point_and_tangent(strands, i, u), point_and_tangent(strands, j, v));
     let w = b - a;
-    let size = w.amax();
-    let normal = if size > 0.0 { (w / size).normalize() } else { Vec3::zeros() };
-    let distance = if size > 0.0 { (w / size).norm() * size } else { 0.0 };
+    let distance = norm(&w);
+    let scaled = if (1e-150..1e150).contains(&distance) { w / distance } else { w / w.amax() };
     let open = |segment: usize, u: f64| {
         (u == 0.0 && strands.prev(segment).is_none()) || (u == 1.0 && strands.next(segment).is_none())
     };
-    let end = open(found.i, found.u) || open(found.j, found.v);
-    let angle = super::curve::angle(&da, &db);
-    let (curve_a, curve_b) = (strands.curve_of(found.i), strands.curve_of(found.j));
+    let (curve_a, curve_b) = (strands.curve_of(i), strands.curve_of(j));
+    let (strand_a, strand_b) = (&strands.curves[curve_a], &strands.curves[curve_b]);
     Site {
         curve_a,
-        segment_a: found.i - strands.curves[curve_a].first,
-        u_a: found.u,
-        arc_a: arc(found.i, found.u),
+        segment_a: i - strand_a.first,
+        u_a: u,
+        arc_a: arc(i, u),
         curve_b,
-        segment_b: found.j - strands.curves[curve_b].first,
-        u_b: found.v,
-        arc_b: arc(found.j, found.v),
-        gap: distance - (strands.curves[curve_a].radius + strands.curves[curve_b].radius),
-        normal,
-        angle: if angle > FRAC_PI_2 { std::f64::consts::PI - angle } else { angle },
-        kind: if end { SiteKind::End } else { SiteKind::Interior },
+        segment_b: j - strand_b.first,
+        u_b: v,
+        arc_b: arc(j, v),
+        gap: distance - (strand_a.radius + strand_b.radius),
+        normal: if distance > 0.0 { scaled.normalize() } else { Vec3::zeros() },
+        angle: crossing_angle(&da, &db),
+        kind: if open(i, u) || open(j, v) { SiteKind::End } else { SiteKind::Interior },
         flat: found.flat,
     }
+}
+
+/// Angle between two lines in \[0, π/2\].
+fn crossing_angle(d: &Vec3, e: &Vec3) -> f64 {
+    let usual = |v: &Vec3| (1e-100..1e100).contains(&v.amax());
+    if usual(d) && usual(e) {
+        return d.cross(e).norm().atan2(d.dot(e).abs());
+    }
+    let angle = super::curve::angle(d, e);
+    angle.min(std::f64::consts::PI - angle)
 }
 
 fn point_and_tangent(strands: &Strands, segment: usize, u: f64) -> (Vec3, Vec3) {
@@ -186,21 +193,42 @@ fn point_and_tangent(strands: &Strands, segment: usize, u: f64) -> (Vec3, Vec3) 
     }
 }
 
-/// Removes sites found twice because rounding put them on both sides of a joint: same kind of place, arc lengths equal to 1e-9 of a segment.
-/// `sites` must be sorted by place; keeps the first of each group.
-pub(crate) fn remove_twins(sites: &mut Vec<Site>, length: impl Fn(usize, usize) -> f64) {
-    let mut kept: Vec<Site> = Vec::with_capacity(sites.len());
-    for site in sites.iter() {
-        let same = |s: &&Site| {
-            let close = |x: f64, y: f64, l: f64| (x - y).abs() <= 1e-9 * l;
-            s.curve_b == site.curve_b
-                && close(s.arc_a, site.arc_a, length(site.curve_a, site.segment_a))
-                && close(s.arc_b, site.arc_b, length(site.curve_b, site.segment_b))
+/// Joins lists of minima whose first segments ascend; sorts by (i, u, j, v) and removes those found twice because rounding put them on both sides
+/// of a joint: arc lengths equal to 1e-9 of a segment. Keeps the first of each group.
+pub(crate) fn in_order(
+    strands: &Strands,
+    lists: Vec<Vec<Minimum>>,
+    arc: impl Fn(usize, f64) -> f64,
+    lengths: &[f64],
+) -> Vec<Minimum> {
+    let mut minima = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+    lists.iter().for_each(|list| minima.extend_from_slice(list));
+    for group in minima.chunk_by_mut(|a, b| a.i == b.i) {
+        group.sort_by(|a, b| a.u.total_cmp(&b.u).then(a.j.cmp(&b.j)).then(a.v.total_cmp(&b.v)));
+    }
+    let on_joint = |t: f64| !(1e-9..=1.0 - 1e-9).contains(&t);
+    let twin = |a: &Minimum, b: &Minimum| {
+        let close = |s: u32, u: f64, t: u32, v: f64| {
+            let (s, t) = (s as usize, t as usize);
+            let curve = strands.strand(s);
+            if strands.curve_of(t) != strands.curve_of(s) {
+                return false;
+            }
+            let apart = (arc(s, u) - arc(t, v)).abs();
+            let last = curve.first + curve.count - 1;
+            let round = if curve.closed { (arc(last, 1.0) - apart).abs() } else { apart };
+            apart.min(round) <= 1e-9 * lengths[s].min(lengths[t])
         };
-        let near = |s: &&Site| s.curve_a == site.curve_a && s.segment_a + 1 >= site.segment_a;
-        if kept.iter().rev().take_while(near).find(same).is_none() {
-            kept.push(*site);
+        close(a.i, a.u, b.i, b.u) && close(a.j, a.v, b.j, b.v)
+    };
+    // Exact duplicates differ in nothing; twins lie on a joint of at least one side.
+    let mut kept: Vec<Minimum> = Vec::with_capacity(minima.len());
+    for m in &minima {
+        let known = (on_joint(m.u) || on_joint(m.v))
+            && kept.iter().rev().take_while(|k| k.i + 1 >= m.i).any(|k| twin(k, m));
+        if !known {
+            kept.push(*m);
         }
     }
-    *sites = kept;
+    kept
 }
