@@ -155,14 +155,67 @@ fn newton(a: &Cubic, b: &Cubic, cell: &Cell) -> Newton {
     if du.abs().max(dv.abs()) < 1e-12 { Newton::At(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)) } else { Newton::Unsure }
 }
 
+/// Difference of the points, and D's derivatives, at (u, v).
+struct Derivatives {
+    w: Vec3,
+    da: Vec3,
+    db: Vec3,
+    uu: f64,
+    vv: f64,
+    uv: f64,
+}
+
+impl Derivatives {
+    fn new(a: &Cubic, b: &Cubic, u: f64, v: f64) -> Self {
+        let ((pa, da, dda), (pb, db, ddb)) = (a.derivatives(u), b.derivatives(v));
+        let w = pa - pb;
+        Self { w, da, db, uu: da.dot(&da) + w.dot(&dda), vv: db.dot(&db) - w.dot(&ddb), uv: -da.dot(&db) }
+    }
+
+    fn det(&self) -> f64 {
+        self.uu * self.vv - self.uv * self.uv
+    }
+
+    fn slope(&self) -> (f64, f64) {
+        (self.w.dot(&self.da), -self.w.dot(&self.db))
+    }
+}
+
 /// Newton step of D at (u, v); NaN if the second derivative is singular.
 fn step(a: &Cubic, b: &Cubic, u: f64, v: f64) -> (f64, f64) {
-    let ((pa, da, dda), (pb, db, ddb)) = (a.derivatives(u), b.derivatives(v));
-    let w = pa - pb;
-    let (gu, gv) = (w.dot(&da), -w.dot(&db));
-    let (uu, vv, uv) = (da.dot(&da) + w.dot(&dda), db.dot(&db) - w.dot(&ddb), -da.dot(&db));
-    let det = uu * vv - uv * uv;
-    (-(vv * gu - uv * gv) / det, -(uu * gv - uv * gu) / det)
+    let h = Derivatives::new(a, b, u, v);
+    let ((gu, gv), det) = (h.slope(), h.det());
+    (-(h.vv * gu - h.uv * gv) / det, -(h.uu * gv - h.uv * gu) / det)
+}
+
+/// Downhill inside a box of parameters: Newton where D is convex, else each parameter by itself; only steps that lower D are taken.
+fn descend(a: &Cubic, b: &Cubic, start: (f64, f64), hu: [f64; 2], hv: [f64; 2]) -> (f64, f64) {
+    let value = |u: f64, v: f64| (a.point(u) - b.point(v)).norm_squared();
+    let (mut u, mut v) = start;
+    let mut here = value(u, v);
+    for _ in 0..60 {
+        let h = Derivatives::new(a, b, u, v);
+        let (gu, gv) = h.slope();
+        let convex = h.uu > 0.0 && h.vv > 0.0 && h.det() > 1e-12 * h.uu * h.vv;
+        let single = (-gu / (h.uu.abs() + h.uv.abs()), -gv / (h.vv.abs() + h.uv.abs()));
+        let full = if convex { step(a, b, u, v) } else { single };
+        let mut moved = false;
+        for (du, dv) in [full, single] {
+            let mut part = 1.0;
+            while part > 1e-3 && !moved {
+                let (nu, nv) = ((u + part * du).clamp(hu[0], hu[1]), (v + part * dv).clamp(hv[0], hv[1]));
+                let there = value(nu, nv);
+                if there < here {
+                    (u, v, here, moved) = (nu, nv, there, true);
+                }
+                part *= 0.25;
+            }
+        }
+        if !moved {
+            break;
+        }
+    }
+    (u, v)
 }
 
 fn split(cell: &Cell, a: &Cubic, b: &Cubic, stack: &mut Vec<Cell>) {
@@ -212,28 +265,27 @@ fn deepest(a: &Cubic, b: &Cubic, reach: f64, cells: &[Cell], group: &[usize]) ->
     let middle = (0.5 * (hu[0] + hu[1]), 0.5 * (hv[0] + hv[1]));
     let mut points: Vec<(f64, f64, f64)> = Vec::with_capacity(group.len() + 1);
     let starts = group.iter().map(|&k| (0.5 * (cells[k].u[0] + cells[k].u[1]), 0.5 * (cells[k].v[0] + cells[k].v[1])));
-    for (mut u, mut v) in starts.chain([middle]) {
-        for _ in 0..20 {
-            let (du, dv) = step(a, b, u, v);
-            let (pb, db, ddb) = b.derivatives(v);
-            let w = a.point(u) - pb;
-            let vv = db.dot(&db) - w.dot(&ddb);
-            let newton = (du.abs() < 0.25 && dv.abs() < 0.25).then_some((u + du, v + dv));
-            // Across the valley only, where the valley has no bottom to be found.
-            let across = (u, v + if vv > 0.0 { w.dot(&db) / vv } else { 0.0 });
-            let here = w.norm_squared();
-            let value = |(u, v): (f64, f64)| (a.point(u) - b.point(v)).norm_squared();
-            let cut = |(u, v): (f64, f64)| (u.clamp(hu[0], hu[1]), v.clamp(hv[0], hv[1]));
-            let best = newton.into_iter().chain([across]).map(cut).find(|&p| value(p) < here);
-            let Some(next) = best else { break };
-            (u, v) = next;
+    let mut offer = |(u, v): (f64, f64)| -> bool {
+        let at = Derivatives::new(a, b, u, v);
+        let level = |d: &Vec3| at.w.dot(d).abs() <= LEVEL * at.w.norm() * d.norm() + 4.0 * f64::EPSILON * d.norm();
+        let stationary = level(&at.da) && level(&at.db);
+        let saddle = at.det() < -1e-9 * (at.uu * at.vv).abs() || at.uu < 0.0 || at.vv < 0.0;
+        if stationary && !saddle && at.w.norm() <= reach {
+            points.push((at.w.norm(), u, v));
         }
-        let (pa, da, _) = a.derivatives(u);
-        let (pb, db, _) = b.derivatives(v);
-        let w = pa - pb;
-        let level = |d: &Vec3| w.dot(d).abs() <= LEVEL * w.norm() * d.norm() + 4.0 * f64::EPSILON * d.norm();
-        if level(&da) && level(&db) && w.norm() <= reach {
-            points.push((w.norm(), u, v));
+        stationary && saddle
+    };
+    for start in starts.chain([middle]) {
+        let end = descend(a, b, start, hu, hv);
+        if offer(end) {
+            // Down from the saddle, both ways along the direction it falls in.
+            let h = Derivatives::new(a, b, end.0, end.1);
+            let angle = 0.5 * (2.0 * h.uv).atan2(h.uu - h.vv) + std::f64::consts::FRAC_PI_2;
+            let (dv, du) = (angle.sin_cos().0 * 0.02, angle.sin_cos().1 * 0.02);
+            for sign in [-1.0, 1.0] {
+                let from = ((end.0 + sign * du).clamp(hu[0], hu[1]), (end.1 + sign * dv).clamp(hv[0], hv[1]));
+                offer(descend(a, b, from, hu, hv));
+            }
         }
     }
     let least = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);

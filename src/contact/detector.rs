@@ -61,7 +61,8 @@ pub struct Detector {
     /// Arc length before each segment, and of it.
     start: Vec<f64>,
     lengths: Vec<f64>,
-    contacts: Contacts,
+    minima: Vec<Minimum>,
+    pub(super) contacts: Contacts,
     set: CurveSet,
 }
 
@@ -94,7 +95,9 @@ impl Detector {
     /// join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more; or an option out of its range.
     pub fn detect(&mut self, curves: &[Curve]) -> Result<&Contacts, InputError> {
         let strands = self.update(curves)?;
-        self.contacts.sites = self.find_sites(&strands);
+        let mut sites = std::mem::take(&mut self.contacts.sites);
+        self.find_sites(&strands, &mut sites);
+        self.contacts.sites = sites;
         self.contacts.zones = if self.options.zones { self.find_zones(&strands) } else { Vec::new() };
         Ok(&self.contacts)
     }
@@ -189,18 +192,24 @@ impl Detector {
         self.start[segment] + part
     }
 
-    pub(super) fn find_sites(&self, strands: &Strands) -> Vec<Site> {
+    pub(super) fn find_sites(&mut self, strands: &Strands, sites: &mut Vec<Site>) {
+        let mut minima = std::mem::take(&mut self.minima);
+        let this = &*self;
         let find = |chunk: &[[u32; 2]]| {
             let mut minima = Vec::with_capacity(chunk.len());
             for &[i, j] in chunk {
-                self.pair_minima(strands, i as usize, j as usize, &mut minima);
+                this.pair_minima(strands, i as usize, j as usize, &mut minima);
             }
             minima
         };
-        let lists: Vec<Vec<Minimum>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
-        let minima = site::in_order(strands, lists, |s, u| self.start[s] + u * self.lengths[s], &self.lengths);
-        let arc = |s: usize, u: f64| self.arc(strands, s, u);
-        minima.par_iter().with_min_len(CHUNK).map(|m| site::dress(strands, arc, m)).collect()
+        let lists: Vec<Vec<Minimum>> = this.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        minima.clear();
+        lists.iter().for_each(|list| minima.extend_from_slice(list));
+        site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
+        let arc = |s: usize, u: f64| this.arc(strands, s, u);
+        let dress = |m: &Minimum| site::dress(strands, arc, m);
+        minima.par_iter().with_min_len(CHUNK).map(dress).collect_into_vec(sites);
+        self.minima = minima;
     }
 
     /// All minima in range of one candidate pair.
@@ -302,7 +311,7 @@ fn adjacent(strands: &Strands, i: usize, j: usize) -> bool {
 
 pub(super) fn norm(v: &Vec3) -> f64 {
     let size = v.amax();
-    if (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
+    if size == 0.0 || (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
 }
 
 /// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for turning below 1 rad).

@@ -193,16 +193,14 @@ fn point_and_tangent(strands: &Strands, segment: usize, u: f64) -> (Vec3, Vec3) 
     }
 }
 
-/// Joins lists of minima whose first segments ascend; sorts by (i, u, j, v) and removes those found twice because rounding put them on both sides
-/// of a joint: arc lengths equal to 1e-9 of a segment. Keeps the first of each group.
-pub(crate) fn in_order(
+/// Sorts minima whose first segments ascend by (i, u, j, v) and removes those found twice because rounding put them on both sides of a
+/// joint: arc lengths equal to 1e-9 of a segment. Keeps the first of each group.
+pub(crate) fn put_in_order(
     strands: &Strands,
-    lists: Vec<Vec<Minimum>>,
+    minima: &mut Vec<Minimum>,
     arc: impl Fn(usize, f64) -> f64,
     lengths: &[f64],
-) -> Vec<Minimum> {
-    let mut minima = Vec::with_capacity(lists.iter().map(Vec::len).sum());
-    lists.iter().for_each(|list| minima.extend_from_slice(list));
+) {
     for group in minima.chunk_by_mut(|a, b| a.i == b.i) {
         group.sort_by(|a, b| a.u.total_cmp(&b.u).then(a.j.cmp(&b.j)).then(a.v.total_cmp(&b.v)));
     }
@@ -221,14 +219,16 @@ pub(crate) fn in_order(
         };
         close(a.i, a.u, b.i, b.u) && close(a.j, a.v, b.j, b.v)
     };
-    // Exact duplicates differ in nothing; twins lie on a joint of at least one side.
-    let mut kept: Vec<Minimum> = Vec::with_capacity(minima.len());
-    for m in &minima {
+    // Twins lie on a joint of at least one side. The kept ones are moved to the front.
+    let mut kept = 0;
+    for k in 0..minima.len() {
+        let m = minima[k];
         let known = (on_joint(m.u) || on_joint(m.v))
-            && kept.iter().rev().take_while(|k| k.i + 1 >= m.i).any(|k| twin(k, m));
+            && minima[..kept].iter().rev().take_while(|t| t.i + 1 >= m.i).any(|t| twin(t, &m));
         if !known {
-            kept.push(*m);
+            minima[kept] = m;
+            kept += 1;
         }
     }
-    kept
+    minima.truncate(kept);
 }

@@ -45,7 +45,10 @@ impl Detector {
             }
             Stage::Sites => {
                 self.measure(&strands);
-                self.find_sites(&strands).len()
+                let mut sites = std::mem::take(&mut self.contacts.sites);
+                self.find_sites(&strands, &mut sites);
+                self.contacts.sites = sites;
+                self.contacts.sites.len()
             }
             Stage::Zones => {
                 self.measure(&strands);
