@@ -224,7 +224,12 @@ pub(crate) fn put_in_order(
     for k in 0..minima.len() {
         let m = minima[k];
         let known = (on_joint(m.u) || on_joint(m.v))
-            && minima[..kept].iter().rev().take_while(|t| t.i + 1 >= m.i).any(|t| twin(t, &m));
+            && (minima[..kept].iter().rev().take_while(|t| t.i + 1 >= m.i).any(|t| twin(t, &m))
+                || strands.next(m.i as usize).filter(|&n| n < m.i as usize).is_some_and(|n| {
+                    // Across the seam of a closed curve, whose first segment is far up the list.
+                    let first = minima[..kept].partition_point(|t| (t.i as usize) < n);
+                    minima[first..kept].iter().take_while(|t| t.i as usize == n).any(|t| twin(t, &m))
+                }));
         if !known {
             minima[kept] = m;
             kept += 1;
