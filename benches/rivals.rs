@@ -18,8 +18,7 @@ pub fn boxes_overlap(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
 }
 
 fn touching(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
-    boxes_overlap(points, r, i, j)
-        && segment_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) < 2.0 * r
+    boxes_overlap(points, r, i, j) && segment_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) < 2.0 * r
 }
 
 /// All pairs more than `neighbours` apart along the line and closer than 2r, by trying all.

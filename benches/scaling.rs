@@ -39,7 +39,12 @@ fn arguments() -> Arguments {
     let list: Vec<String> = std::env::args().collect();
     let value = |name: &str| list.iter().position(|a| a == name).and_then(|k| list.get(k + 1)).cloned();
     let number = |name: &str, default: usize| value(name).map_or(default, |v| v.parse().unwrap());
-    Arguments { one_thread: list.iter().any(|a| a == "--one-thread"), max: number("--max", 1_000_000), repeat: number("--repeat", 5), input: value("--input") }
+    Arguments {
+        one_thread: list.iter().any(|a| a == "--one-thread"),
+        max: number("--max", 1_000_000),
+        repeat: number("--repeat", 5),
+        input: value("--input"),
+    }
 }
 
 /// One measured time.
@@ -88,7 +93,11 @@ fn verify(kind: Kind, points: &[Vec3]) {
         }
     }
     let verdict = if counts == expected { "as expected" } else { "DIFFERENT" };
-    println!("{:<11} {:>8} counts box/capsule/nonlocal {counts:?} {verdict} {expected:?}", kind.name(), points.len() - 1);
+    println!(
+        "{:<11} {:>8} counts box/capsule/nonlocal {counts:?} {verdict} {expected:?}",
+        kind.name(),
+        points.len() - 1
+    );
     assert_eq!(counts, expected);
 }
 
@@ -163,7 +172,8 @@ fn report(rows: &[Row]) {
     let mut csv = "input,segments,threads,stage,seconds,ns_per_segment,found\n".to_owned();
     for r in rows {
         let ns = r.seconds / r.segments as f64 * 1e9;
-        writeln!(csv, "{},{},{},{},{:e},{ns:.2},{}", r.input, r.segments, r.threads, r.stage, r.seconds, r.found).unwrap();
+        writeln!(csv, "{},{},{},{},{:e},{ns:.2},{}", r.input, r.segments, r.threads, r.stage, r.seconds, r.found)
+            .unwrap();
     }
     std::fs::write(folder.join("scaling.csv"), csv).unwrap();
     let series = Kind::ALL.iter().flat_map(|kind| {
@@ -205,7 +215,10 @@ fn main() {
                 pool.install(|| measure(kind, &points, threads, &arguments, &mut rows));
                 for r in &rows[first..] {
                     let (ms, ns) = (r.seconds * 1e3, r.seconds / r.segments as f64 * 1e9);
-                    println!("{:<11} {:>8} {:>3} {:<17} {ms:>9.3} {ns:>13.1} {:>9}", r.input, r.segments, r.threads, r.stage, r.found);
+                    println!(
+                        "{:<11} {:>8} {:>3} {:<17} {ms:>9.3} {ns:>13.1} {:>9}",
+                        r.input, r.segments, r.threads, r.stage, r.found
+                    );
                 }
             }
         }

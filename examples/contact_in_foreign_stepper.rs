@@ -70,6 +70,9 @@ pub fn run() -> Result<Summary, InputError> {
 
 fn main() -> Result<(), InputError> {
     let s = run()?;
-    println!("deepest overlap {:.3} radii; velocity {:.3} -> {:.3}; momentum error {:.1e}", -s.deepest, s.velocity[0], s.velocity[1], s.momentum_error);
+    println!(
+        "deepest overlap {:.3} radii; velocity {:.3} -> {:.3}; momentum error {:.1e}",
+        -s.deepest, s.velocity[0], s.velocity[1], s.momentum_error
+    );
     Ok(())
 }

@@ -36,15 +36,22 @@ pub fn run(path: &str, radius: f64) -> Result<Contacts, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/examples/polylines.csv").to_owned());
+    let path =
+        arguments.next().unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/examples/polylines.csv").to_owned());
     let radius = arguments.next().map_or(Ok(1.0), |text| text.parse())?;
     let contacts = run(&path, radius)?;
     for s in &contacts.sites {
         let (degrees, kind) = (s.angle.to_degrees(), s.kind);
-        println!("strand {} at {:8.3}   strand {} at {:8.3}   gap {:7.3}   angle {degrees:4.1}°   {kind:?}", s.curve_a, s.arc_a, s.curve_b, s.arc_b, s.gap);
+        println!(
+            "strand {} at {:8.3}   strand {} at {:8.3}   gap {:7.3}   angle {degrees:4.1}°   {kind:?}",
+            s.curve_a, s.arc_a, s.curve_b, s.arc_b, s.gap
+        );
     }
     for z in &contacts.zones {
-        println!("strand {} from {:.3} to {:.3} within reach of strand {} from {:.3} to {:.3}", z.curve, z.arc[0], z.arc[1], z.partner, z.partner_arc[0], z.partner_arc[1]);
+        println!(
+            "strand {} from {:.3} to {:.3} within reach of strand {} from {:.3} to {:.3}",
+            z.curve, z.arc[0], z.arc[1], z.partner, z.partner_arc[0], z.partner_arc[1]
+        );
     }
     Ok(())
 }

@@ -208,7 +208,8 @@ fn sites_of_polylines_match_sampling() {
         };
         let (a, b) = (walk(), walk());
         let range = 1.0;
-        let found = detect(&[Curve::polyline(&a, 0.1), Curve::polyline(&b, 0.1)], options(range, Neighbours::Turning)).unwrap();
+        let found =
+            detect(&[Curve::polyline(&a, 0.1), Curve::polyline(&b, 0.1)], options(range, Neighbours::Turning)).unwrap();
         let sites: Vec<&Site> = found.sites.iter().filter(|s| s.curve_a != s.curve_b).collect();
         for (s, t, d) in sampled_minima(&a, &b, 40, range) {
             total += 1;
@@ -252,7 +253,8 @@ fn sites_of_cubics_match_sampling() {
     let mut total = 0;
     for case in 0..40 {
         let mut smooth = |n: usize| -> Vec<Cubic> {
-            let waves: Vec<(Vec3, Vec3)> = (0..3).map(|k| (rng.vector() / f64::from(k + 1), rng.vector() / f64::from(k + 1))).collect();
+            let waves: Vec<(Vec3, Vec3)> =
+                (0..3).map(|k| (rng.vector() / f64::from(k + 1), rng.vector() / f64::from(k + 1))).collect();
             let at = |i: usize| {
                 let t = 2.0 * PI * i as f64 / n as f64 * 0.8;
                 let (mut p, mut m) = (Vec3::zeros(), Vec3::zeros());
@@ -268,12 +270,14 @@ fn sites_of_cubics_match_sampling() {
         };
         let (a, b) = (smooth(48), smooth(48));
         let range = 0.6;
-        let Ok(found) = detect(&[Curve::cubics(&a, 0.1), Curve::cubics(&b, 0.1)], options(range, Neighbours::Turning)) else {
+        let Ok(found) = detect(&[Curve::cubics(&a, 0.1), Curve::cubics(&b, 0.1)], options(range, Neighbours::Turning))
+        else {
             continue;
         };
         let sites: Vec<&Site> = found.sites.iter().filter(|s| s.curve_a != s.curve_b).collect();
         let m = 6;
-        let point = |c: &[Cubic], k: usize| c[(k / m).min(47)].point(if k == 48 * m { 1.0 } else { (k % m) as f64 / m as f64 });
+        let point =
+            |c: &[Cubic], k: usize| c[(k / m).min(47)].point(if k == 48 * m { 1.0 } else { (k % m) as f64 / m as f64 });
         let dense = |c: &[Cubic]| (0..=48 * m).map(|k| point(c, k)).collect::<Vec<_>>();
         let minima = sampled_minima(&dense(&a), &dense(&b), 1, 0.6);
         for (s, t, d) in minima {
@@ -282,7 +286,12 @@ fn sites_of_cubics_match_sampling() {
                 let (u, v) = ((x.segment_a as f64 + x.u_a) * m as f64, (x.segment_b as f64 + x.u_b) * m as f64);
                 (u - s).abs().max((v - t).abs()) < 12.0 && x.gap + 0.2 <= d + 1e-12
             };
-            assert!(sites.iter().any(|x| near(&x)), "case {case}: no site for the minimum at {} {}: {d}", s / m as f64, t / m as f64);
+            assert!(
+                sites.iter().any(|x| near(&x)),
+                "case {case}: no site for the minimum at {} {}: {d}",
+                s / m as f64,
+                t / m as f64
+            );
         }
         for x in &sites {
             let at = |c: &[Cubic], y: f64| {
@@ -364,8 +373,14 @@ fn same_sites_under_motion_unit_reversal_and_swap() {
     let base = find(&a, &b, 1.0);
     assert!(base.sites.len() > 100, "{}", base.sites.len());
     let rotation = *Quat::from_euler_angles(0.3, -1.1, 2.0).to_rotation_matrix().matrix();
-    let moved = |p: &[Vec3], m: Mat3, unit: f64, shift: Vec3| p.iter().map(|x| m * x * unit + shift).collect::<Vec<_>>();
-    for (what, unit, shift) in [("motion", 1.0, Vec3::new(3.0, -7.0, 11.0)), ("tiny", 1e-12, Vec3::zeros()), ("huge", 1e12, Vec3::zeros()), ("far", 1.0, Vec3::repeat(1e6))] {
+    let moved =
+        |p: &[Vec3], m: Mat3, unit: f64, shift: Vec3| p.iter().map(|x| m * x * unit + shift).collect::<Vec<_>>();
+    for (what, unit, shift) in [
+        ("motion", 1.0, Vec3::new(3.0, -7.0, 11.0)),
+        ("tiny", 1e-12, Vec3::zeros()),
+        ("huge", 1e12, Vec3::zeros()),
+        ("far", 1.0, Vec3::repeat(1e6)),
+    ] {
         let (x, y) = (moved(&a, rotation, unit, shift), moved(&b, rotation, unit, shift));
         assert_same(&base, &find(&x, &y, unit), unit, what);
     }
@@ -410,19 +425,38 @@ fn stated_answers_of_special_cases() {
     assert!(c.sites.len() == 1 && c.sites[0].kind == SiteKind::End && c.sites[0].u_a == 0.5 && c.sites[0].u_b == 0.0);
     // A kink that points at a line; one that points away has none of its own.
     let c = two(&[v(-2., 0., 0.), v(2., 0., 0.)], &[v(-1., 1.3, 0.), v(0., 0.3, 0.), v(1., 1.3, 0.)]);
-    assert!(c.sites.len() == 1 && c.sites[0].kind == SiteKind::Interior && c.sites[0].u_b == 0.0 && c.sites[0].segment_b == 1);
+    assert!(
+        c.sites.len() == 1
+            && c.sites[0].kind == SiteKind::Interior
+            && c.sites[0].u_b == 0.0
+            && c.sites[0].segment_b == 1
+    );
     // Nearly closed ring: its ends are a site; closed, it has none.
-    let ring = |n: usize, span: f64| (0..=n).map(|k| { let (s, c) = (span * k as f64 / n as f64).sin_cos(); v(c, s, 0.) }).collect::<Vec<_>>();
+    let ring = |n: usize, span: f64| {
+        (0..=n)
+            .map(|k| {
+                let (s, c) = (span * k as f64 / n as f64).sin_cos();
+                v(c, s, 0.)
+            })
+            .collect::<Vec<_>>()
+    };
     let open = ring(60, 2.0 * PI - 0.05);
     let c = detect(&[Curve::polyline(&open, 0.01)], options(0.1, Neighbours::Turning)).unwrap();
-    assert!(c.sites.len() == 1 && c.sites[0].kind == SiteKind::End && c.sites[0].u_a == 0.0 && c.sites[0].u_b == 1.0, "{:?}", c.sites);
+    assert!(
+        c.sites.len() == 1 && c.sites[0].kind == SiteKind::End && c.sites[0].u_a == 0.0 && c.sites[0].u_b == 1.0,
+        "{:?}",
+        c.sites
+    );
     let closed = ring(60, 2.0 * PI);
     let c = detect(&[Curve::polyline(&closed[..60], 0.01).closed()], options(0.1, Neighbours::Turning)).unwrap();
     assert!(c.sites.is_empty() && c.zones.is_empty());
     // Tangent circles touch once; repeated control points are legal.
     let circle = |centre: Vec3, n: usize| -> Vec<Cubic> {
         let h = 2.0 * PI / n as f64;
-        let at = |k: usize| { let (s, c) = (h * k as f64 + 0.1).sin_cos(); (centre + v(c, s, 0.), v(-s, c, 0.) * h) };
+        let at = |k: usize| {
+            let (s, c) = (h * k as f64 + 0.1).sin_cos();
+            (centre + v(c, s, 0.), v(-s, c, 0.) * h)
+        };
         (0..n).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at((k + 1) % n).0, at((k + 1) % n).1)).collect()
     };
     let (x, y) = (circle(Vec3::zeros(), 16), circle(v(2.25, 0., 0.), 16));
@@ -497,7 +531,8 @@ fn terms_are_the_slope_of_the_energy() {
         for t in &terms {
             let node = |s: usize| if s < 5 { s } else { s + 1 };
             let g = t.point_gradient();
-            for (k, n) in [node(t.slave), node(t.slave) + 1, node(t.master), node(t.master) + 1].into_iter().enumerate() {
+            for (k, n) in [node(t.slave), node(t.slave) + 1, node(t.master), node(t.master) + 1].into_iter().enumerate()
+            {
                 force[n] -= g[k];
             }
         }
@@ -517,7 +552,11 @@ fn terms_are_the_slope_of_the_energy() {
             };
             let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
             // Reference lengths follow the polyline's edges: a small term besides the gap's.
-            assert!((slope + force[k][axis]).abs() < 0.05 * (1.0 + force[k].norm()), "{k} {axis}: {slope} {}", force[k][axis]);
+            assert!(
+                (slope + force[k][axis]).abs() < 0.05 * (1.0 + force[k].norm()),
+                "{k} {axis}: {slope} {}",
+                force[k][axis]
+            );
         }
     }
 }

@@ -301,9 +301,11 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     let part = |run: &[Vec3]| run.iter().fold(none, grow);
     let (lo, hi) = strands
         .control_points()
-        .map(|run| {
-            if run.len() <= MIN_LEN { part(run) } else { run.par_chunks(MIN_LEN).map(part).reduce(|| none, join) }
-        })
+        .map(
+            |run| {
+                if run.len() <= MIN_LEN { part(run) } else { run.par_chunks(MIN_LEN).map(part).reduce(|| none, join) }
+            },
+        )
         .fold(none, join);
     let radius = strands.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
     // Halved first: the sum of two huge coordinates may overflow.

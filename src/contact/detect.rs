@@ -11,7 +11,9 @@
 
 use rayon::prelude::*;
 
-use super::curve::{Cubic, CurveSet};
+#[cfg(test)]
+use super::curve::Cubic;
+use super::curve::CurveSet;
 use super::law::response;
 use super::zone::{FootKind, Pair, Piece, Sample};
 use crate::math::quadrature::gauss;
@@ -91,7 +93,8 @@ pub fn evaluate(
                 for (slave, master) in [(i as usize, j as usize), (j as usize, i as usize)] {
                     pieces.clear();
                     let pair = pair_of(set, slave, master, offset(slave));
-                    if super::capsule::distance_lower_bound(pair.slave, pair.master) < pair.reach[0].max(pair.reach[1]) {
+                    if super::capsule::distance_lower_bound(pair.slave, pair.master) < pair.reach[0].max(pair.reach[1])
+                    {
                         pair.pieces(&mut pieces);
                     }
                     if !pieces.is_empty() {
@@ -272,7 +275,9 @@ mod tests {
             Cubic { b: [v(-0.9, 0.0, 0.2), v(-0.3, 0.02, 0.2), v(0.3, 0.05, 0.2), v(1.0, 0.0, 0.2)] },
             Cubic { b: [v(-0.1, -1.0, 0.0), v(0.0, -0.7, 0.0), v(0.0, -0.3, 0.02), v(0.1, -0.05, 0.0)] },
         );
-        for (name, (a, b), open) in [("crossing", crossing, false), ("grazing", grazing, false), ("capped", capped, true)] {
+        for (name, (a, b), open) in
+            [("crossing", crossing, false), ("grazing", grazing, false), ("capped", capped, true)]
+        {
             let reach = [0.29, 0.31];
             let base = term(&a, &b, open, reach);
             let hessian = base.hessian.as_deref().unwrap();
@@ -290,7 +295,10 @@ mod tests {
                     let (m, n) = (dof / 3, other / 3);
                     let difference = (plus.gradient[n][other % 3] - minus.gradient[n][other % 3]) / (2.0 * h);
                     let ours = if m == n && other < dof { 0.0 } else { hessian[m][n][(dof % 3, other % 3)] };
-                    assert!((difference - ours).abs() < 2e-4 * (10.0 + ours.abs()), "{name} ({dof},{other}): {difference} {ours}");
+                    assert!(
+                        (difference - ours).abs() < 2e-4 * (10.0 + ours.abs()),
+                        "{name} ({dof},{other}): {difference} {ours}"
+                    );
                 }
             }
         }

@@ -283,9 +283,12 @@ impl Detector {
     /// The curves as a set of cubics, in the old buffers if their numbers have not changed.
     fn place(&mut self, strands: &Strands) -> Result<(), InputError> {
         let same = self.set.curves.len() == strands.curves.len()
-            && self.set.curves.iter().zip(&strands.curves).all(|(c, s)| {
-                (c.first, c.count, c.closed, c.radius) == (s.first, s.count, s.closed, s.radius)
-            });
+            && self
+                .set
+                .curves
+                .iter()
+                .zip(&strands.curves)
+                .all(|(c, s)| (c.first, c.count, c.closed, c.radius) == (s.first, s.count, s.closed, s.radius));
         self.measure(strands);
         if same {
             let cubic = |(k, segment): (usize, &mut Cubic)| *segment = strands.cubic(k);

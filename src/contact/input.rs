@@ -154,8 +154,10 @@ impl<'a> Strands<'a> {
             curve.check(index)?;
         }
         let total: usize = curves.iter().map(Curve::num_segments).sum();
-        if u32::try_from(total).map_or(true, |n| n >= u32::MAX) {
-            return Err(InputError::Count { field: "curves".to_owned(), value: total, allowed: "below 2³² segments" });
+        if total >= u32::MAX as usize {
+            return Err(InputError::Count {
+                field: "curves".to_owned(), value: total, allowed: "below 2³² segments"
+            });
         }
         Ok(Self::view(curves))
     }
@@ -167,9 +169,11 @@ impl<'a> Strands<'a> {
 
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self::join(set.curves.iter().map(|c| {
-            (Shape::Cubics(&set.segments[c.first..c.first + c.count]), c.radius, c.closed, c.count)
-        }))
+        Self::join(
+            set.curves
+                .iter()
+                .map(|c| (Shape::Cubics(&set.segments[c.first..c.first + c.count]), c.radius, c.closed, c.count)),
+        )
     }
 
     fn join(parts: impl Iterator<Item = (Shape<'a>, f64, bool, usize)>) -> Self {
@@ -265,7 +269,11 @@ impl<'a> Strands<'a> {
     /// The preceding segment of the same curve; `None` at an open end.
     pub(crate) fn prev(&self, segment: usize) -> Option<usize> {
         let strand = self.strand(segment);
-        if segment > strand.first { Some(segment - 1) } else { strand.closed.then_some(strand.first + strand.count - 1) }
+        if segment > strand.first {
+            Some(segment - 1)
+        } else {
+            strand.closed.then_some(strand.first + strand.count - 1)
+        }
     }
 
     /// All control points, curve after curve (polylines: their points).

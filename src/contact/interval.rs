@@ -63,9 +63,13 @@ pub(crate) fn parts(
     };
     if strands.is_straight(i) && strands.is_straight(j) {
         let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
-        if let Some((u, v)) = straight_interval(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach) {
-            push(u, v, segment_distance(&a0, &a1, &b0, &b1) - radii);
-        }
+        let chord = |k: usize| {
+            let (start, end) = strands.ends(k);
+            end - start
+        };
+        let corners = [strands.prev(j).map(chord), strands.next(j).map(chord)];
+        let gap = segment_distance(&a0, &a1, &b0, &b1) - radii;
+        straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap));
         return;
     }
     let (slave, master) = (strands.cubic(i), strands.cubic(j));
@@ -87,43 +91,69 @@ pub(crate) fn parts(
     }
 }
 
-/// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest points.
-fn straight_interval(d: &Vec3, e: &Vec3, r: &Vec3, reach: f64) -> Option<([f64; 2], [f64; 2])> {
+/// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest points, in at most three
+/// intervals, ascending. `corners`: the directions of the segments before and after e; where a point is nearest to such a joint, it counts only if it is nearest to it
+/// as seen from the neighbour too (otherwise the neighbour has a nearer point and its own interval).
+fn straight_intervals(
+    d: &Vec3,
+    e: &Vec3,
+    r: &Vec3,
+    reach: f64,
+    corners: &[Option<Vec3>; 2],
+    mut push: impl FnMut([f64; 2], [f64; 2]),
+) {
     // In units of the reach, against over- and underflow of squares.
     let (d, e, r) = (d / reach, e / reach, r / reach);
     let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
     let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
-    // Values of u where the foot passes the start and the end of e; all of the line is in one region if they never do.
-    let (past_start, past_end) = (-er / de, (ee - er) / de);
-    let across = [r - e * (er / ee), d - e * (de / ee)];
-    let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-    let regions: [([f64; 2], [Vec3; 2]); 3] = if de > 0.0 {
-        let (first, last) = ([everywhere[0], past_start], [past_end, everywhere[1]]);
-        [(first, [r, d]), ([past_start, past_end], across), (last, [r - e, d])]
-    } else if de < 0.0 {
-        let (first, last) = ([everywhere[0], past_end], [past_start, everywhere[1]]);
-        [(first, [r - e, d]), ([past_end, past_start], across), (last, [r, d])]
-    } else {
-        let line = if er < 0.0 {
-            [r, d]
-        } else if er > ee {
-            [r - e, d]
-        } else {
-            across
-        };
-        let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-        [(everywhere, line), (nothing, line), (nothing, line)]
+    // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows of u.
+    let beside = [r - e * (er / ee), d - e * (de / ee)];
+    let before = (cut(UNIT, -er, -de), [r, d]);
+    let after = (cut(UNIT, er - ee, de), [r - e, d]);
+    let middle = (cut(cut(UNIT, er, de), ee - er, -de), beside);
+    let wedge = |range: [f64; 2], corner: &Option<Vec3>, p: &Vec3, sign: f64| match corner {
+        Some(t) => cut(range, sign * p.dot(t), sign * d.dot(t)),
+        None => range,
     };
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (region, [x, y]) in regions {
-        if let Some(inside) = unit_chord(&x, &y) {
-            let (start, end) = (inside[0].max(region[0]).max(0.0), inside[1].min(region[1]).min(1.0));
-            if start <= end {
-                (low, high) = (low.min(start), high.max(end));
-            }
+    let before = (wedge(before.0, &corners[0], &r, 1.0), before.1);
+    let after = (wedge(after.0, &corners[1], &(r - e), -1.0), after.1);
+    let ordered = if de < 0.0 { [after, middle, before] } else { [before, middle, after] };
+    let mut open: Option<[f64; 2]> = None;
+    for (range, [x, y]) in ordered {
+        let Some(inside) = unit_chord(&x, &y) else { continue };
+        let part = [inside[0].max(range[0]), inside[1].min(range[1])];
+        let empty = part[0].is_nan() || part[0] > part[1];
+        if empty {
+            continue;
         }
+        open = match open {
+            Some(u) if part[0] <= u[1] => Some([u[0], u[1].max(part[1])]),
+            Some(u) => {
+                push(u, u.map(foot));
+                Some(part)
+            }
+            None => Some(part),
+        };
     }
-    (low <= high).then(|| ([low, high], [foot(low), foot(high)]))
+    if let Some(u) = open {
+        push(u, u.map(foot));
+    }
+}
+
+const UNIT: [f64; 2] = [0.0, 1.0];
+
+/// The part of a range with c + u k ≥ 0; empty (upside down) if there is none.
+fn cut(range: [f64; 2], c: f64, k: f64) -> [f64; 2] {
+    let root = -c / k;
+    if k > 0.0 {
+        [range[0].max(root), range[1]]
+    } else if k < 0.0 {
+        [range[0], range[1].min(root)]
+    } else if c >= 0.0 {
+        range
+    } else {
+        [1.0, 0.0]
+    }
 }
 
 /// {u : |x + u y| ≤ 1}.
@@ -175,8 +205,7 @@ pub(crate) fn join(mut parts: Vec<Part>, size: impl Fn(usize) -> f64) -> Vec<Zon
         }
         let zone = &mut zones[place[root]];
         zone.arc[1] = zone.arc[1].max(part.arc[1]);
-        zone.partner_arc =
-            [zone.partner_arc[0].min(part.partner_arc[0]), zone.partner_arc[1].max(part.partner_arc[1])];
+        zone.partner_arc = [zone.partner_arc[0].min(part.partner_arc[0]), zone.partner_arc[1].max(part.partner_arc[1])];
         zone.gap = zone.gap.min(part.gap);
     }
     zones
@@ -221,7 +250,11 @@ mod tests {
                 1 => e -= d * (e.dot(&d) / d.norm_squared()),
                 _ => {}
             }
-            let interval = straight_interval(&d, &e, &r, 0.6);
+            let mut interval: Option<([f64; 2], [f64; 2])> = None;
+            straight_intervals(&d, &e, &r, 0.6, &[None, None], |u, v| {
+                assert!(interval.is_none());
+                interval = Some((u, v));
+            });
             for k in 0..=200 {
                 let u = f64::from(k) / 200.0;
                 let p = r + d * u;

@@ -82,7 +82,8 @@ impl Batch {
             for l in 0..LANES {
                 w.0[k][l] += self.d.0[k][l] * s[l] - self.e.0[k][l] * t[l];
                 sum[l] += w.0[k][l].abs();
-                size[l] = larger(larger(self.d.0[k][l].abs(), self.e.0[k][l].abs()), larger(self.r.0[k][l].abs(), size[l]));
+                size[l] =
+                    larger(larger(self.d.0[k][l].abs(), self.e.0[k][l].abs()), larger(self.r.0[k][l].abs(), size[l]));
             }
         }
         // Projections on w of the second chord's end, the first chord's start and its end, from the second's start.

@@ -185,7 +185,9 @@ impl Pair<'_> {
     fn branch(&self, start: f64, end: f64, v_middle: f64, kind: FootKind, out: &mut Vec<Piece>) {
         let mut samples = [Sample { u: 0.0, v: 0.0, distance: 0.0, slope: 0.0, curvature: 0.0 }; NUM_SAMPLES];
         let half = NUM_SAMPLES / 2;
-        let at = |k: usize| if k == NUM_SAMPLES - 1 { end } else { start + (end - start) * k as f64 / (NUM_SAMPLES - 1) as f64 };
+        let at = |k: usize| {
+            if k == NUM_SAMPLES - 1 { end } else { start + (end - start) * k as f64 / (NUM_SAMPLES - 1) as f64 }
+        };
         samples[half] = self.sample(at(half), v_middle, kind);
         for k in (0..half).rev() {
             samples[k] = self.sample(at(k), samples[k + 1].v, kind);
@@ -366,9 +368,13 @@ mod tests {
         };
         let mut num_pieces = 0;
         for _ in 0..300 {
-            let mut point = |x: f64, y: f64, z: f64| Vec3::new(x + 0.3 * random(), y + 0.3 * random(), z + 0.2 * random());
-            let a = Cubic { b: [point(-1.0, 0.0, 0.2), point(-0.3, 0.0, 0.2), point(0.3, 0.0, 0.2), point(1.0, 0.0, 0.2)] };
-            let b = Cubic { b: [point(-0.7, -0.7, 0.0), point(-0.2, -0.2, 0.0), point(0.2, 0.2, 0.0), point(0.7, 0.7, 0.0)] };
+            let mut point =
+                |x: f64, y: f64, z: f64| Vec3::new(x + 0.3 * random(), y + 0.3 * random(), z + 0.2 * random());
+            let a =
+                Cubic { b: [point(-1.0, 0.0, 0.2), point(-0.3, 0.0, 0.2), point(0.3, 0.0, 0.2), point(1.0, 0.0, 0.2)] };
+            let b = Cubic {
+                b: [point(-0.7, -0.7, 0.0), point(-0.2, -0.2, 0.0), point(0.2, 0.2, 0.0), point(0.7, 0.7, 0.0)],
+            };
             let p = Pair { slave: &a, master: &b, open_start: false, open_end: true, reach: [0.25, 0.35] };
             let mut pieces = Vec::new();
             p.pieces(&mut pieces);
@@ -378,7 +384,8 @@ mod tests {
                 let x = a.point(u);
                 let mut feet = Feet::new();
                 local_minima(&b, &x, f64::INFINITY, &mut feet);
-                let mut expected = feet.as_slice().iter().filter(|f| f.u > 0.0 && f.u < 1.0 && f.distance < p.reach_at(u)).count();
+                let mut expected =
+                    feet.as_slice().iter().filter(|f| f.u > 0.0 && f.u < 1.0 && f.distance < p.reach_at(u)).count();
                 let end = x - b.b[3];
                 expected += usize::from(end.dot(&(b.b[3] - b.b[2])) > 0.0 && end.norm() < p.reach_at(u));
                 let found = pieces.iter().filter(|piece| piece.u[0] < u && u < piece.u[1]).count();
