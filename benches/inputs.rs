@@ -18,8 +18,10 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// All four.
     pub const ALL: [Self; 4] = [Self::Plecto, Self::Plectocoil, Self::Wlc, Self::Packed];
 
+    /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Plecto => "plecto",

@@ -94,13 +94,15 @@ fn leaf(points: &[Vec3], r: f64, i: usize) -> Aabb {
 }
 
 impl Tree {
+    /// Builds it.
     pub fn new(points: &[Vec3], r: f64) -> Self {
         let len = points.len() - 1;
         let leaves: Vec<Aabb> = (0..len).map(|i| leaf(points, r, i)).collect();
         Self { bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves), workspace: BvhWorkspace::default(), len }
     }
 
-    pub fn len(&self) -> usize {
+    /// Number of segments.
+    pub fn num_leaves(&self) -> usize {
         self.len
     }
 

@@ -135,7 +135,7 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
         let neighbours = inputs::neighbours(points);
         push("plain grid", median(repeat.min(3), || rivals::grid(points, RADIUS, neighbours).len()));
         let mut tree = rivals::Tree::new(points, RADIUS);
-        push("parry build", median(repeat.min(3), || rivals::Tree::new(points, RADIUS).len()));
+        push("parry build", median(repeat.min(3), || rivals::Tree::new(points, RADIUS).num_leaves()));
         push("parry refit+pairs", median(repeat, || tree.refit_and_list(points, RADIUS)));
         if n <= 10_000 {
             push("brute force", median(1, || rivals::brute_force(points, RADIUS, neighbours).len()));

@@ -10,7 +10,7 @@
 //! each segment's exclusion reaches). So the list is always a superset of the pairs that can hold contact; users still ask
 //! [`Exclusion::excluded`] per pair where they must not see neighbours.
 //!
-//! **Order.** Each task of the tree owns 1024 consecutive segments and finds their partners further on; its pairs pass the capsule test while
+//! **Order.** Each task of the tree owns up to 16384 consecutive segments and finds their partners further on; its pairs pass the capsule test while
 //! they are in the cache, are sorted by counting, and the tasks' lists follow one another: sorted, and the same for any number of threads.
 //! Cost O(segments + pairs) on curves of bounded crowding; memory 32 bytes a segment for the tree, 8 a pair, and a copy of the
 //! control points if `margin` > 0.
@@ -84,7 +84,7 @@ impl BroadPhase {
     /// radius_i + radius_j + `range` \[L\] of each other, and some more: a pair up to `margin` \[L\] farther may be listed, one whose capsules are
     /// provably farther apart is not. `exclusion` must be up to date with `set`.
     ///
-    /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds on any motion. Rebuilt also when `range`, `margin`, the number of segments
+    /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds at every call. Rebuilt also when `range`, `margin`, the number of segments
     /// or the curves (radii, closure) change. The result depends on the calls made, never on the number of threads.
     ///
     /// # Errors
@@ -115,7 +115,11 @@ impl BroadPhase {
             self.generation += 1;
             self.refit(strands, 0.5 * (range + margin));
             self.search(strands, exclusion, Some(range + margin));
-            self.built.get_or_insert_default().remember(strands, exclusion, range, margin);
+            if margin > 0.0 {
+                self.built.get_or_insert_default().remember(strands, exclusion, range, margin);
+            } else {
+                self.built = None;
+            }
         }
         Ok(&self.pairs)
     }

@@ -13,8 +13,11 @@ use rayon::prelude::*;
 
 /// Children of a block.
 const WIDTH: usize = 4;
-/// Segments under one task, as a power of [`WIDTH`]: 4⁵ = 1024.
-const TASK_POWER: usize = 5;
+/// At most this many segments under one task, as a power of [`WIDTH`]: 4⁷ = 16384, 512 kB of tree, so that two tasks' boxes stay in the cache
+/// while they are compared.
+const MAX_TASK_POWER: usize = 7;
+/// Tasks are made smaller until there are this many, for the sake of several threads.
+const MIN_TASKS: usize = 32;
 /// Blocks per parallel piece of work when boxes are made.
 const MIN_LEN: usize = 256;
 
@@ -137,7 +140,11 @@ impl ChainTree {
 
     /// Level whose blocks are tasks.
     fn task_level(&self) -> usize {
-        (TASK_POWER - 1).min(self.levels.len().saturating_sub(1))
+        let mut power = MAX_TASK_POWER;
+        while power > 1 && self.len < MIN_TASKS << (2 * power) {
+            power -= 1;
+        }
+        (power - 1).min(self.levels.len().saturating_sub(1))
     }
 
     /// Calls `emit(i, j)` for every pair of overlapping boxes i < j with i in the task's range and j > `far(i)`, in an order that depends

@@ -19,7 +19,7 @@ pub struct Options {
     /// Sites and zones with a gap of at most this are found \[L\]. May be negative (only overlaps deeper than that). Raising it costs pairs.
     pub range: f64,
     /// Extra reach of the candidate list \[L\], at least 0: the list is kept until a point has moved half of it. 0 makes a new list
-    /// whenever anything has moved, which is the best choice for steps larger than about a tenth of a radius.
+    /// at every call, which is the best choice for steps larger than about a tenth of a radius.
     pub margin: f64,
     /// Which neighbours along a curve are left out.
     pub neighbours: Neighbours,
