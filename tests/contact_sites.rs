@@ -130,6 +130,22 @@ fn sites_of_cubics_match_sampling() {
             continue;
         };
         let sites: Vec<&Site> = found.sites.iter().filter(|s| s.curve_a != s.curve_b).collect();
+        // The same, whichever curve comes first and whichever way they run.
+        let back: Vec<Cubic> = a.iter().rev().map(|c| Cubic { b: [c.b[3], c.b[2], c.b[1], c.b[0]] }).collect();
+        for (x, y) in [(&b, &a), (&back, &b)] {
+            let set = [Curve::cubics(x, 0.1), Curve::cubics(y, 0.1)];
+            let other = detect(&set, options(range, Neighbours::Turning)).unwrap();
+            let gaps = |c: &Contacts| {
+                let mut g: Vec<f64> = c.sites.iter().filter(|s| s.curve_a != s.curve_b).map(|s| s.gap).collect();
+                g.sort_by(f64::total_cmp);
+                g
+            };
+            let (p, q) = (gaps(&found), gaps(&other));
+            assert!(
+                p.len() == q.len() && p.iter().zip(&q).all(|(p, q)| (p - q).abs() < 1e-12),
+                "case {case}: {p:?} {q:?}"
+            );
+        }
         let m = 6;
         let point =
             |c: &[Cubic], k: usize| c[(k / m).min(47)].point(if k == 48 * m { 1.0 } else { (k % m) as f64 / m as f64 });
