@@ -6,7 +6,8 @@
 //! convex (∂²D/∂u² · ∂²D/∂v² > (∂²D/∂u∂v)², by the same coefficients) holds at most one minimum; Newton finds it or leaves the
 //! box. What is neither dropped nor convex at the chosen resolution is a valley as flat as contact lines have them: the boxes
 //! that hang together give one minimum, marked `flat`, at the nearest point among them, provided the slope there is level.
-//! So every minimum lies in a box that was looked at; only minima closer to each other than the resolution along one valley are merged.
+//! So every minimum lies in a box that was looked at. What is proved is the dropping; the descents (Newton in a convex box, downhill
+//! in a valley) are ordinary numerics, and several minima along one undecided valley of a pair are told as one, the deepest.
 
 use super::capsule::distance_lower_bound;
 use super::curve::Cubic;

@@ -43,7 +43,8 @@ pub struct Contacts {
 ///
 /// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of one curve that are
 /// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; cubics by
-/// subdivision that drops only what provably holds no minimum. No tolerance is a length. The result depends on the curves only (with
+/// subdivision that drops only what provably holds no minimum (along a contact line of cubics, one site for each pair of segments; see
+/// [`Options::sampling`]). No tolerance is a length. The result depends on the curves only (with
 /// `margin` 0 not even on earlier calls), never on the number of threads.
 ///
 /// **Special cases.** Parallel straight segments, coincident ones too: one site per pair of segments, marked `flat`, in the middle of the overlap, and the zones tell

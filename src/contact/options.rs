@@ -23,8 +23,9 @@ pub struct Options {
     pub margin: f64,
     /// Which neighbours along a curve are left out.
     pub neighbours: Neighbours,
-    /// How finely valleys between cubics are searched: parts of a segment, in \[1, 1024\]. Minima along one contact line closer to each other
-    /// than 1/`sampling` of a segment may be told as one. Polylines are exact without it.
+    /// How finely valleys between cubics are searched: parts of a segment, in \[1, 1024\]. Raising it separates more minima and costs in
+    /// proportion. Where boxes of this size cannot be decided (contact lines), those that hang together within one pair of segments give *one* site, marked `flat`,
+    /// even if the valley has several shallow minima. Polylines are exact without it.
     pub sampling: usize,
     /// Whether to look for zones (they cost about as much again as the sites).
     pub zones: bool,
