@@ -1,10 +1,13 @@
-//! Rivals of the detector on one polyline: all pairs, a uniform grid, and parry3d's f32 tree.
+//! Rivals of the detector on one polyline: all pairs, a uniform grid, parry3d's tree used plainly (one leaf a segment), and a tree along the curve.
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use supercoil::contact::capsule::segment_distance;
 use supercoil::math::Vec3;
+
+#[path = "chain_tree.rs"]
+mod chain_tree;
 
 fn bounds(points: &[Vec3], r: f64, i: usize) -> (Vec3, Vec3) {
     let (a, b) = (&points[i], &points[i + 1]);
@@ -115,5 +118,31 @@ impl Tree {
         let mut pairs = Vec::new();
         self.bvh.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |i, j| pairs.push((i, j)));
         pairs.len()
+    }
+}
+
+/// A tree over the order along the curve, unscaled coordinates rounded to f32; lists box pairs, neighbours left out.
+#[derive(Default)]
+pub struct Chain {
+    tree: chain_tree::ChainTree,
+    far: Vec<u32>,
+    found: Vec<[u32; 2]>,
+}
+
+impl Chain {
+    /// Makes all boxes anew and counts the pairs more than `neighbours` apart.
+    pub fn refit_and_list(&mut self, points: &[Vec3], r: f64, neighbours: usize) -> usize {
+        let len = points.len() - 1;
+        self.tree.refit(len, |i| {
+            let (lo, hi) = bounds(points, r, i);
+            (std::array::from_fn(|k| lo[k] as f32), std::array::from_fn(|k| hi[k] as f32))
+        });
+        self.far.clear();
+        self.far.extend((0..len).map(|i| (i + neighbours).min(len - 1) as u32));
+        self.found.clear();
+        for task in 0..self.tree.num_tasks() {
+            self.tree.visit(task, &self.far, &mut |i, j| self.found.push([i, j]));
+        }
+        self.found.len()
     }
 }

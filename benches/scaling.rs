@@ -137,6 +137,8 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
         let mut tree = rivals::Tree::new(points, RADIUS);
         push("parry build", median(repeat.min(3), || rivals::Tree::new(points, RADIUS).num_leaves()));
         push("parry refit+pairs", median(repeat, || tree.refit_and_list(points, RADIUS)));
+        let mut chain = rivals::Chain::default();
+        push("chain refit+pairs", median(repeat, || chain.refit_and_list(points, RADIUS, neighbours)));
         if n <= 10_000 {
             push("brute force", median(1, || rivals::brute_force(points, RADIUS, neighbours).len()));
         }

@@ -1,7 +1,11 @@
-//! Broad phase: candidate segment pairs from a tree along the curves, kept while nothing has moved far.
+//! Broad phase: candidate segment pairs from a bounding-volume tree (parry3d; the only file that names it), kept while nothing has
+//! moved far.
 //!
 //! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: far offsets and odd units cost
-//! nothing, a pair is never lost. The capsule bound per pair is f64.
+//! nothing, a pair is never lost. A leaf is a run of up to four consecutive segments of one curve: curves are sorted by themselves, so
+//! the tree needs a quarter of the nodes, and two leaves are compared segment by segment in vector lanes. Leaf pairs along a strand all of
+//! whose segments are excluded are dropped by one comparison as the tree is traversed. The tree is refitted while its boxes stay as tight as when
+//! it was built; which pairs are found does not depend on its shape.
 //!
 //! **When the list is kept.** It is built for curves that come within `range + margin` of touching. While no control
 //! point has moved more than `margin`/2 since, no distance has shrunk by more than `margin`, so the list still holds every pair within
@@ -10,16 +14,19 @@
 //! each segment's exclusion reaches). So the list is always a superset of the pairs that can hold contact; users still ask
 //! [`Exclusion::excluded`] per pair where they must not see neighbours.
 //!
-//! **Order.** Each task of the tree owns up to 16384 consecutive segments and finds their partners further on; its pairs pass the capsule test while
-//! they are in the cache, are sorted by counting, and the tasks' lists follow one another: sorted, and the same for any number of threads.
-//! Cost O(segments + pairs) on curves of bounded crowding; memory 32 bytes a segment for the tree, 8 a pair, and a copy of the
-//! control points if `margin` > 0.
+//! **Order.** Leaf pairs are sorted by counting; each task owns 256 consecutive leaves, whose pairs pass the capsule test while
+//! they are in the cache and are sorted likewise; the tasks' lists follow one another: sorted, and the same for any number of threads.
+//! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory 77 bytes a segment for boxes and tree, 8 a
+//! pair, and a copy of the control points if `margin` > 0.
 
 use std::ops::Range;
 
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::Vector;
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 use rayon::prelude::*;
 
-use super::chain_tree::{Box3, ChainTree};
+use super::boxes::{Block, Box3, WIDTH};
 use super::curve::CurveSet;
 use super::exclusion::Exclusion;
 use super::input::{Shape, Strands, lower, upper};
@@ -29,6 +36,12 @@ use crate::math::Vec3;
 
 /// Segments per parallel piece of work.
 const MIN_LEN: usize = 4096;
+/// Leaves per task of the search.
+const TASK: usize = 256;
+/// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders dislike 1 or 2 leaves).
+const SMALL: usize = 8;
+/// A tree whose inner boxes have grown by this factor relative to its leaves is built anew.
+const SPOILT: f64 = 1.5;
 
 /// Finds candidate pairs and keeps them from one call to the next.
 #[derive(Default)]
@@ -36,11 +49,15 @@ pub struct BroadPhase {
     built: Option<Built>,
     pairs: Vec<[u32; 2]>,
     bulges: Vec<f64>,
-    /// Last segment of the same curve excluded with each segment (in the tree's order).
+    /// Last segment of the same curve excluded with each segment; never decreases.
     far: Vec<u32>,
-    tree: ChainTree,
-    /// Segment at each place of the tree; empty if they are the same.
-    order: Vec<u32>,
+    /// First segment of each leaf, and the number of segments.
+    firsts: Vec<u32>,
+    /// Boxes of each leaf's segments.
+    blocks: Vec<Block>,
+    /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tried.
+    tree: Option<Tree>,
+    workspace: BvhWorkspace,
     generation: u64,
 }
 
@@ -48,6 +65,12 @@ impl std::fmt::Debug for BroadPhase {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("BroadPhase").field("pairs", &self.pairs.len()).field("generation", &self.generation).finish()
     }
+}
+
+struct Tree {
+    bvh: Bvh,
+    /// [`looseness`] right after the build.
+    fresh: f64,
 }
 
 /// What the present list was built for.
@@ -126,15 +149,28 @@ impl BroadPhase {
 
     /// Boxes, inflated by the radius and `inflate`, and the tree.
     pub(crate) fn refit(&mut self, strands: &Strands, inflate: f64) {
-        self.order = spatial_order(strands);
+        let firsts = leaves(strands);
+        if firsts != self.firsts {
+            self.firsts = firsts;
+            self.tree = None;
+        }
         let (centre, size) = frame(strands, inflate);
-        let order = &self.order;
-        self.tree.refit(strands.len(), |place| {
-            let segment = if order.is_empty() { place } else { order[place] as usize };
-            // A negative range may shrink boxes, but not inside out.
-            let r = (strands.radius_of(segment) + inflate).max(0.0);
-            outward(strands.bounds(segment), r, &centre, size)
-        });
+        let firsts = &self.firsts;
+        let num_leaves = firsts.len() - 1;
+        let block = |leaf: usize| {
+            let first = firsts[leaf] as usize;
+            Block::gather(firsts[leaf + 1] as usize - first, |lane| {
+                // A negative range may shrink boxes, but not inside out.
+                let r = (strands.radius_of(first + lane) + inflate).max(0.0);
+                outward(strands.bounds(first + lane), r, &centre, size)
+            })
+        };
+        (0..num_leaves).into_par_iter().with_min_len(MIN_LEN / WIDTH).map(block).collect_into_vec(&mut self.blocks);
+        if num_leaves < SMALL || !sane(size) {
+            self.tree = None;
+        } else {
+            self.fit_tree();
+        }
         self.bulges.clear();
         if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
             let bulge = |i| if strands.is_straight(i) { 0.0 } else { strands.cubic(i).bulge() };
@@ -142,38 +178,99 @@ impl BroadPhase {
         }
     }
 
+    /// Brings the tree to the present blocks: refitted, or built if there is none or it is spoilt.
+    fn fit_tree(&mut self) {
+        let aabb = |block: &Block| {
+            let (lo, hi) = block.union();
+            Aabb::new(Vector::from_array(lo), Vector::from_array(hi))
+        };
+        if let Some(tree) = &mut self.tree {
+            for (leaf, block) in self.blocks.iter().enumerate() {
+                tree.bvh.insert_or_update_partially(aabb(block), leaf as u32, 0.0);
+            }
+            tree.bvh.refit_parallel(&mut self.workspace);
+            if looseness(&tree.bvh) <= SPOILT * tree.fresh {
+                return;
+            }
+        }
+        let boxes: Vec<Aabb> = self.blocks.iter().map(aabb).collect();
+        let mut bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        // Puts the nodes in the order of the traversal.
+        bvh.refit_parallel(&mut self.workspace);
+        let fresh = looseness(&bvh);
+        self.tree = Some(Tree { bvh, fresh });
+    }
+
+    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, sorted.
+    fn leaf_pairs(&mut self) -> Vec<[u32; 2]> {
+        let (far, firsts) = (&self.far, &self.firsts);
+        let num_leaves = (firsts.len() - 1) as u32;
+        // The last segment of q is excluded with the first of p: all pairs between are.
+        let wanted = |a: u32, b: u32| {
+            let (p, q) = if a < b { (a, b) } else { (b, a) };
+            (firsts[q as usize + 1] - 1 > far[firsts[p as usize] as usize]).then_some([p, q])
+        };
+        let Some(tree) = &self.tree else {
+            return (0..num_leaves).flat_map(|p| (p + 1..num_leaves).filter_map(move |q| wanted(p, q))).collect();
+        };
+        let mut found = Vec::new();
+        if rayon::current_num_threads() == 1 {
+            tree.bvh.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| found.extend(wanted(a, b)));
+        } else {
+            // The same pairs in the same order.
+            found.extend(
+                tree.bvh.traverse_bvtt_single_tree_parallel::<false>().iter().filter_map(|&(a, b)| wanted(a, b)),
+            );
+        }
+        sort_pairs(found, 0..num_leaves as usize)
+    }
+
     /// Fills the list from the tree: pairs not excluded whose boxes overlap and, if `reach` is given, whose capsules may be within both
     /// radii + `reach`.
     pub(crate) fn search(&mut self, strands: &Strands, exclusion: &Exclusion, reach: Option<f64>) {
         let reaches = exclusion.reduced_reach();
-        let order = &self.order;
         self.far.clear();
-        self.far.extend((0..strands.len()).map(|place| {
-            let segment = if order.is_empty() { place } else { order[place] as usize };
-            let curve = strands.strand(segment);
+        for curve in &strands.curves {
             // Round a closed curve the pairs beyond its seam are looked at one by one.
-            let left = curve.first + curve.count - 1 - segment;
-            (place + left.min(reaches[segment] as usize)) as u32
-        }));
+            let last = curve.first + curve.count - 1;
+            self.far.extend((curve.first..=last).map(|i| (i + (last - i).min(reaches[i] as usize)) as u32));
+        }
+        let leaf_pairs = self.leaf_pairs();
         let seams = strands.curves.iter().any(|c| c.closed);
-        let (tree, far, bulges) = (&self.tree, &self.far, &self.bulges);
-        let lists: Vec<Vec<[u32; 2]>> = (0..tree.num_tasks())
+        let (firsts, blocks, far, bulges) = (&self.firsts, &self.blocks, &self.far, &self.bulges);
+        let num_leaves = blocks.len();
+        let lists: Vec<Vec<[u32; 2]>> = (0..num_leaves.div_ceil(TASK))
             .into_par_iter()
             .map_init(Vec::new, |found, task| {
                 found.clear();
-                tree.visit(task, far, &mut |p, q| {
-                    let (i, j) = if order.is_empty() { (p, q) } else { (order[p as usize], order[q as usize]) };
-                    let (i, j) = if i < j { (i, j) } else { (j, i) };
-                    if !seams || !exclusion.excluded_reduced(i as usize, j as usize) {
-                        found.push([i, j]);
+                let mut compare = |p: usize, q: usize, lanes: u32| {
+                    let mut mask = blocks[p].overlaps_all(&blocks[q]) & lanes;
+                    while mask != 0 {
+                        let bit = mask.trailing_zeros();
+                        mask &= mask - 1;
+                        let (i, j) = (firsts[p] + bit / WIDTH as u32, firsts[q] + bit % WIDTH as u32);
+                        if j > far[i as usize] && (!seams || !exclusion.excluded_reduced(i as usize, j as usize)) {
+                            found.push([i, j]);
+                        }
                     }
-                });
+                };
+                let leaves = task * TASK..((task + 1) * TASK).min(num_leaves);
+                for p in leaves.clone() {
+                    if firsts[p + 1] - 1 > far[firsts[p] as usize] {
+                        // Bit 4c + d for lanes c < d.
+                        compare(p, p, 0b0000_1000_1100_1110);
+                    }
+                }
+                let from = |leaf: usize| leaf_pairs.partition_point(|pair| (pair[0] as usize) < leaf);
+                for &[p, q] in &leaf_pairs[from(leaves.start)..from(leaves.end)] {
+                    compare(p as usize, q as usize, u32::MAX);
+                }
                 let mut list = Vec::new();
                 match reach {
                     Some(reach) => keep_near(strands, bulges, reach, found, &mut list),
                     None => list.extend_from_slice(found),
                 }
-                if order.is_empty() { sort_pairs(list, tree.task_range(task)) } else { list }
+                sort_pairs(list, firsts[leaves.start] as usize..firsts[leaves.end] as usize)
             })
             .collect();
         self.pairs.clear();
@@ -181,10 +278,29 @@ impl BroadPhase {
         for list in &lists {
             self.pairs.extend_from_slice(list);
         }
-        if !order.is_empty() {
-            self.pairs = sort_pairs(std::mem::take(&mut self.pairs), 0..strands.len());
-        }
     }
+}
+
+/// First segment of each leaf, and the number of segments: each curve in runs of four.
+fn leaves(strands: &Strands) -> Vec<u32> {
+    let mut firsts = Vec::with_capacity(strands.len().div_ceil(WIDTH) + strands.curves.len() + 1);
+    for curve in &strands.curves {
+        firsts.extend((curve.first..curve.first + curve.count).step_by(WIDTH).map(|i| i as u32));
+    }
+    firsts.push(strands.len() as u32);
+    firsts
+}
+
+/// Surface of the inner boxes relative to that of the leaves: what a traversal costs, whatever the unit.
+fn looseness(bvh: &Bvh) -> f64 {
+    let (mut inner, mut leaves) = (0.0, 0.0);
+    bvh.traverse(|node| {
+        let e = node.maxs() - node.mins();
+        let surface = f64::from(e.x * e.y + e.y * e.z + e.z * e.x);
+        *(if node.is_leaf() { &mut leaves } else { &mut inner }) += surface;
+        TraversalAction::Continue
+    });
+    inner / leaves
 }
 
 /// Sorts pairs whose first index lies in `rows`: counting by the first, then each row by the second.
@@ -259,44 +375,6 @@ fn curves_of<'a>(strands: &'a Strands) -> impl Iterator<Item = (usize, usize, bo
     strands.curves.iter().map(|c| (c.first, c.count, c.closed, c.radius))
 }
 
-/// Order of the segments in the tree: as they are, unless there are many curves; then neighbouring curves are put next to each other
-/// (Morton order of their middles), each curve in one piece.
-fn spatial_order(strands: &Strands) -> Vec<u32> {
-    const FEW: usize = 8;
-    if strands.curves.len() <= FEW {
-        return Vec::new();
-    }
-    let (centre, size) = frame(strands, 0.0);
-    let mut keys: Vec<(u64, usize)> = strands
-        .curves
-        .iter()
-        .enumerate()
-        .map(|(index, curve)| {
-            let (a, b) = (strands.ends(curve.first).0, strands.ends(curve.first + curve.count - 1).1);
-            let middle = ((a * 0.5 + b * 0.5) - centre) / size;
-            // 21 bits of each coordinate in [−1, 1].
-            let bits = |x: f64| (((x + 1.0) * 1_048_576.0).clamp(0.0, 2_097_151.0)) as u64;
-            (spread(bits(middle.x)) | spread(bits(middle.y)) << 1 | spread(bits(middle.z)) << 2, index)
-        })
-        .collect();
-    keys.par_sort_unstable();
-    let segments = |&(_, c): &(u64, usize)| {
-        let curve = &strands.curves[c];
-        curve.first as u32..(curve.first + curve.count) as u32
-    };
-    keys.iter().flat_map(segments).collect()
-}
-
-/// Puts two zero bits after each of the lowest 21.
-fn spread(x: u64) -> u64 {
-    let mut x = x & 0x1f_ffff;
-    x = (x | x << 32) & 0x001f_0000_0000_ffff;
-    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
-    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
-    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
-    (x | x << 2) & 0x1249_2492_4924_9249
-}
-
 /// Centre and half-size of everything, inflation included.
 fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
@@ -317,10 +395,15 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     (lo * 0.5 + hi * 0.5, size)
 }
 
+/// Whether a frame is neither too small nor too large for f64.
+fn sane(size: f64) -> bool {
+    (1e-290..1e290).contains(&size)
+}
+
 /// f32 box in the frame, grown by `r` and rounded outward. In a frame too small or large for f64 everything is one box.
 #[inline]
 fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
-    if !(1e-290..1e290).contains(&size) {
+    if !sane(size) {
         return ([-2.0; 3], [2.0; 3]);
     }
     let scale = 1.0 / size;

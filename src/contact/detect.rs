@@ -11,8 +11,7 @@
 
 use rayon::prelude::*;
 
-#[cfg(test)]
-use super::curve::Cubic;
+use super::capsule::Capsule;
 use super::curve::CurveSet;
 use super::law::response;
 use super::zone::{FootKind, Pair, Piece, Sample};
@@ -72,33 +71,46 @@ pub enum Want {
     Hessian,
 }
 
+/// The law's numbers for [`evaluate`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LawParameters {
+    /// κ \[F/L²\].
+    pub stiffness: f64,
+    /// Factor on the pressure in the geometric part of the Hessian: 1 for the exact Hessian; κ_old/κ_new right after the stiffness
+    /// was raised, when pressures are that much too large for the forces they are about to balance.
+    pub geometric: f64,
+}
+
 /// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
 ///
-/// `stiffness` κ \[F/L²\]; `offset(segment)` the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over
+/// `law.stiffness` κ \[F/L²\]; `offset(segment)` the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over
 /// candidates in the current rayon pool; the result does not depend on the number of threads.
 pub fn evaluate(
     set: &CurveSet,
     candidates: &[[u32; 2]],
-    stiffness: f64,
+    law: LawParameters,
     offset: &(dyn Fn(usize) -> [f64; 2] + Sync),
     want: Want,
 ) -> Vec<PairTerm> {
     const CHUNK: usize = 64;
+    let capsules: Vec<Capsule> = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
     candidates
         .par_chunks(CHUNK)
         .flat_map_iter(|chunk| {
             let mut found = Vec::new();
             let mut pieces = Vec::new();
             for &[i, j] in chunk {
-                for (slave, master) in [(i as usize, j as usize), (j as usize, i as usize)] {
-                    pieces.clear();
+                let (i, j) = (i as usize, j as usize);
+                let nearest = capsules[i].distance_lower_bound(&capsules[j]);
+                for (slave, master) in [(i, j), (j, i)] {
                     let pair = pair_of(set, slave, master, offset(slave));
-                    if super::capsule::distance_lower_bound(pair.slave, pair.master) < pair.reach[0].max(pair.reach[1])
-                    {
-                        pair.pieces(&mut pieces);
+                    if nearest >= pair.reach[0].max(pair.reach[1]) {
+                        continue;
                     }
+                    pieces.clear();
+                    pair.pieces(&mut pieces);
                     if !pieces.is_empty() {
-                        found.push(pair_term(set, slave, master, &pair, &pieces, stiffness, want));
+                        found.push(pair_term(set, slave, master, &pair, &pieces, law, want));
                     }
                 }
             }
@@ -125,7 +137,7 @@ fn pair_term(
     master: usize,
     pair: &Pair,
     pieces: &[Piece],
-    stiffness: f64,
+    law: LawParameters,
     want: Want,
 ) -> PairTerm {
     let mut term = PairTerm {
@@ -139,7 +151,7 @@ fn pair_term(
     let length = set.lengths[slave];
     let contact_distance = set.radius_of(slave) + set.radius_of(master);
     for piece in pieces {
-        let half_force = integrate(&mut term, pair, piece, length, contact_distance, stiffness);
+        let half_force = integrate(&mut term, pair, piece, length, contact_distance, law);
         term.zones.push(ZonePiece { piece: *piece, min_gap: piece.nearest.distance - contact_distance, half_force });
     }
     term
@@ -152,7 +164,7 @@ fn integrate(
     piece: &Piece,
     length: f64,
     contact_distance: f64,
-    stiffness: f64,
+    law: LawParameters,
 ) -> f64 {
     let rule = gauss(POINTS_PER_PIECE);
     let width = piece.u[1] - piece.u[0];
@@ -164,7 +176,7 @@ fn integrate(
             let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
             let sample = pair.sample(piece.u[0] + width * fraction, guess, piece.kind);
             let weight = 0.5 * w * width * length / parts;
-            force += weight * add_sample(term, pair, piece.kind, &sample, weight, stiffness);
+            force += weight * add_sample(term, pair, piece.kind, &sample, weight, law);
         }
     }
     force
@@ -181,9 +193,16 @@ fn bernstein_slopes(u: f64) -> [f64; 4] {
 }
 
 /// Adds weight × the law at one sample; returns the pressure.
-fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample, weight: f64, stiffness: f64) -> f64 {
+fn add_sample(
+    term: &mut PairTerm,
+    pair: &Pair,
+    kind: FootKind,
+    sample: &Sample,
+    weight: f64,
+    parameters: LawParameters,
+) -> f64 {
     let reach = pair.reach[0] + (pair.reach[1] - pair.reach[0]) * sample.u;
-    let law = response(stiffness, reach - sample.distance);
+    let law = response(parameters.stiffness, reach - sample.distance);
     if law.pressure == 0.0 {
         return 0.0;
     }
@@ -197,7 +216,8 @@ fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample,
     }
     let Some(hessian) = term.hessian.as_deref_mut() else { return law.pressure };
     let nn = normal * normal.transpose();
-    let over_d = law.pressure / sample.distance;
+    let geometric = law.pressure * parameters.geometric;
+    let over_d = geometric / sample.distance;
     let plain = (nn * (law.stiffness + over_d) - Mat3::identity() * over_d) * weight;
     let schur = match kind {
         FootKind::Orthogonal => {
@@ -207,7 +227,7 @@ fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample,
                 let along = db * (-w[m] / sample.distance);
                 if m < 4 { along } else { along - normal * slopes[m - 4] }
             });
-            Some((q, weight * law.pressure / d_vv))
+            Some((q, weight * geometric / d_vv))
         }
         FootKind::Start | FootKind::End => None,
     };
@@ -222,22 +242,22 @@ fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample,
     law.pressure
 }
 
-/// Moves the control points of both cubics; used by derivative tests.
-#[cfg(test)]
-fn moved(a: &Cubic, b: &Cubic, dof: usize, step: f64) -> (Cubic, Cubic) {
-    let (mut a, mut b) = (*a, *b);
-    let (m, k) = (dof / 3, dof % 3);
-    if m < 4 {
-        a.b[m][k] += step;
-    } else {
-        b.b[m - 4][k] += step;
-    }
-    (a, b)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::curve::Cubic;
     use super::*;
+
+    /// Moves the control points of both cubics.
+    fn moved(a: &Cubic, b: &Cubic, dof: usize, step: f64) -> (Cubic, Cubic) {
+        let (mut a, mut b) = (*a, *b);
+        let (m, k) = (dof / 3, dof % 3);
+        if m < 4 {
+            a.b[m][k] += step;
+        } else {
+            b.b[m - 4][k] += step;
+        }
+        (a, b)
+    }
 
     fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
         let mut term = PairTerm {
@@ -253,7 +273,7 @@ mod tests {
         pair.pieces(&mut pieces);
         assert!(!pieces.is_empty());
         for piece in &pieces {
-            integrate(&mut term, &pair, piece, 1.3, 0.05, 1e3);
+            integrate(&mut term, &pair, piece, 1.3, 0.05, LawParameters { stiffness: 1e3, geometric: 1.0 });
         }
         term
     }

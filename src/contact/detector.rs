@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
 use super::curve::{Cubic, CurveInput, CurveSet};
-use super::detect::{self, PairTerm, Want};
+use super::detect::{self, LawParameters, PairTerm, Want};
 use super::exclusion::Exclusion;
 use super::input::{Curve, Strands};
 use super::interval::{self, Part, Zone};
@@ -52,7 +52,7 @@ pub struct Contacts {
 /// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
 /// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
 ///
-/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory 96 bytes a segment (tree 32, turning 44, arc length 16, order 4; cubics 8 more), 8
+/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory 137 bytes a segment (boxes and tree 77, turning 44, arc length 16; cubics 8 more), 8
 /// bytes a candidate pair, 144 a site, and a copy of the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
@@ -126,7 +126,8 @@ impl Detector {
             !exclusion.excluded(i, j) && !adjacent(&strands, i, j)
         };
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        Ok(detect::evaluate(&self.set, &pairs, stiffness, &|_| [0.0; 2], want))
+        let law = LawParameters { stiffness, geometric: 1.0 };
+        Ok(detect::evaluate(&self.set, &pairs, law, &|_| [0.0; 2], want))
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see

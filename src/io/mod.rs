@@ -1,8 +1,9 @@
 //! Files and pictures: [`vtk`] (ParaView), [`csv`] (tables, points, states), [`picture`] (shaded tubes, plots), [`table`]
-//! (a run as a table), [`record`] (all that a run leaves behind).
+//! (a run as a table), [`record`] (all that a run leaves behind), [`run`](mod@run) (a scene from start to files).
 
 pub mod csv;
 pub mod picture;
 pub mod record;
+pub mod run;
 pub mod table;
 pub mod vtk;

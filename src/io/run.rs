@@ -8,7 +8,7 @@ use crate::error::InputError;
 use crate::observe;
 use crate::observe::report::Observation;
 use crate::scene::Scene;
-use crate::solve::{self, NewtonOptions, Options, Progress, RunError, Status};
+use crate::solve::{self, NewtonOptions, NodalFields, Options, Progress, RunError, Status};
 
 use super::record::{Record, RodSnapshot};
 
@@ -75,15 +75,12 @@ pub fn run_scene(
 
 fn snapshots(progress: &Progress) -> Vec<RodSnapshot> {
     let engine = progress.engine;
-    let snapshot = |rod: usize| {
-        let fields = engine.nodal_fields(rod);
-        RodSnapshot {
-            positions: engine.positions(rod).to_vec(),
-            frames: engine.frames(rod).to_vec(),
-            curvature: fields.curvature,
-            twist: fields.twist,
-            contact_force: fields.contact_force,
-        }
+    let snapshot = |(rod, fields): (usize, NodalFields)| RodSnapshot {
+        positions: engine.positions(rod).to_vec(),
+        frames: engine.frames(rod).to_vec(),
+        curvature: fields.curvature,
+        twist: fields.twist,
+        contact_force: fields.contact_force,
     };
-    (0..engine.model().rods.len()).map(snapshot).collect()
+    engine.all_nodal_fields().into_iter().enumerate().map(snapshot).collect()
 }

@@ -54,7 +54,9 @@ impl StepTable<'_> {
     /// The line of one step.
     pub fn line(step: &Observation) -> String {
         let link = step.links.first();
-        let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{x:>9.4}"));
+        // rounding must not print as -0.0000
+        let plain = |x: f64| if x.abs() < 5e-5 { 0.0 } else { x };
+        let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9.4}", plain(x)));
         let gap = step.min_gap.map_or_else(|| format!("{:>11}", "-"), |gap| number(gap.lower));
         let e = &step.energies;
         let mut line = format!("{:>5}", step.step);
@@ -97,7 +99,10 @@ pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Resul
     let mut header: Vec<String> = ["step", "stage", "fraction"].map(str::to_owned).to_vec();
     for rod in &closed {
         let suffix = if closed.len() > 1 { format!("_{}", rods[*rod]) } else { String::new() };
-        header.extend(["excess_link", "link", "twist", "writhe", "seam_moment"].map(|name| format!("{name}{suffix}")));
+        header.extend(
+            ["excess_link", "link", "twist", "excess_twist", "writhe", "seam_moment"]
+                .map(|name| format!("{name}{suffix}")),
+        );
     }
     let rest = ["stretch", "shear", "bend", "twist_energy", "contact", "total", "min_gap", "num_sites"];
     header.extend(rest.map(str::to_owned));
@@ -110,7 +115,9 @@ fn cells(step: &Observation) -> Vec<Cell> {
     let e = &step.energies;
     let mut cells = vec![step.step.into(), step.stage.into(), step.fraction.into()];
     for link in &step.links {
-        cells.extend([link.excess_link, link.link, link.twist, link.writhe, link.seam_moment].map(Cell::from));
+        cells.extend(
+            [link.excess_link, link.link, link.twist, link.excess_twist, link.writhe, link.seam_moment].map(Cell::from),
+        );
     }
     cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.total].map(Cell::from));
     cells.push(step.min_gap.map_or_else(|| Cell::from(""), |gap| gap.lower.into()));
@@ -127,7 +134,15 @@ pub(super) mod tests {
     /// A made-up step for the tests of writers.
     pub(in crate::io) fn observation(step: usize) -> Observation {
         let excess_link = -0.1 * step as f64;
-        let link = RodLink { rod: 0, excess_link, link: excess_link, twist: -0.04, writhe: 0.01, seam_moment: 1.5 };
+        let link = RodLink {
+            rod: 0,
+            excess_link,
+            link: excess_link,
+            twist: -0.04,
+            excess_twist: -0.04,
+            writhe: 0.01,
+            seam_moment: 1.5,
+        };
         Observation {
             stage: 0,
             step,
@@ -162,7 +177,10 @@ pub(super) mod tests {
         write_steps(&path, &["dna".into()], &[observation(0), observation(1)]).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::remove_file(&path).unwrap();
-        assert!(text.starts_with("step,stage,fraction,excess_link,link,twist,writhe,seam_moment,stretch,"), "{text}");
-        assert!(text.lines().nth(2).unwrap().starts_with("1,0,0.5,-0.1,-0.1,-0.04,0.01,1.5,"), "{text}");
+        assert!(
+            text.starts_with("step,stage,fraction,excess_link,link,twist,excess_twist,writhe,seam_moment,stretch,"),
+            "{text}"
+        );
+        assert!(text.lines().nth(2).unwrap().starts_with("1,0,0.5,-0.1,-0.1,-0.04,-0.04,0.01,1.5,"), "{text}");
     }
 }

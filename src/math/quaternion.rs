@@ -80,7 +80,8 @@ mod tests {
         assert_eq!(mul_e1(&q), mul(&q, &[0.0, 1.0, 0.0, 0.0]));
         assert_eq!(mul_e2(&q), mul(&q, &[0.0, 0.0, 1.0, 0.0]));
         assert_eq!(mul_e3(&q), mul(&q, &[0.0, 0.0, 0.0, 1.0]));
-        let nalgebra_product = nalgebra::Quaternion::new(0.3, -0.7, 0.2, 1.1) * nalgebra::Quaternion::new(0.5, 1.0, -2.0, 0.25);
+        let nalgebra_product =
+            nalgebra::Quaternion::new(0.3, -0.7, 0.2, 1.1) * nalgebra::Quaternion::new(0.5, 1.0, -2.0, 0.25);
         let ours = mul(&q, &[0.5, 1.0, -2.0, 0.25]);
         assert_eq!(ours, [nalgebra_product.w, nalgebra_product.i, nalgebra_product.j, nalgebra_product.k]);
     }

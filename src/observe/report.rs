@@ -1,4 +1,4 @@
-//! What is told of an accepted state: plain data, serialisable, with units. Filled by the solver's observer.
+//! What is told of an accepted state: plain data, serialisable, with units. Filled by [`observe`](super::observe).
 
 use serde::Serialize;
 
@@ -20,6 +20,9 @@ pub struct Energies {
 }
 
 /// A contact site: a zone of arc length on strand a pressing on its partner zone on strand b.
+///
+/// Arc lengths are reference ones from the start of the rod; on a closed rod an interval that ends below its start runs
+/// over the seam. Strand a is the one on the lower rod, on one rod the one whose interval starts first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SiteReport {
     /// Rod of strand a.
@@ -30,7 +33,8 @@ pub struct SiteReport {
     pub rod_b: usize,
     /// Arc length interval on strand b \[L\].
     pub arc_b: [f64; 2],
-    /// "point" or "line".
+    /// "line" where the mean of both intervals is longer than the contact distance ε_a + ε_b, "point" otherwise: a contact
+    /// shorter than the rods are thick is isolated, its length says how stiff the contact law is.
     pub kind: &'static str,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
@@ -53,20 +57,26 @@ pub struct Reaction {
     pub moment: [f64; 3],
 }
 
-/// Link numbers of one closed rod, in turns.
+/// Link numbers of one closed rod, in turns; `link = twist + writhe`.
+///
+/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as no
+/// strand has passed through another. Of its two parts the polygon would know each to second order in its edges only,
+/// so `twist` is the elements' own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RodLink {
     /// Rod index.
     pub rod: usize,
-    /// Prescribed excess link.
+    /// Prescribed: turns of the frame at s = L against that at s = 0, see [`crate::rod::Rod::start_excess_link`].
     pub excess_link: f64,
     /// Measured Tw + Wr.
     pub link: f64,
-    /// Twist Tw.
+    /// Twist Tw of the material direction d1 about the centreline.
     pub twist: f64,
+    /// (1/2π)∫K3 ds beyond the rod's natural twist: what costs energy.
+    pub excess_twist: f64,
     /// Writhe Wr.
     pub writhe: f64,
-    /// Twisting moment at the seam \[F·L\].
+    /// Twisting moment M3 that the rod transmits at its seam \[F·L\]; positive if overtwisted.
     pub seam_moment: f64,
 }
 
@@ -102,7 +112,7 @@ pub struct Observation {
     pub links: Vec<RodLink>,
     /// Energies by kind.
     pub energies: Energies,
-    /// Smallest gap; `None` when nothing is within two diameters or contact is off.
+    /// Smallest gap; `None` when nothing is within two diameters of the thinnest rod, or contact is off.
     pub min_gap: Option<GapReport>,
     /// Contact sites.
     pub sites: Vec<SiteReport>,

@@ -168,8 +168,8 @@ pub fn predicted_stress(
     out
 }
 
-/// Nodal forces Bᵀ C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, with B at
-/// the start of the step.
+/// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and their nodal
+/// forces Bᵀ C e, with B at the start of the step.
 pub fn surprise_force(
     table: &Table,
     nodes: &ElementNodes,
@@ -177,9 +177,10 @@ pub fn surprise_force(
     length: f64,
     material: &Six,
     increment: &[f64; MAX_DOF],
-) -> [f64; MAX_DOF] {
+) -> ([Six; 3], [f64; MAX_DOF]) {
     let num_nodes = table.order + 1;
     let change = nodal_change(nodes, increment, num_nodes);
+    let mut excess = [[0.0; 6]; 3];
     let (mut grad_r, mut grad_q) = ([[0.0; 3]; 4], [[0.0; 4]; 4]);
     for g in 0..table.order {
         let (raw, linear, b) = linear_change(table, nodes, &change, length, g);
@@ -187,6 +188,7 @@ pub fn surprise_force(
         let mut grad = [0.0; 11];
         for i in 0..6 {
             let stress = material[i] * (after[i] - raw[i] - linear[i]);
+            excess[g][i] = stress;
             for k in 0..11 {
                 grad[k] += stress * b[i][k];
             }
@@ -202,7 +204,7 @@ pub fn surprise_force(
             out[6 * a + 3 + k] = dot(&half[k], &grad_q[a]);
         }
     }
-    out
+    (excess, out)
 }
 
 /// First derivatives of the six strains with respect to y = (r', z, z'); b[i][0..3], [3..7], [7..11].
@@ -299,6 +301,7 @@ pub enum Want {
 ///
 /// `length` reference length \[L\]; `material` diagonal of C; `reference` raw strains of the natural state per point;
 /// `predicted` stresses for the geometric part of the tangent per point (`None`: C ε(x)).
+#[allow(clippy::too_many_arguments)] // geometry, material, what is wanted, where it goes
 pub fn evaluate(
     table: &Table,
     nodes: &ElementNodes,
@@ -511,7 +514,8 @@ mod tests {
             })
             .collect();
         let material = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9];
-        let reference = [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
+        let reference =
+            [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
         Case { r, q, length: 0.8, material, reference }
     }
 
@@ -554,7 +558,11 @@ mod tests {
                 let h = 1e-5;
                 let energy = |step: f64| run(order, &moved(&case, dof, step)).energy.iter().sum::<f64>();
                 let difference = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
-                assert!((difference - out.residual[dof]).abs() < 1e-8, "order {order} dof {dof}: {difference} {}", out.residual[dof]);
+                assert!(
+                    (difference - out.residual[dof]).abs() < 1e-8,
+                    "order {order} dof {dof}: {difference} {}",
+                    out.residual[dof]
+                );
             }
         }
     }
@@ -583,10 +591,16 @@ mod tests {
             };
             for i in 0..dofs {
                 for j in i..dofs {
-                    let second = |h: f64| (energy(i, j, h, h) - energy(i, j, h, -h) - energy(i, j, -h, h) + energy(i, j, -h, -h)) / (4.0 * h * h);
+                    let second = |h: f64| {
+                        (energy(i, j, h, h) - energy(i, j, h, -h) - energy(i, j, -h, h) + energy(i, j, -h, -h))
+                            / (4.0 * h * h)
+                    };
                     let difference = (4.0 * second(h) - second(2.0 * h)) / 3.0;
                     let ours = out.tangent[i][j];
-                    assert!((difference - ours).abs() < 2e-5 * (1.0 + ours.abs()), "order {order} ({i},{j}): {difference} {ours}");
+                    assert!(
+                        (difference - ours).abs() < 2e-5 * (1.0 + ours.abs()),
+                        "order {order} ({i},{j}): {difference} {ours}"
+                    );
                 }
             }
         }

@@ -1,11 +1,12 @@
 //! Cosserat rods: [`section`] (stiffnesses), [`shape`] (where a rod starts), [`element`] (energy, residual, tangent
-//! of one element), [`rod`](mod@rod) (a rod as elements and nodes).
+//! of one element), [`Rod`] (a rod as elements and nodes).
 
+mod body;
 pub mod element;
-pub mod rod;
 pub mod section;
 pub mod shape;
 
-pub use rod::{Natural, Rod};
+pub(crate) use body::within;
+pub use body::{Natural, Rod};
 pub use section::{CrossSection, Section};
 pub use shape::{Placement, Shape};

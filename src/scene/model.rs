@@ -87,6 +87,14 @@ pub enum ContactLaw {
 }
 
 impl ContactLaw {
+    /// The dimensionless stiffness κ ε⁴/B, `None` without contact.
+    pub fn stiffness(&self) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::Penalty { stiffness } | Self::AugmentedLagrangian { stiffness, .. } => Some(*stiffness),
+        }
+    }
+
     /// Whether anything is to be detected at all.
     pub fn is_on(&self) -> bool {
         !matches!(self, Self::None)
@@ -101,8 +109,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Default dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is then a sixth of the radius.
-    pub const DEFAULT_STIFFNESS: f64 = 1e3;
+    /// Default dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is then a third of the radius.
+    pub const DEFAULT_STIFFNESS: f64 = 100.0;
     /// Default penetration tolerance relative to the contact radius.
     pub const DEFAULT_TOL_PENETRATION: f64 = 1e-8;
 

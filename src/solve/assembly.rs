@@ -125,18 +125,14 @@ impl Engine {
                     self.scatter_element_tangent(e, result, prescribed.as_deref(), pattern, tangent);
                 }
             }
-            self.add_contact_gradient(state, detect::Want::Hessian, &mut out, Some((pattern, prescribed.as_deref(), tangent)));
+            self.add_contact_gradient(
+                state,
+                detect::Want::Hessian,
+                &mut out,
+                Some((pattern, prescribed.as_deref(), tangent)),
+            );
             self.add_loads(state, &mut out, Some((pattern, tangent)));
             out
-        })
-    }
-
-    /// Gradient of the contact potential alone, six per node; contact must be up to date for `state`.
-    pub(crate) fn contact_gradient(&self, state: &State) -> Vec<f64> {
-        self.install(|| {
-            let mut out = self.start_residual();
-            self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
-            out.contact_gradient
         })
     }
 
@@ -219,12 +215,18 @@ impl Engine {
         local
     }
 
-    /// Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`crate::rod::element::surprise_force`].
-    pub(crate) fn elastic_surprise(&self, state: &State, moved: &State, increment: &[f64]) -> Vec<f64> {
+    /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`crate::rod::element::surprise_force`].
+    pub(crate) fn elastic_surprise(
+        &self,
+        state: &State,
+        moved: &State,
+        increment: &[f64],
+    ) -> (Vec<[Six; 3]>, Vec<f64>) {
         let mut out = vec![0.0; increment.len()];
+        let mut stresses = Vec::with_capacity(self.elements.len());
         self.install(|| {
             for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
-                let forces: Vec<[f64; MAX_DOF]> = batch
+                let forces: Vec<([Six; 3], [f64; MAX_DOF])> = batch
                     .par_iter()
                     .with_min_len(32)
                     .map(|element| {
@@ -238,7 +240,8 @@ impl Engine {
                         )
                     })
                     .collect();
-                for (k, force) in forces.iter().enumerate() {
+                for (k, (stress, force)) in forces.iter().enumerate() {
+                    stresses.push(*stress);
                     let element = &self.elements[batch_index * BATCH + k];
                     for a in 0..=self.model.rods[element.rod].order {
                         for i in 0..6 {
@@ -248,7 +251,7 @@ impl Engine {
                 }
             }
         });
-        out
+        (stresses, out)
     }
 
     fn start_residual(&self) -> Residual {
@@ -292,7 +295,8 @@ impl Engine {
         }
         if element.closes {
             let moment = &result.residual[6 * (count - 1) + 3..6 * count];
-            out.seam_moments[element.rod] = self.seam_axis(state, element.rod).dot(&Vec3::new(moment[0], moment[1], moment[2]));
+            out.seam_moments[element.rod] =
+                self.seam_axis(state, element.rod).dot(&Vec3::new(moment[0], moment[1], moment[2]));
         }
     }
 
@@ -349,7 +353,7 @@ impl Engine {
     ) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
-        let terms = detect::evaluate(&side.set, side.broad_phase.pairs(), side.stiffness, &|s| side.offset(s), want);
+        let terms = detect::evaluate(&side.set, side.broad_phase.pairs(), side.law, &|s| side.offset(s), want);
         for batch in terms.chunks(BATCH) {
             let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
                 batch.par_iter().map(|term| side.map_term(term, state)).collect();
@@ -435,7 +439,12 @@ impl Engine {
                     out.magnitude[6 * q + 1] += (factor * x).abs();
                     if let Some((pattern, tangent)) = &mut tangent {
                         // a diagonal block is symmetric: its upper part holds ∂²/∂x∂y once
-                        pattern.add_block(&mut tangent.values, p, q, |i, j| if i == 0 && j == 1 { factor } else { 0.0 });
+                        pattern.add_block(
+                            &mut tangent.values,
+                            p,
+                            q,
+                            |i, j| if i == 0 && j == 1 { factor } else { 0.0 },
+                        );
                     }
                 }
             }
@@ -470,7 +479,10 @@ impl ContactSide {
 
     fn frame_of(&self, segment: usize, state: &State) -> SegmentFrame {
         let [a, b] = self.nodes[segment];
-        SegmentFrame { tangents: [state.frames[a] * Vec3::z(), state.frames[b] * Vec3::z()], lever: self.set.lengths[segment] / 3.0 }
+        SegmentFrame {
+            tangents: [state.frames[a] * Vec3::z(), state.frames[b] * Vec3::z()],
+            lever: self.set.lengths[segment] / 3.0,
+        }
     }
 
     /// Global nodes of a term: slave a, b, master a, b.
@@ -571,4 +583,76 @@ fn integrals(order: usize) -> ([f64; 4], [[f64; 4]; 4]) {
         }
     }
     (mass, skew)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef};
+
+    /// Two free rings that overlap, with dead loads and pressure, moved off every symmetry.
+    fn engine() -> Engine {
+        let section = Section { bending: [1.0, 1.3], ..Section::isotropic(1.0, 1.5, 900.0, 700.0, 0.06) };
+        let ring = |name: &str, center: Vec3, normal: Vec3| {
+            let shape = Shape::Circle { length: 2.0, center, normal };
+            Rod::new(name, &shape, true, section, 8, 3, Natural::Straight).unwrap()
+        };
+        let rods = vec![ring("a", Vec3::zeros(), Vec3::z()), ring("b", Vec3::new(0.55, 0.0, 0.02), Vec3::y())];
+        let law = ContactLaw::Penalty { stiffness: 0.5 };
+        let mut engine = Engine::new(Model { rods, contact: Contact { law }, ..Model::default() }, None).unwrap();
+        // loads and pressure belong to supported or planar scenes; here only their derivatives are of interest
+        let node = NodeRef { rod: 0, node: 5 };
+        engine.model.loads.push(NodeLoad { node, force: Vec3::new(1.0, -2.0, 0.5), moment: Vec3::zeros() });
+        engine.model.line_loads.push(LineLoad { rod: 1, force: Vec3::new(0.3, 0.2, -0.4) });
+        engine.state.load_factor = 0.7;
+        engine.state.pressures[0] = 1.1;
+        engine.state.seams[0] = 0.4;
+        let direction = direction(engine.num_nodes(), 3.0);
+        engine.state = engine.state.retract(&direction, 0.003);
+        engine
+    }
+
+    fn direction(num_nodes: usize, phase: f64) -> Vec<f64> {
+        (0..6 * num_nodes).map(|i| (phase + 1.7 * i as f64 + 0.3 * (i * i % 17) as f64).sin()).collect()
+    }
+
+    fn at(engine: &mut Engine, state: &State) -> Residual {
+        engine.update_contact(state).unwrap();
+        engine.residual(state)
+    }
+
+    #[test]
+    fn gradient_and_tangent_of_the_whole_problem_match_finite_differences() {
+        let mut engine = engine();
+        let state = engine.state.clone();
+        let residual = at(&mut engine, &state);
+        assert!(residual.potential.contact > 0.0, "the case must have contact");
+        engine.update_contact(&state).unwrap();
+        let pattern = engine.build_pattern();
+        let mut tangent = Tangent::default();
+        engine.linearise(&state, None, &Drive::default(), &pattern, &mut tangent);
+        let v = direction(engine.num_nodes(), 0.5);
+        let w = direction(engine.num_nodes(), 8.1);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let potential = |engine: &mut Engine, a: f64, b: f64| {
+            let step: Vec<f64> = v.iter().zip(&w).map(|(v, w)| a * v + b * w).collect();
+            at(engine, &state.retract(&step, 1.0)).potential.total()
+        };
+        let h = 1e-6;
+        let slope = (8.0 * (potential(&mut engine, h, 0.0) - potential(&mut engine, -h, 0.0))
+            - (potential(&mut engine, 2.0 * h, 0.0) - potential(&mut engine, -2.0 * h, 0.0)))
+            / (12.0 * h);
+        let ours = dot(&residual.gradient, &v);
+        assert!((slope - ours).abs() < 1e-7 * ours.abs(), "{slope} {ours}");
+        // all unknowns are free and numbered in order: the pattern's product needs no mapping
+        let ours = dot(&w, &pattern.multiply(&tangent.values, &v));
+        let h = 1e-5;
+        let second = |engine: &mut Engine, h: f64| {
+            (potential(engine, h, h) - potential(engine, h, -h) - potential(engine, -h, h) + potential(engine, -h, -h))
+                / (4.0 * h * h)
+        };
+        let difference = (4.0 * second(&mut engine, h) - second(&mut engine, 2.0 * h)) / 3.0;
+        assert!((difference - ours).abs() < 1e-4 * ours.abs().max(1e3), "{difference} {ours}");
+    }
 }

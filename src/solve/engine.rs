@@ -2,6 +2,7 @@
 
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::curve::{Cubic, CurveInput, CurveSet};
+use crate::contact::detect::LawParameters;
 use crate::contact::exclusion::Exclusion;
 use crate::error::InputError;
 use crate::math::quaternion::to_array;
@@ -38,8 +39,8 @@ pub struct ContactSide {
     pub broad_phase: BroadPhase,
     /// Separate search for the step bound (ranges differ every time).
     pub step_search: BroadPhase,
-    /// κ \[F/L²\].
-    pub stiffness: f64,
+    /// κ and the factor on pressures in the geometric stiffness.
+    pub law: LawParameters,
     /// Offsets c per node \[L\] (all rods; zero for a plain penalty).
     pub offsets: Vec<f64>,
     /// Smallest contact radius \[L\].
@@ -50,6 +51,56 @@ impl ContactSide {
     /// Offsets at both ends of a segment \[L\].
     pub fn offset(&self, segment: usize) -> [f64; 2] {
         self.nodes[segment].map(|n| self.offsets[n])
+    }
+}
+
+impl ContactSide {
+    /// Multiplies the stiffness by `factor` and scales the offsets so that contacts keep their gap and, nearly, their force: it is
+    /// proportional to κ c along lines and to κ c^{3/2} at points. `line` tells the nodes on lines.
+    pub(crate) fn scale_stiffness(&mut self, factor: f64, line: &[bool]) {
+        self.law.stiffness *= factor;
+        self.law.geometric = factor.min(1.0 / factor).sqrt();
+        for (offset, on_line) in self.offsets.iter_mut().zip(line) {
+            *offset *= factor.powf(if *on_line { -1.0 } else { -2.0 / 3.0 });
+        }
+    }
+
+    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve.
+    pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
+        let mut here = segment;
+        loop {
+            self.nodes[here].iter().for_each(|&node| visit(node));
+            match if forward { self.set.next(here) } else { self.set.prev(here) } {
+                Some(next) if distance > 0.0 && next != segment => here = next,
+                _ => break,
+            }
+            distance -= self.set.lengths[here];
+        }
+    }
+
+    /// Nodes on lines: those in runs of segments with zones that are longer than two contact distances.
+    pub(crate) fn nodes_on_lines(&self, touched: &[bool]) -> Vec<bool> {
+        let mut line = vec![false; touched.len()];
+        for curve in &self.set.curves {
+            let mut run: Vec<usize> = Vec::new();
+            let mut length = 0.0;
+            let last = curve.first + curve.count - 1;
+            for segment in curve.first..=last {
+                let inside = self.nodes[segment].iter().all(|&n| touched[n]);
+                if inside {
+                    run.push(segment);
+                    length += self.set.lengths[segment];
+                }
+                if !inside || segment == last {
+                    if length > 4.0 * curve.radius {
+                        run.iter().flat_map(|&s| self.nodes[s]).for_each(|n| line[n] = true);
+                    }
+                    run.clear();
+                    length = 0.0;
+                }
+            }
+        }
+        line
     }
 }
 
@@ -122,9 +173,12 @@ impl Engine {
         let scales = scales(&model);
         let pool = match threads {
             None => None,
-            Some(count) => Some(rayon::ThreadPoolBuilder::new().num_threads(count).build().map_err(|e| {
-                InputError::Inconsistent { field: "threads".to_owned(), reason: e.to_string() }
-            })?),
+            Some(count) => Some(
+                rayon::ThreadPoolBuilder::new()
+                    .num_threads(count)
+                    .build()
+                    .map_err(|e| InputError::Inconsistent { field: "threads".to_owned(), reason: e.to_string() })?,
+            ),
         };
         let mut engine = Self {
             tables: [Table::new(1), Table::new(2), Table::new(3)],
@@ -142,6 +196,26 @@ impl Engine {
         engine.reference = engine.build_reference();
         engine.contact = engine.build_contact()?;
         Ok(engine)
+    }
+
+    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian and
+    /// dropped for a penalty.
+    ///
+    /// # Errors
+    /// A law out of range; a change from or to no contact, which needs a new engine.
+    pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
+            let reason = "contact cannot be switched on or off in a running engine".to_owned();
+            return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
+        };
+        InputError::positive("contact.stiffness", stiffness)?;
+        let raised = stiffness * self.scales.bending / side.min_radius.powi(4);
+        side.law = LawParameters { stiffness: raised, geometric: (side.law.stiffness / raised).min(1.0) };
+        if matches!(law, ContactLaw::Penalty { .. }) {
+            side.offsets.fill(0.0);
+        }
+        self.model.contact.law = law;
+        Ok(())
     }
 
     /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
@@ -238,10 +312,7 @@ impl Engine {
     }
 
     fn build_contact(&self) -> Result<Option<ContactSide>, InputError> {
-        let dimensionless = match self.model.contact.law {
-            ContactLaw::None => return Ok(None),
-            ContactLaw::Penalty { stiffness } | ContactLaw::AugmentedLagrangian { stiffness, .. } => stiffness,
-        };
+        let Some(dimensionless) = self.model.contact.law.stiffness() else { return Ok(None) };
         let mut inputs = Vec::new();
         let (mut nodes, mut rods) = (Vec::new(), Vec::new());
         for (index, rod) in self.model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
@@ -268,7 +339,7 @@ impl Engine {
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
             step_search: BroadPhase::new(),
-            stiffness: dimensionless * self.scales.bending / min_radius.powi(4),
+            law: LawParameters { stiffness: dimensionless * self.scales.bending / min_radius.powi(4), geometric: 1.0 },
             offsets: vec![0.0; self.num_nodes()],
             min_radius,
         }))
@@ -310,7 +381,8 @@ fn build_elements(model: &Model, first_node: &[usize]) -> Vec<Element> {
 }
 
 fn scales(model: &Model) -> Scales {
-    let fold = |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
+    let fold =
+        |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
     let spacing = |r: &Rod| r.length / (r.num_elements * r.order) as f64;
     Scales {
         length: fold(&|r| r.length, 0.0, f64::max),

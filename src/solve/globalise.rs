@@ -9,9 +9,12 @@
 //! K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
 
 use crate::error::SolveError;
+use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, subtract_product};
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual};
+use crate::solve::newton::{
+    Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual,
+};
 use crate::solve::state::{Drive, State};
 
 /// Smallest shift that is tried, in units of B/L⁴.
@@ -22,10 +25,17 @@ const MAX_SHIFT: f64 = 1e30;
 const MAX_ROUNDS: usize = 10;
 /// A correction this small in energy, relative to the step, ends the rounds.
 const SMALL_CORRECTION: f64 = 1e-2;
+/// Each correction must be smaller than this times its predecessor (energies).
+const CONTRACTION: f64 = 0.4;
 /// Steps rejected in a row before the search gives up.
 const MAX_REJECTIONS: usize = 30;
+/// Fractions of a step tried before the shift is raised.
+const SHORTER: [f64; 1] = [0.5];
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
+/// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
+/// increments far below any length of the rods still matter to it.
+const TOL_CONTACT_CHANGE: f64 = 1e-6;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
 
@@ -38,8 +48,12 @@ struct Trial {
     expected: f64,
     fraction: f64,
     rounds: usize,
+    /// Largest change of a contact force along the step over the largest contact force.
+    contact_change: f64,
     /// The corrections shrank.
     settled: bool,
+    /// C e of the last correction: with the linear prediction the stresses that balance the step.
+    excess: Option<Vec<[Six; 3]>>,
 }
 
 impl Workspace {
@@ -52,23 +66,36 @@ impl Workspace {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let mut state = engine.state.clone();
-        let mut rejections = 0;
+        let (mut rejections, mut at_saddle) = (0, 0);
+        let mut stress = engine.actual_stress(&state);
         self.shift = 0.0;
         while report.iterations.len() < options.max_iterations {
             self.refresh(engine, &state)?;
             let drive_now = drive.scaled(remaining);
-            let stress = engine.actual_stress(&state);
             let residual = self.linearise(engine, &state, &stress, &drive_now);
-            let mut longest = 1.0;
+            let (mut longest, mut rejected_here) = (1.0, 0);
             loop {
                 self.convexify(engine, report.iterations.len())?;
-                let step = self.solve_step(engine, &residual, &state, &drive_now, report.iterations.len())?;
+                let step = self.solve_step(engine, &residual, &drive_now, report.iterations.len())?;
                 let size = increment_size(engine, &step);
-                let trial = self.trial(engine, &state, &residual, &step, longest)?;
-                let noise = ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
+                let pushed = remaining > 0.0;
+                let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
+                // shorter along the same direction first: it costs no factorisation
+                for shorter in if pushed { [].as_slice() } else { &SHORTER } {
+                    if trial.settled || size <= options.tol_increment {
+                        break;
+                    }
+                    trial = self.trial(engine, &state, &residual, &step, *shorter, pushed)?;
+                }
+                let noise =
+                    ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
                 let gain = residual.potential.total() - trial.potential;
                 let driven = remaining > 0.0 || !engine.is_conservative();
-                let accepted = trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
+                // below the tolerance rounding decides over decrease and corrections
+                let tiny = size <= options.tol_increment && trial.potential.is_finite();
+                let indefinite = self.shift > 0.0;
+                let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE;
+                let accepted = tiny || trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
                 report.iterations.push(Iteration {
                     increment: size,
                     residual: relative_residual(engine, &residual),
@@ -80,15 +107,43 @@ impl Workspace {
                 if accepted {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
-                    if trial.rounds <= 5 && (driven || gain >= 0.5 * trial.expected - noise) {
-                        self.shift /= 8.0;
+                    if let Some(side) = &mut engine.contact {
+                        side.law.geometric = 1.0;
+                    }
+                    let ratio = gain / trial.expected;
+                    if tiny {
+                        self.shift = 0.0;
+                    } else if rejected_here == 0 && trial.rounds <= 2 && (0.8..1.25).contains(&ratio) {
+                        // the model was right: let the eigenvalues alone decide
+                        self.shift /= 100.0;
+                    } else if rejected_here == 0
+                        && trial.rounds <= 5
+                        && (driven || gain >= 0.5 * trial.expected - noise)
+                    {
+                        self.shift /= 6.0;
+                    }
+                    // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
+                    // constraint surface makes of them
+                    stress = engine.predicted_stress(&state, &trial.increment);
+                    for (total, excess) in stress.iter_mut().zip(trial.excess.iter().flatten()) {
+                        for (t, e) in total.iter_mut().flatten().zip(excess.iter().flatten()) {
+                            *t += e;
+                        }
                     }
                     state = trial.state;
                     engine.state = state.clone();
-                    report.converged = trial.fraction == 1.0 && size <= options.tol_increment;
+                    // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
+                    at_saddle = if tiny && indefinite { at_saddle + 1 } else { 0 };
+                    report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3);
+                    break;
+                }
+                // the potential cannot resolve the decrease that is left: this is as far as rounding lets anyone go
+                if self.shift == 0.0 && remaining == 0.0 && trial.expected.abs() <= noise {
+                    report.converged = true;
                     break;
                 }
                 rejections += 1;
+                rejected_here += 1;
                 if rejections > MAX_REJECTIONS || report.iterations.len() >= options.max_iterations {
                     return self.finish(engine, &state, report);
                 }
@@ -109,7 +164,12 @@ impl Workspace {
         self.finish(engine, &state, report)
     }
 
-    fn finish(&mut self, engine: &mut Engine, state: &State, mut report: NewtonReport) -> Result<NewtonReport, SolveError> {
+    fn finish(
+        &mut self,
+        engine: &mut Engine,
+        state: &State,
+        mut report: NewtonReport,
+    ) -> Result<NewtonReport, SolveError> {
         engine.state = state.clone();
         self.shift = 0.0;
         self.refresh(engine, state)?;
@@ -176,7 +236,8 @@ impl Workspace {
         if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
     }
 
-    /// Corrects a step for what its linear prediction missed and evaluates the potential there.
+    /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the potential there. While
+    /// supports are `pushed`, contact is left to the iterations after: its potential may rise, the push does the work.
     fn trial(
         &mut self,
         engine: &mut Engine,
@@ -184,6 +245,7 @@ impl Workspace {
         residual: &Residual,
         step: &[f64],
         longest: f64,
+        pushed: bool,
     ) -> Result<Trial, SolveError> {
         let safe = engine.step_fraction(state, step)?.min(longest);
         let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
@@ -198,7 +260,9 @@ impl Workspace {
             expected: -safe * slope - 0.5 * safe * safe * (work - self.shift * inertia),
             fraction: safe,
             rounds: 0,
+            contact_change: 0.0,
             settled: false,
+            excess: None,
         };
         let mut last = f64::INFINITY;
         loop {
@@ -209,15 +273,16 @@ impl Workspace {
             }
             let there = engine.residual(&trial.state);
             trial.potential = there.potential.total();
+            trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            let surprise = self.surprise(engine, state, residual, &there, &trial);
+            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, !pushed);
             let correction = self.solve_last(engine, &surprise);
             let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
-            if !(size < 0.25 * last) {
+            if size.is_nan() || size >= CONTRACTION * last {
                 break;
             }
             last = size;
@@ -225,6 +290,7 @@ impl Workspace {
             trial.settled = size < SMALL_CORRECTION;
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
+            trial.excess = Some(excess);
         }
         engine.update_contact(state)?;
         Ok(trial)
@@ -245,16 +311,27 @@ impl Workspace {
         residual: &Residual,
         there: &Residual,
         trial: &Trial,
-    ) -> Vec<f64> {
-        let mut out = engine.elastic_surprise(state, &trial.state, &trial.increment);
+        contact: bool,
+    ) -> (Vec<[Six; 3]>, Vec<f64>) {
+        let (excess, mut out) = engine.elastic_surprise(state, &trial.state, &trial.increment);
+        if !contact {
+            return (excess, out);
+        }
         for (o, (after, before)) in out.iter_mut().zip(there.contact_gradient.iter().zip(&residual.contact_gradient)) {
             *o += after - before;
         }
         for (nodes, block) in &residual.contact_blocks {
             subtract_product(nodes, block, &trial.increment, &mut out);
         }
-        out
+        (excess, out)
     }
+}
+
+/// Largest difference over the largest value before; 0 where all is 0.
+fn relative_change(before: &[f64], after: &[f64]) -> f64 {
+    let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
+    if change == 0.0 { 0.0 } else { change / largest }
 }
 
 fn masses(engine: &Engine) -> Vec<f64> {

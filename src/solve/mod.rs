@@ -1,14 +1,18 @@
-//! Finds equilibria: [`engine`] (the problem assembled), [`assembly`] (gradient and tangent), [`newton`]
-//! (mixed-integration-point Newton), [`step_bound`] (no strand passes another), [`stability`] (leaving unstable states),
-//! [`path`] (load stepping, augmented Lagrangian loop).
+//! Finds equilibria, from the outside in: [`path`] (load stepping), [`settle`] (one state brought to rest: contact enforced,
+//! unstable states left), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), [`step_bound`]
+//! (no strand passes another), [`stability`] (the way out of unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem
+//! assembled), [`state`] (the configuration and how it moves), [`fields`] (what it looks like along the rods).
 
 pub mod assembly;
 mod coupling;
 pub mod engine;
+pub mod fields;
 pub mod globalise;
+mod moment_load;
 mod neutral;
 pub mod newton;
 pub mod path;
+pub mod settle;
 pub mod stability;
 pub mod state;
 pub mod step_bound;
@@ -16,8 +20,10 @@ pub mod step_bound;
 use crate::error::InputError;
 
 pub use engine::Engine;
+pub use fields::NodalFields;
 pub use newton::NewtonOptions;
-pub use path::{Progress, RunError, Solution, Solver, Status, StepReport, run};
+pub use path::{Progress, RunError, Solution, Solver, run};
+pub use settle::{Status, StepReport};
 pub use state::{Drive, State};
 
 /// Choices of a run; the defaults suit DNA loops and cables alike.

@@ -1,11 +1,16 @@
-//! Motions that cost nothing: rigid motions of rods nobody holds, and the spin of an isotropic closed rod about its own
-//! centreline. The user never has to know of them.
+//! Motions that cost nothing: rigid motions of rods nobody holds; the spin of an isotropic closed rod about its own
+//! centreline; the sliding of a uniform closed rod along itself. The user never has to know of them.
 //!
-//! The tangent is singular along them; the residual has no component there. Springs added to the tangent at a few unknowns make it
-//! regular and stay unstretched, so the increment is one of the exact solutions and the inertia is that of the tangent on
-//! the rest; then the increment's neutral part is taken out, which leaves the shortest of all solutions.
+//! The tangent is singular along them. Springs added to it at a few unknowns make it regular; the residual has no component
+//! along a neutral motion, so the springs stay unstretched, the increment is one of the exact solutions and the inertia is that
+//! of the tangent on the rest. Then the increment's neutral part is taken out, which leaves the shortest solution.
+//!
+//! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation error, and
+//! following it would move the whole rod by up to half an element for nothing. So sliding is held by a constraint on the
+//! increment, and the ripple's force, the residual along the sliding motion, is no part of the residual.
 
 use crate::math::Vec3;
+use crate::rod::Natural;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
 use crate::sparse::Pattern;
@@ -13,16 +18,30 @@ use crate::sparse::Pattern;
 /// Rods with other free rods around them have rigid motions that contact may resist: their springs are only this strong,
 /// a proximal term that shortens steps a little.
 const SHARED: f64 = 1e-9;
+/// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by turning.
+const DEPENDENT: f64 = 1e-3;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
-    engine.free[engine.first_node[rod]..engine.first_node[rod + 1]].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
+    engine.free[engine.first_node[rod]..engine.first_node[rod + 1]]
+        .iter()
+        .all(|f| f.iter().filter(|x| **x).count() == wanted)
 }
 
+/// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs nothing.
+fn slides(engine: &Engine, rod: usize) -> bool {
+    let data = &engine.model.rods[rod];
+    data.closed && (spins(engine, rod) || engine.model.planar && !matches!(data.natural, Natural::AsShaped))
+}
+
+/// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
 fn spins(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
-    let straight = matches!(data.natural, crate::rod::Natural::Straight)
-        || matches!(data.natural, crate::rod::Natural::Uniform { kappa } if kappa[0] == 0.0 && kappa[1] == 0.0);
+    let straight = match data.natural {
+        Natural::Straight => true,
+        Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
+        Natural::AsShaped => false,
+    };
     data.closed && data.section.is_isotropic() && straight && !engine.model.planar
 }
 
@@ -30,76 +49,140 @@ fn tangent_of(state: &State, node: usize) -> Vec3 {
     state.frames[node] * Vec3::z()
 }
 
-/// Adds the springs of all free rods to the tangent.
-pub(crate) fn add_pins(engine: &Engine, state: &State, pattern: &Pattern, values: &mut [f64]) {
-    for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
-        let nodes = engine.first_node[index]..engine.first_node[index + 1];
-        let factor = if engine.model.rods.len() == 1 { 1.0 } else { SHARED };
-        let spacing = rod.length / (rod.num_elements * rod.order) as f64;
-        let spring = factor * rod.section.bending[0] / spacing.powi(3);
-        let turning = factor * rod.section.twisting / spacing;
-        let first = nodes.start;
-        pattern.add_block(values, first, first, |i, j| if i != j { 0.0 } else if i < 3 { spring } else { turning });
-        if spins(engine, index) {
-            // the node whose tangent is farthest from the first one's: there spin and rigid rotation differ most
-            let axis = tangent_of(state, first);
-            let along = |n: usize| tangent_of(state, n).dot(&axis);
-            let other = nodes.min_by(|&a, &b| along(a).total_cmp(&along(b))).unwrap_or(first);
+/// The node whose tangent is farthest from the first one's: there spin and sliding differ most from rigid motions.
+fn opposite(engine: &Engine, state: &State, rod: usize) -> usize {
+    let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
+    let axis = tangent_of(state, nodes.start);
+    let along = |n: usize| tangent_of(state, n).dot(&axis);
+    nodes.clone().min_by(|&a, &b| along(a).total_cmp(&along(b))).unwrap_or(nodes.start)
+}
+
+/// Neutral motions at one state, orthonormal in a weighted product.
+#[derive(Debug, Default)]
+pub(crate) struct Neutral {
+    motions: Vec<Vec<f64>>,
+    /// Index in `motions` of the sliding motion, if there is one.
+    sliding: Option<usize>,
+    weights: [f64; 2],
+}
+
+impl Neutral {
+    /// The neutral motions of a model that is a single free rod; none otherwise (several rods may resist each other).
+    pub(crate) fn of(engine: &Engine, state: &State) -> Self {
+        if engine.model.rods.len() != 1 || !is_free(engine, 0) {
+            return Self::default();
+        }
+        let planar = engine.model.planar;
+        let centre = state.positions.iter().sum::<Vec3>() / engine.num_nodes() as f64;
+        // displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second order
+        let lever = 1e-3 * engine.scales.length;
+        let mut neutral = Self { weights: [1.0, lever * lever], ..Self::default() };
+        let motion = |f: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
+            let six = |n: usize| {
+                let (d, r) = f(n);
+                [d.x, d.y, d.z, r.x, r.y, r.z]
+            };
+            (0..engine.num_nodes()).flat_map(six).collect()
+        };
+        for k in 0..if planar { 2 } else { 3 } {
+            neutral.add(motion(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
+        }
+        for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
+            neutral.add(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
+        }
+        if spins(engine, 0) {
+            neutral.add(motion(&|n| (Vec3::zeros(), tangent_of(state, n))));
+        }
+        if slides(engine, 0) {
+            let rates: Vec<(Vec3, Vec3)> = (0..engine.num_nodes()).map(|n| sliding_rate(engine, state, n)).collect();
+            if neutral.add(motion(&|n| rates[n])) {
+                neutral.sliding = Some(neutral.motions.len() - 1);
+            }
+        }
+        neutral
+    }
+
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).enumerate().map(|(i, (x, y))| self.weights[usize::from(i % 6 >= 3)] * x * y).sum()
+    }
+
+    /// Orthonormalises a motion against those there; false if it depends on them.
+    fn add(&mut self, mut motion: Vec<f64>) -> bool {
+        let before = self.dot(&motion, &motion).sqrt();
+        // twice is enough
+        for _ in 0..2 {
+            for earlier in &self.motions {
+                let part = self.dot(&motion, earlier);
+                subtract(&mut motion, earlier, part);
+            }
+        }
+        let norm = self.dot(&motion, &motion).sqrt();
+        if norm <= DEPENDENT * before {
+            return false;
+        }
+        motion.iter_mut().for_each(|x| *x /= norm);
+        self.motions.push(motion);
+        true
+    }
+
+    /// Takes the neutral part out of an increment.
+    pub(crate) fn remove(&self, step: &mut [f64]) {
+        for motion in &self.motions {
+            let part = self.dot(step, motion);
+            subtract(step, motion, part);
+        }
+    }
+
+    /// The linear constraint c·Δ = 0 that keeps an increment from sliding: c = W v.
+    pub(crate) fn sliding_constraint(&self) -> Option<Vec<f64>> {
+        let motion = &self.motions[self.sliding?];
+        Some(motion.iter().enumerate().map(|(i, v)| self.weights[usize::from(i % 6 >= 3)] * v).collect())
+    }
+
+    /// Takes the sliding force out of a residual: afterwards it does no work on the sliding motion.
+    pub(crate) fn remove_sliding_force(&self, residual: &mut [f64]) {
+        let Some(index) = self.sliding else { return };
+        let motion = &self.motions[index];
+        let work: f64 = residual.iter().zip(motion).map(|(g, v)| g * v).sum();
+        for (i, (g, v)) in residual.iter_mut().zip(motion).enumerate() {
+            *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
+        }
+    }
+
+    /// Adds the springs of all free rods to the tangent.
+    pub(crate) fn add_pins(&self, engine: &Engine, state: &State, pattern: &Pattern, values: &mut [f64]) {
+        for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
+            let factor = if engine.model.rods.len() == 1 { 1.0 } else { SHARED };
+            let spacing = rod.length / (rod.num_elements * rod.order) as f64;
+            let spring = rod.section.bending[0] / spacing.powi(3);
+            let turning = rod.section.twisting / spacing;
+            let first = engine.first_node[index];
+            let held = |i: usize| factor * if i < 3 { spring } else { turning };
+            pattern.add_block(values, first, first, |i, j| if i == j { held(i) } else { 0.0 });
+            if !spins(engine, index) {
+                continue;
+            }
+            let other = opposite(engine, state, index);
             let d = tangent_of(state, other);
-            let stiffness = rod.section.twisting / spacing;
-            pattern.add_block(values, other, other, |i, j| {
-                if i >= 3 && j >= 3 { stiffness * d[i - 3] * d[j - 3] } else { 0.0 }
-            });
+            let axial = |i: usize, j: usize| if i >= 3 && j >= 3 { turning * d[i - 3] * d[j - 3] } else { 0.0 };
+            pattern.add_block(values, other, other, axial);
         }
     }
 }
 
-/// Takes the neutral part out of an increment (least squares, positions weighed against rotations by the rod's size). Only
-/// where the motions are neutral for certain: a single free rod.
-pub(crate) fn remove(engine: &Engine, state: &State, step: &mut [f64]) {
-    if engine.model.rods.len() != 1 || !is_free(engine, 0) {
-        return;
-    }
-    let num_nodes = engine.num_nodes();
-    let centre = state.positions.iter().sum::<Vec3>() / num_nodes as f64;
-    // displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second order
-    let lever = 1e-3 * engine.scales.length;
-    let weight = |i: usize| if i % 6 < 3 { 1.0 } else { lever * lever };
-    let mut modes: Vec<Vec<f64>> = Vec::new();
-    let axes: &[Vec3] = if engine.model.planar { &[Vec3::new(0.0, 0.0, 1.0)] } else { &[Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)] };
-    let dims = if engine.model.planar { 2 } else { 3 };
-    let mode = |f: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
-        (0..num_nodes)
-            .flat_map(|n| {
-                let (d, r) = f(n);
-                [d.x, d.y, d.z, r.x, r.y, r.z]
-            })
-            .collect()
-    };
-    for k in 0..dims {
-        modes.push(mode(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
-    }
-    for axis in axes {
-        modes.push(mode(&|n| (axis.cross(&(state.positions[n] - centre)), *axis)));
-    }
-    if spins(engine, 0) {
-        modes.push(mode(&|n| (Vec3::zeros(), tangent_of(state, n))));
-    }
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).enumerate().map(|(i, (x, y))| weight(i) * x * y).sum() };
-    for k in 0..modes.len() {
-        let (done, rest) = modes.split_at_mut(k);
-        let current = &mut rest[0];
-        for earlier in done.iter() {
-            let part = dot(current, earlier);
-            subtract(current, earlier, part);
-        }
-        let norm = dot(current, current).sqrt();
-        if norm > 0.0 {
-            current.iter_mut().for_each(|x| *x /= norm);
-        }
-        let part = dot(step, current);
-        subtract(step, current, part);
-    }
+/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length: centred
+/// differences between the neighbours, turned back through the seam where it lies between.
+fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
+    let (first, count) = (engine.first_node[0], engine.first_node[1] - engine.first_node[0]);
+    let local = node - first;
+    let rod = &engine.model.rods[0];
+    let reach = 2.0 * rod.length / count as f64;
+    let (before, after) = ((local + count - 1) % count + first, (local + 1) % count + first);
+    let seam = crate::math::quaternion::spin(state.seams[0]);
+    let frame_after = if local + 1 == count { state.frames[after] * seam } else { state.frames[after] };
+    let frame_before = if local == 0 { state.frames[before] * seam.inverse() } else { state.frames[before] };
+    let turn = (frame_after * frame_before.inverse()).scaled_axis();
+    ((state.positions[after] - state.positions[before]) / reach, turn / reach)
 }
 
 fn subtract(x: &mut [f64], direction: &[f64], amount: f64) {

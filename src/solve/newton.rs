@@ -4,7 +4,7 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
-use crate::solve::neutral;
+use crate::solve::neutral::Neutral;
 use crate::solve::state::{Drive, State};
 use crate::sparse::{Factor, Pattern};
 
@@ -21,7 +21,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tol_increment: 1e-8, max_iterations: 100, stable_only: true }
+        Self { tol_increment: 1e-8, max_iterations: 200, stable_only: true }
     }
 }
 
@@ -60,6 +60,9 @@ pub struct Workspace {
     pattern: Option<Pattern>,
     factor: Option<Factor>,
     pub(crate) tangent: Tangent,
+    /// Neutral motions at the last linearisation.
+    neutral: Neutral,
+    border: Option<Border>,
     /// Candidate list the pattern was made for.
     generation: u64,
     pub(crate) shift: f64,
@@ -74,8 +77,8 @@ impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in one step,
-    /// passing tangents that are indefinite although both ends of the way are stable. If it does not end in a
-    /// stable state, or if strands are near, the search with shifts takes over from the start.
+    /// passing tangents that are indefinite although both ends of the way are stable. If it does not converge, or if strands are
+    /// near, or when leaving an unstable state (`leaving`), the guarded search does the work.
     ///
     /// # Errors
     /// Numbers that break down; not converging is in the report.
@@ -84,7 +87,7 @@ impl Workspace {
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
-        start_stress: Option<&[[Six; 3]]>,
+        leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
         for rod in 0..drive.seams.len() {
             let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
@@ -94,14 +97,14 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
         let mut spent = Vec::new();
-        if !near_contact || !options.stable_only {
+        if !options.stable_only || !(near_contact || leaving) {
             let direct = NewtonOptions {
                 stable_only: false,
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
                 ..options.clone()
             };
-            match self.direct(engine, drive, &direct, start_stress) {
-                Ok(report) if !options.stable_only || (report.converged && report.num_unstable == 0) => return Ok(report),
+            match self.direct(engine, drive, &direct, options.stable_only) {
+                Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
                 Err(error) => return Err(error),
@@ -120,12 +123,12 @@ impl Workspace {
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
-        start_stress: Option<&[[Six; 3]]>,
+        may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
-        let mut remaining = 1.0;
+        let (mut remaining, mut cut_steps) = (1.0, 0);
         let mut state = engine.state.clone();
-        let mut stress = start_stress.map_or_else(|| engine.actual_stress(&state), <[[Six; 3]]>::to_vec);
+        let mut stress = engine.actual_stress(&state);
         for iteration in 0..options.max_iterations {
             self.refresh(engine, &state)?;
             let drive_now = drive.scaled(remaining);
@@ -133,7 +136,7 @@ impl Workspace {
             if self.factorise(engine, 0.0).is_none() {
                 return Err(SolveError::Factorisation { iteration, shift: 0.0 });
             }
-            let step = self.solve_step(engine, &residual, &state, &drive_now, iteration)?;
+            let step = self.solve_step(engine, &residual, &drive_now, iteration)?;
             let increment = increment_size(engine, &step);
             let fraction = engine.step_fraction(&state, &step)?;
             let predicted = engine.predicted_stress(&state, &step);
@@ -154,6 +157,11 @@ impl Workspace {
             if fraction == 1.0 && increment <= options.tol_increment {
                 report.converged = true;
                 break;
+            }
+            // with a guarded search to fall back on, a search that runs away is not waited for
+            cut_steps = if fraction < 1.0 { cut_steps + 1 } else { 0 };
+            if may_give_up && cut_steps >= 2 {
+                return Ok(report);
             }
         }
         self.refresh(engine, &state)?;
@@ -182,8 +190,10 @@ impl Workspace {
 
     pub(crate) fn linearise(&mut self, engine: &Engine, state: &State, stress: &[[Six; 3]], drive: &Drive) -> Residual {
         let Some(pattern) = &self.pattern else { return Residual::default() };
-        let residual = engine.linearise(state, Some(stress), drive, pattern, &mut self.tangent);
-        neutral::add_pins(engine, state, pattern, &mut self.tangent.values);
+        let mut residual = engine.linearise(state, Some(stress), drive, pattern, &mut self.tangent);
+        self.neutral = Neutral::of(engine, state);
+        self.neutral.add_pins(engine, state, pattern, &mut self.tangent.values);
+        self.neutral.remove_sliding_force(&mut residual.gradient);
         residual
     }
 
@@ -192,13 +202,13 @@ impl Workspace {
         &mut self,
         engine: &Engine,
         residual: &Residual,
-        state: &State,
         drive: &Drive,
         iteration: usize,
     ) -> Result<Vec<f64>, SolveError> {
         let rhs: Vec<f64> = residual.gradient.iter().zip(&self.tangent.drive).map(|(g, d)| -g - d).collect();
         let mut step = self.solve_last(engine, &rhs);
-        neutral::remove(engine, state, &mut step);
+        self.add_moment_skew(engine, &mut step);
+        self.neutral.remove(&mut step);
         set_prescribed(&mut step, drive);
         match step.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(SolveError::NotFinite { iteration, quantity: "increment", index, value: step[index] }),
@@ -220,7 +230,14 @@ impl Workspace {
             });
             &self.shifted
         };
-        factor.factorise(pattern, values).map(|inertia| inertia.num_negative)
+        let negative = factor.factorise(pattern, values)?.num_negative;
+        self.border = None;
+        let Some(constraint) = self.neutral.sliding_constraint() else { return Some(negative) };
+        let response = self.solve_unconstrained(engine, &constraint);
+        let compliance: f64 = constraint.iter().zip(&response).map(|(c, w)| c * w).sum();
+        self.border = Some(Border { constraint, response, compliance });
+        // inertia of the tangent on the motions that do not slide (Haynsworth)
+        Some(negative - usize::from(negative > 0 && compliance < 0.0))
     }
 
     /// Product of the assembled tangent with an increment (supported unknowns give and take nothing).
@@ -237,8 +254,19 @@ impl Workspace {
         expand(engine, pattern, &pattern.multiply(&self.tangent.values, &reduced))
     }
 
-    /// Solves with the last factorisation for all unknowns.
+    /// Solves with the last factorisation for all unknowns, without sliding of a uniform closed rod along itself.
     pub(crate) fn solve_last(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
+        let mut x = self.solve_unconstrained(engine, rhs_nodes);
+        if let Some(border) = &self.border {
+            let part: f64 = border.constraint.iter().zip(&x).map(|(c, x)| c * x).sum();
+            for (x, w) in x.iter_mut().zip(&border.response) {
+                *x -= part / border.compliance * w;
+            }
+        }
+        x
+    }
+
+    fn solve_unconstrained(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return Vec::new() };
         let mut rhs = vec![0.0; pattern.num_equations()];
         for node in 0..engine.num_nodes() {
@@ -263,9 +291,17 @@ impl Workspace {
     }
 }
 
+/// A constraint that holds the neutral sliding motion, with its response K⁻¹c.
+#[derive(Debug)]
+struct Border {
+    constraint: Vec<f64>,
+    response: Vec<f64>,
+    compliance: f64,
+}
+
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
 /// are neutral but for rounding and discretisation.
-const NEUTRAL_SHIFT: f64 = 1e-3;
+const NEUTRAL_SHIFT: f64 = 1e-7;
 
 /// Calls `f(node, unknown, mass)` with the masses that shifts multiply: (B/L⁴)·h for positions, times lever² for rotations.
 pub(crate) fn for_each_mass(engine: &Engine, mut f: impl FnMut(usize, usize, f64)) {
@@ -311,33 +347,18 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
     })
 }
 
-/// Largest free |gradient| over the largest sum of contributions, separately for forces and moments.
+/// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node spacing, so that
+/// pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
-    let mut worst = 0.0f64;
-    for kind in 0..2 {
-        let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);
-        for node in 0..engine.num_nodes() {
-            for k in 3 * kind..3 * kind + 3 {
-                magnitude = magnitude.max(residual.magnitude[6 * node + k]);
-                if engine.free[node][k] {
-                    gradient = gradient.max(residual.gradient[6 * node + k].abs());
-                }
-            }
-        }
-        if magnitude > 0.0 {
-            worst = worst.max(gradient / magnitude);
-        }
-    }
-    worst
-}
-
-/// Mixed unknowns go the same fraction of their step as the positions: σ ← C(ε + B Δ) + (1 − t)(σ − C ε).
-fn advance_stress(stress: &mut [[Six; 3]], actual: &[[Six; 3]], predicted: &[[Six; 3]], fraction: f64) {
-    for ((old, now), new) in stress.iter_mut().zip(actual).zip(predicted) {
-        for g in 0..3 {
-            for i in 0..6 {
-                old[g][i] = new[g][i] + (1.0 - fraction) * (old[g][i] - now[g][i]);
+    let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
+    let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);
+    for node in 0..engine.num_nodes() {
+        for k in 0..6 {
+            magnitude = magnitude.max(residual.magnitude[6 * node + k] * scale(k));
+            if engine.free[node][k] {
+                gradient = gradient.max(residual.gradient[6 * node + k].abs() * scale(k));
             }
         }
     }
+    if magnitude > 0.0 { gradient / magnitude } else { 0.0 }
 }

@@ -1,5 +1,4 @@
-//! Load stepping: runs the stages of a model with adaptive steps, each step brought to a stable equilibrium with contact
-//! enforced to the tolerance asked for.
+//! Load stepping: runs the stages of a model with adaptive steps, each of which is brought to rest.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -7,66 +6,12 @@ use std::time::Instant;
 
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
-use crate::scene::{ContactLaw, Model, Ramp, Stage};
+use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Iteration, NewtonReport, Workspace};
-use crate::solve::state::{Drive, State};
-
-/// How a run or a step ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Status {
-    /// Everything met its tolerance.
-    Converged,
-    /// Newton ran out of iterations.
-    MaxIterations,
-    /// In equilibrium, but with unstable directions that were not to be left or could not be.
-    Unstable,
-    /// The augmented Lagrangian loop ended above its penetration tolerance.
-    Penetration,
-    /// Numbers broke down; the step was given up.
-    BrokeDown,
-    /// The load step fell below its smallest size.
-    StepTooSmall,
-    /// The observer asked to stop.
-    Stopped,
-}
-
-impl std::fmt::Display for Status {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Converged => "converged",
-            Self::MaxIterations => "Newton did not converge",
-            Self::Unstable => "unstable equilibrium",
-            Self::Penetration => "penetration above tolerance",
-            Self::BrokeDown => "numbers broke down",
-            Self::StepTooSmall => "load step too small",
-            Self::Stopped => "stopped",
-        })
-    }
-}
-
-/// What one attempt at a load step did.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StepReport {
-    /// How it ended.
-    pub status: Status,
-    /// Newton iterations in all.
-    pub iterations: usize,
-    /// Augmentations of the contact offsets.
-    pub augmentations: usize,
-    /// How many times an unstable equilibrium was left.
-    pub departures: usize,
-    /// Unstable directions of the final state.
-    pub num_unstable: usize,
-    /// Worst penetration over the smallest contact radius; 0 without contact.
-    pub penetration: f64,
-    /// What broke down, if anything did.
-    pub error: Option<SolveError>,
-    /// All Newton iterations, one list per equilibrium search.
-    pub history: Vec<Vec<Iteration>>,
-}
+use crate::solve::newton::Workspace;
+use crate::solve::settle::{Status, StepReport};
+use crate::solve::state::Drive;
 
 /// What the observer sees after every accepted step.
 #[derive(Debug)]
@@ -102,9 +47,11 @@ pub struct Solution {
 /// Engine and workspace: finds equilibria one after the other.
 #[derive(Debug)]
 pub struct Solver {
-    engine: Engine,
-    workspace: Workspace,
-    options: Options,
+    pub(crate) engine: Engine,
+    pub(crate) workspace: Workspace,
+    pub(crate) options: Options,
+    /// Stages by which the contact law is softer than asked for in the present state.
+    pub(crate) stages_left: i32,
     /// Turns and displacements prescribed so far, per node.
     turned: BTreeMap<usize, f64>,
     displaced: BTreeMap<usize, Vec3>,
@@ -120,12 +67,6 @@ struct Target {
     displaced: Vec<(usize, Vec3)>,
 }
 
-/// Snapshot that a failed step returns to.
-struct Snapshot {
-    state: State,
-    offsets: Option<Vec<f64>>,
-}
-
 /// Runs all stages of a model; the observer is called for the start state (step 0) and after every accepted step.
 ///
 /// # Errors
@@ -137,6 +78,7 @@ pub fn run(
     options: &Options,
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Solution, RunError> {
+    model.check_stages(stages)?;
     let mut solver = Solver::new(model, options.clone())?;
     let started = Instant::now();
     let report = solver.settle(&Drive::default());
@@ -182,7 +124,14 @@ impl Solver {
     pub fn new(model: Model, options: Options) -> Result<Self, InputError> {
         options.check()?;
         let engine = Engine::new(model, options.threads)?;
-        Ok(Self { engine, workspace: Workspace::default(), options, turned: BTreeMap::new(), displaced: BTreeMap::new() })
+        Ok(Self {
+            engine,
+            workspace: Workspace::default(),
+            options,
+            stages_left: 0,
+            turned: BTreeMap::new(),
+            displaced: BTreeMap::new(),
+        })
     }
 
     /// The engine.
@@ -200,11 +149,14 @@ impl Solver {
         &mut self.options
     }
 
-    /// Moves all ramps to their targets in one step, without cut-back, from the present state.
+    /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
     ///
     /// # Errors
     /// Ramps that do not fit the model.
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
+        if !ramps.is_empty() {
+            self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
+        }
         let target = self.target(ramps, 1.0);
         Ok(self.attempt(&target))
     }
@@ -322,147 +274,4 @@ impl Solver {
         }
         report
     }
-
-    /// Brings the present state to a stable equilibrium with contact enforced, applying `drive` on the way.
-    pub fn settle(&mut self, drive: &Drive) -> StepReport {
-        let mut report = StepReport {
-            status: Status::Converged,
-            iterations: 0,
-            augmentations: 0,
-            departures: 0,
-            num_unstable: 0,
-            penetration: 0.0,
-            error: None,
-            history: Vec::new(),
-        };
-        if let Err(error) = self.settle_into(drive, &mut report) {
-            report.error = Some(error);
-            report.status = Status::BrokeDown;
-        }
-        report
-    }
-
-    fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        self.search(drive, report)?;
-        while report.status == Status::Converged {
-            report.penetration = self.penetration();
-            let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else { break };
-            if report.penetration <= tol_penetration {
-                break;
-            }
-            if report.augmentations >= self.options.max_augmentations {
-                report.status = Status::Penetration;
-                break;
-            }
-            self.augment();
-            report.augmentations += 1;
-            self.search(&Drive::default(), report)?;
-        }
-        Ok(())
-    }
-
-    /// One equilibrium search, leaving unstable equilibria.
-    fn search(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut outcome = self.equilibrate(drive, None, report)?;
-        while outcome.converged && outcome.num_unstable > 0 && self.options.leave_unstable {
-            if report.departures >= self.options.max_departures {
-                break;
-            }
-            report.departures += 1;
-            let direction = self.workspace.negative_direction(&mut self.engine)?;
-            let increment: Vec<f64> = direction.iter().map(|x| x * self.options.departure).collect();
-            let still = Drive::default();
-            let state = self.engine.state.clone();
-            let fraction = self.engine.step_fraction(&state, &increment)?;
-            let stress = self.engine.predicted_stress(&state, &increment);
-            self.engine.state = state.retract(&increment, fraction);
-            let start = (fraction == 1.0).then_some(stress);
-            outcome = self.equilibrate(&still, start.as_deref(), report)?;
-        }
-        report.num_unstable = outcome.num_unstable;
-        report.status = match (outcome.converged, outcome.num_unstable) {
-            (false, _) => Status::MaxIterations,
-            (true, 0) => Status::Converged,
-            (true, _) if !self.options.leave_unstable => Status::Converged,
-            (true, _) => Status::Unstable,
-        };
-        Ok(())
-    }
-
-    fn equilibrate(
-        &mut self,
-        drive: &Drive,
-        stress: Option<&[[[f64; 6]; 3]]>,
-        report: &mut StepReport,
-    ) -> Result<NewtonReport, SolveError> {
-        let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, stress)?;
-        report.iterations += outcome.iterations.len();
-        report.history.push(outcome.iterations.clone());
-        Ok(outcome)
-    }
-
-    /// Worst penetration relative to the smallest contact radius.
-    fn penetration(&self) -> f64 {
-        let Some(side) = &self.engine.contact else { return 0.0 };
-        let residual = self.engine.residual(&self.engine.state);
-        let worst = residual.terms.iter().flat_map(|t| &t.zones).map(|z| -z.min_gap).fold(0.0, f64::max);
-        worst / side.min_radius
-    }
-
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero.
-    fn augment(&mut self) {
-        let residual = self.engine.residual(&self.engine.state);
-        let Some(side) = &mut self.engine.contact else { return };
-        let mut smallest = vec![f64::INFINITY; side.offsets.len()];
-        for term in &residual.terms {
-            for zone in &term.zones {
-                for node in side.nodes[term.slave] {
-                    smallest[node] = smallest[node].min(zone.min_gap);
-                }
-            }
-        }
-        for (offset, gap) in side.offsets.iter_mut().zip(smallest) {
-            *offset = if gap.is_finite() { (*offset - gap).max(0.0) } else { 0.0 };
-        }
-    }
-
-    fn snapshot(&self) -> Snapshot {
-        Snapshot {
-            state: self.engine.state.clone(),
-            offsets: self.engine.contact.as_ref().map(|side| side.offsets.clone()),
-        }
-    }
-
-    fn restore(&mut self, snapshot: Snapshot) {
-        self.engine.state = snapshot.state;
-        if let (Some(side), Some(offsets)) = (&mut self.engine.contact, snapshot.offsets) {
-            side.offsets = offsets;
-        }
-    }
-}
-
-/// Experiment only.
-pub fn quick(solver: &Solver) -> String {
-    let e = &solver.engine;
-    let r = e.residual(&e.state);
-    let mut zones: Vec<(f64, f64, f64, f64, f64)> = Vec::new();
-    if let Some(side) = &e.contact {
-        for t in &r.terms {
-            for z in &t.zones {
-                zones.push((side.set.arc_length(t.slave, z.piece.u[0]), side.set.arc_length(t.slave, z.piece.u[1]), z.half_force, z.min_gap, 0.0));
-            }
-        }
-    }
-    zones.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut merged: Vec<(f64, f64, f64, f64)> = Vec::new();
-    for z in zones {
-        match merged.last_mut() {
-            Some(m) if (z.0 - m.1).abs() < 1e-9 => { m.1 = z.1; m.2 += z.2; m.3 = m.3.min(z.3); }
-            _ => merged.push((z.0, z.1, z.2, z.3)),
-        }
-    }
-    let twist: f64 = (0..e.elements.len()).map(|k| { let s = e.element_strain(k, &e.state); let t = e.table(e.elements[k].rod); (0..t.order).map(|g| s[g][5] * t.rule.weights[g]).sum::<f64>() * e.element_length(0) }).sum::<f64>() / std::f64::consts::TAU;
-    let link = e.state.seams[0] / std::f64::consts::TAU;
-    let force: f64 = merged.iter().map(|m| m.2).sum();
-    format!("E {:.5} Wr {:.6} F {:.6} zones {:?}", r.potential.elastic.iter().sum::<f64>(), link - twist, force, merged.iter().map(|m| format!("{:.4}+{:.1e} f{:.2}", m.0, m.1 - m.0, 2.0 * m.2)).collect::<Vec<_>>())
 }

@@ -20,7 +20,8 @@ impl Workspace {
         }
         let mut mass = vec![0.0; 6 * engine.num_nodes()];
         for_each_mass(engine, |node, k, m| mass[6 * node + k] = m);
-        let mut vector: Vec<f64> = (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
+        let mut vector: Vec<f64> =
+            (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
         for _ in 0..60 {
             let rhs: Vec<f64> = vector.iter().zip(&mass).map(|(x, m)| x * m).collect();
             vector = self.solve_last(engine, &rhs);

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::contact::capsule::distance_lower_bound;
+use crate::contact::capsule::Capsule;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::engine::{ContactSide, Engine};
@@ -79,13 +79,14 @@ impl ContactSide {
             SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value: f64::NAN }
         })?;
         let set = &self.set;
+        let capsules: Vec<Capsule> = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
         let t = pairs
             .par_iter()
             .with_min_len(256)
             .map(|&[i, j]| {
                 let (i, j) = (i as usize, j as usize);
                 let approach = relative_motion(&motions[i], &motions[j]);
-                let distance = distance_lower_bound(&set.segments[i], &set.segments[j]);
+                let distance = capsules[i].distance_lower_bound(&capsules[j]);
                 let contact_distance = set.radius_of(i) + set.radius_of(j);
                 let allowed = (distance - KEEP * contact_distance).max(DEEP * distance);
                 if approach * cut > allowed { allowed / approach } else { cut }
@@ -111,4 +112,77 @@ fn relative_motion(a: &Motion, b: &Motion) -> f64 {
         }
     }
     largest.sqrt() + a.second_order + b.second_order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::scene::{Model, NodeRef, Support};
+
+    /// A rod above another at right angles, `height` radii apart.
+    fn crossing(height: f64) -> Engine {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
+        let rod = |name: &str, start: Vec3, direction: Vec3| {
+            let shape = Shape::Line { start, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, 9, 3, Natural::Straight).unwrap()
+        };
+        let rods = vec![
+            rod("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x()),
+            rod("upper", Vec3::new(0.0, -0.5, 0.01 * height), Vec3::y()),
+        ];
+        let supports = (0..2).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
+        let mut engine = Engine::new(Model { rods, supports, ..Model::default() }, None).unwrap();
+        let state = engine.state.clone();
+        engine.update_contact(&state).unwrap();
+        engine
+    }
+
+    fn downward(engine: &Engine, by: f64, turn: f64) -> Vec<f64> {
+        let mut step = vec![0.0; 6 * engine.num_nodes()];
+        for node in engine.first_node[1]..engine.first_node[2] {
+            step[6 * node + 2] = -by;
+            step[6 * node + 3] = turn;
+        }
+        step
+    }
+
+    /// However long the step, the strands stay on their sides all along the part that is allowed, and most of the way is.
+    #[test]
+    fn no_step_takes_a_strand_through_another() {
+        for height in [0.3, 2.0, 2.5, 5.0, 40.0] {
+            for by in [1e-3, 0.02, 0.1, 3.0, 1e6] {
+                for turn in [0.0, 0.5] {
+                    let mut engine = crossing(height);
+                    let state = engine.state.clone();
+                    let step = downward(&engine, by, turn);
+                    let t = engine.step_fraction(&state, &step).unwrap();
+                    assert!(t > 0.0 && t <= 1.0);
+                    let side = engine.contact.as_mut().unwrap();
+                    for k in 0..=50 {
+                        side.place(&state.retract(&step, t * f64::from(k) / 50.0));
+                        let middle = |c: usize| {
+                            let info = side.set.curves[c];
+                            side.set.segments[info.first + info.count / 2].point(0.5)
+                        };
+                        assert!(middle(1).z > middle(0).z, "height {height} by {by} turn {turn}: passed at {k}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Far from contact the bound is not felt, nor by motions of both strands together.
+    #[test]
+    fn far_or_common_motion_is_not_cut() {
+        let mut engine = crossing(40.0);
+        let state = engine.state.clone();
+        let step = downward(&engine, 0.1, 0.0);
+        assert_eq!(engine.step_fraction(&state, &step).unwrap(), 1.0);
+        let mut engine = crossing(2.0);
+        let state = engine.state.clone();
+        let mut step = vec![0.0; 6 * engine.num_nodes()];
+        step.chunks_mut(6).for_each(|node| node[0] = 0.1);
+        assert_eq!(engine.step_fraction(&state, &step).unwrap(), 1.0);
+    }
 }

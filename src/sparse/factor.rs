@@ -7,8 +7,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-    supernodal::SupernodalLdltRef,
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
@@ -122,7 +122,15 @@ mod tests {
         let pattern = Pattern::new(&free, (0..19).map(|a| (a, a + 1)));
         let mut values = vec![0.0; pattern.num_entries()];
         for a in 0..20 {
-            pattern.add_block(&mut values, a, a, |i, j| if i != j { 0.1 } else if i == 0 { 2.5 } else { 1.0 - 0.15 * a as f64 });
+            pattern.add_block(&mut values, a, a, |i, j| {
+                if i != j {
+                    0.1
+                } else if i == 0 {
+                    2.5
+                } else {
+                    1.0 - 0.15 * a as f64
+                }
+            });
         }
         for a in 0..19 {
             pattern.add_block(&mut values, a, a + 1, |i, j| if i == j { -0.4 } else { 0.03 });

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::rod::rod::within;
+use crate::rod::within;
 use crate::rod::{CrossSection, Natural, Rod, Section, Shape};
 use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 

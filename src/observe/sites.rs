@@ -1,0 +1,263 @@
+//! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, joined to what
+//! a reader would count as one contact.
+//!
+//! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
+//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its force
+//!    is the sum over all its zones, because each view carries half of it.
+
+use crate::contact::curve::{CurveSet, angle};
+use crate::contact::detect::PairTerm;
+
+use super::report::SiteReport;
+
+/// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
+const TOL_ARC: f64 = 1e-6;
+/// … and on the other strand to how well a foot is known where the distance hardly changes along it.
+const TOL_FOOT: f64 = 1e-2;
+
+/// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Zone {
+    curve_a: usize,
+    /// Ascending.
+    arc_a: [f64; 2],
+    curve_b: usize,
+    /// Feet of the ends of `arc_a`; descending where the strands run against each other.
+    arc_b: [f64; 2],
+    half_force: f64,
+    gap: f64,
+    /// Crossing angle where the gap is smallest, degrees.
+    angle: f64,
+}
+
+/// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
+pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize]) -> Vec<SiteReport> {
+    let zones = zones(set, terms);
+    let mut sites: Vec<SiteReport> =
+        views(set, &zones).iter().map(|members| site(set, &zones, members, rods)).collect();
+    sites.sort_by(|x, y| {
+        let key = |s: &SiteReport| (s.rod_a, s.rod_b);
+        key(x).cmp(&key(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
+    });
+    sites
+}
+
+/// Length of a curve \[L\].
+fn length(set: &CurveSet, curve: usize) -> f64 {
+    let info = &set.curves[curve];
+    set.arc_length(info.first + info.count - 1, 1.0)
+}
+
+/// Length of a curve if it is closed \[L\].
+fn period(set: &CurveSet, curve: usize) -> Option<f64> {
+    set.curves[curve].closed.then(|| length(set, curve))
+}
+
+fn contact_distance(set: &CurveSet, zone: &Zone) -> f64 {
+    set.curves[zone.curve_a].radius + set.curves[zone.curve_b].radius
+}
+
+/// `x` shifted by periods to be as near to `target` as it can.
+fn near(x: f64, target: f64, period: Option<f64>) -> f64 {
+    period.map_or(x, |p| x + p * ((target - x) / p).round())
+}
+
+fn order(x: &Zone, y: &Zone) -> std::cmp::Ordering {
+    let pair = |z: &Zone| (z.curve_a, z.curve_b);
+    pair(x).cmp(&pair(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
+}
+
+/// Index range of the zones of strand `a` against strand `b` in a sorted list.
+fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
+    let start = zones.partition_point(|z| (z.curve_a, z.curve_b) < (a, b));
+    start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
+}
+
+fn pieces(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
+    let mut pieces: Vec<Zone> = Vec::new();
+    for term in terms {
+        for zone in &term.zones {
+            let nearest = zone.piece.nearest;
+            let (_, tangent_a, _) = set.segments[term.slave].derivatives(nearest.u);
+            let (_, tangent_b, _) = set.segments[term.master].derivatives(nearest.v);
+            let crossing = angle(&tangent_a, &tangent_b).to_degrees();
+            pieces.push(Zone {
+                curve_a: set.curve_of(term.slave),
+                arc_a: zone.piece.u.map(|u| set.arc_length(term.slave, u)),
+                curve_b: set.curve_of(term.master),
+                arc_b: zone.piece.v.map(|v| set.arc_length(term.master, v)),
+                half_force: zone.half_force,
+                gap: zone.min_gap,
+                angle: crossing.min(180.0 - crossing),
+            });
+        }
+    }
+    pieces.sort_by(order);
+    pieces
+}
+
+/// Joins pieces that follow each other; sorted.
+fn zones(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
+    let pieces = pieces(set, terms);
+    let next = successors(set, &pieces);
+    let mut follows = vec![false; pieces.len()];
+    next.iter().flatten().for_each(|&j| follows[j] = true);
+    let mut used = vec![false; pieces.len()];
+    let mut zones = Vec::new();
+    // chains from their first piece; what is left are zones all round a closed strand
+    let starts = (0..pieces.len()).filter(|&i| !follows[i]).chain((0..pieces.len()).filter(|&i| follows[i]));
+    for start in starts {
+        if used[start] {
+            continue;
+        }
+        used[start] = true;
+        let mut zone = pieces[start];
+        let mut last = start;
+        while let Some(piece) = next[last].filter(|&j| !used[j]) {
+            used[piece] = true;
+            append(set, &mut zone, &pieces[piece]);
+            last = piece;
+        }
+        zones.push(zone);
+    }
+    zones.sort_by(order);
+    zones
+}
+
+fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
+    zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
+    let start = near(piece.arc_b[0], zone.arc_b[1], period(set, zone.curve_b));
+    zone.arc_b[1] = start + piece.arc_b[1] - piece.arc_b[0];
+    zone.half_force += piece.half_force;
+    if piece.gap < zone.gap {
+        (zone.gap, zone.angle) = (piece.gap, piece.angle);
+    }
+}
+
+/// For each piece the one that continues it.
+fn successors(set: &CurveSet, pieces: &[Zone]) -> Vec<Option<usize>> {
+    let mut taken = vec![false; pieces.len()];
+    let mut successors = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        let distance = contact_distance(set, piece);
+        let (tol_arc, tol_foot) = (TOL_ARC * distance, TOL_FOOT * distance);
+        let range = class(pieces, piece.curve_a, piece.curve_b);
+        let (offset, range) = (range.start, &pieces[range]);
+        let mut best: Option<(f64, usize)> = None;
+        for shift in [Some(0.0), period(set, piece.curve_a)].into_iter().flatten() {
+            let end = piece.arc_a[1] - shift;
+            let first = range.partition_point(|z| z.arc_a[0] < end - tol_arc);
+            for (k, other) in range.iter().enumerate().skip(first).take_while(|(_, z)| z.arc_a[0] <= end + tol_arc) {
+                let jump = (near(other.arc_b[0], piece.arc_b[1], period(set, piece.curve_b)) - piece.arc_b[1]).abs();
+                if jump <= tol_foot && !taken[offset + k] && best.is_none_or(|(least, _)| jump < least) {
+                    best = Some((jump, offset + k));
+                }
+            }
+        }
+        if let Some((_, j)) = best {
+            taken[j] = true;
+        }
+        successors.push(best.map(|(_, j)| j));
+    }
+    successors
+}
+
+/// Groups zones into sites: the indices of its zones, true for those that see it the other way round than the first.
+fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
+    let mut used = vec![false; zones.len()];
+    let mut groups = Vec::new();
+    for start in 0..zones.len() {
+        if used[start] {
+            continue;
+        }
+        used[start] = true;
+        let mut group = vec![(start, false)];
+        let mut next = 0;
+        while let Some(&(member, flipped)) = group.get(next) {
+            for other in counterparts(set, zones, member) {
+                if !used[other] {
+                    used[other] = true;
+                    group.push((other, !flipped));
+                }
+            }
+            next += 1;
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+/// Zones that see the same contact from the other strand.
+fn counterparts<'a>(set: &'a CurveSet, zones: &'a [Zone], index: usize) -> impl Iterator<Item = usize> + 'a {
+    let zone = &zones[index];
+    let pad = TOL_FOOT * contact_distance(set, zone);
+    class(zones, zone.curve_b, zone.curve_a).filter(move |&other| {
+        other != index
+            && overlap(zone.arc_b, zones[other].arc_a, pad, period(set, zone.curve_b))
+            && overlap(zone.arc_a, zones[other].arc_b, pad, period(set, zone.curve_a))
+    })
+}
+
+fn ascending(arc: [f64; 2]) -> [f64; 2] {
+    [arc[0].min(arc[1]), arc[0].max(arc[1])]
+}
+
+/// Whether two arcs of one curve come within `pad` of each other, on closed curves whole periods aside.
+fn overlap(x: [f64; 2], y: [f64; 2], pad: f64, period: Option<f64>) -> bool {
+    let (x, y) = (ascending(x), ascending(y));
+    let middle = |arc: [f64; 2]| 0.5 * (arc[0] + arc[1]);
+    // of all shifts the one that brings the middles together has the best chance
+    let distance = (near(middle(y), middle(x), period) - middle(x)).abs();
+    distance <= 0.5 * (x[1] - x[0] + y[1] - y[0]) + pad
+}
+
+/// The smallest arc over all `arcs` (the first decides the period), or the whole of a closed curve, within [0, length\].
+fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2], f64) {
+    let all = arcs.map(ascending).reduce(|sum, arc| {
+        let shift = near(0.5 * (arc[0] + arc[1]), 0.5 * (sum[0] + sum[1]), period) - 0.5 * (arc[0] + arc[1]);
+        [sum[0].min(arc[0] + shift), sum[1].max(arc[1] + shift)]
+    });
+    let arc = all.unwrap_or_default();
+    let width = arc[1] - arc[0];
+    match period {
+        None => (arc, width),
+        Some(period) if width >= period * (1.0 - TOL_ARC) => ([0.0, period], period),
+        Some(period) => {
+            let start = arc[0].rem_euclid(period);
+            let end = start + width;
+            ([start, if end > period { end - period } else { end }], width)
+        }
+    }
+}
+
+fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize]) -> SiteReport {
+    let seen_from = |flipped: bool| members.iter().filter(move |m| m.1 == flipped).map(|m| zones[m.0]);
+    let first = &zones[members[0].0];
+    let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), period(set, first.curve_a));
+    let period_b = period(set, first.curve_b);
+    // a contact that only strand a sees is placed on strand b by its feet
+    let (arc_b, width_b) = if members.iter().any(|m| m.1) {
+        hull(seen_from(true).map(|z| z.arc_a), period_b)
+    } else {
+        hull(seen_from(false).map(|z| z.arc_b), period_b)
+    };
+    let all = || members.iter().map(|m| &zones[m.0]);
+    let nearest = all().fold(first, |best, z| if z.gap < best.gap { z } else { best });
+    let is_line = 0.5 * (width_a + width_b) > contact_distance(set, first);
+    let a = (rods[first.curve_a], arc_a);
+    let b = (rods[first.curve_b], arc_b);
+    let (a, b) = if (b.0, b.1[0]) < (a.0, a.1[0]) { (b, a) } else { (a, b) };
+    SiteReport {
+        rod_a: a.0,
+        arc_a: a.1,
+        rod_b: b.0,
+        arc_b: b.1,
+        kind: if is_line { "line" } else { "point" },
+        gap: nearest.gap,
+        force: all().map(|z| z.half_force).sum(),
+        angle: nearest.angle,
+    }
+}
+
+#[cfg(test)]
+mod tests;

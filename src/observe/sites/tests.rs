@@ -1,0 +1,118 @@
+use super::*;
+use crate::contact::detect::{LawParameters, Want, evaluate};
+use crate::math::Vec3;
+
+/// Two straight rods of radius 0.5 in segments of length 1, `b` at height `height`, turned by `degrees` about z.
+fn straight(degrees: f64, height: f64) -> CurveSet {
+    let along = |direction: Vec3, z: f64| -> Vec<Vec3> {
+        (0..=6).map(|k| direction * (f64::from(k) - 3.2) + Vec3::z() * z).collect()
+    };
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let (a, b) = (along(Vec3::x(), 0.0), along(Vec3::new(cos, sin, 0.0), height));
+    CurveSet::from_polylines(&[(&a, 0.5, false), (&b, 0.5, false)]).unwrap()
+}
+
+fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
+    let n = set.len() as u32;
+    (0..n)
+        .flat_map(|i| (i + 1..n).map(move |j| [i, j]))
+        .filter(|p| set.curve_of(p[0] as usize) != set.curve_of(p[1] as usize))
+        .collect()
+}
+
+fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
+    let terms =
+        evaluate(set, &all_pairs(set), LawParameters { stiffness, geometric: 1.0 }, &|_| [0.0; 2], Want::Gradient);
+    sites(set, &terms, &[3, 7])
+}
+
+/// Rods crossing at right angles at height 1 − δ: gap(s) = √(h² + s²) − 1 from either strand, so the zone is
+/// |s| < √(1 − h²) and the force 2 · ½ κ ∫ (1 − √(h² + s²)) ds.
+#[test]
+fn crossing_rods_touch_at_one_point() {
+    let (h, stiffness): (f64, f64) = (0.99, 100.0);
+    let sites = found(&straight(90.0, h), stiffness);
+    assert_eq!(sites.len(), 1, "{sites:?}");
+    let site = &sites[0];
+    assert_eq!((site.rod_a, site.rod_b, site.kind), (3, 7, "point"));
+    let w = (1.0 - h * h).sqrt();
+    for arc in [site.arc_a, site.arc_b] {
+        assert!((arc[0] - (3.2 - w)).abs() < 1e-12 && (arc[1] - (3.2 + w)).abs() < 1e-12, "{arc:?}");
+    }
+    assert!((site.gap - (h - 1.0)).abs() < 1e-14 && (site.angle - 90.0).abs() < 1e-12);
+    let area = w - h * h * (w / h).asinh(); // ∫₋w..w (1 − √(h² + s²)) ds with √(h² + w²) = 1
+    assert!((site.force / (stiffness * area) - 1.0).abs() < 1e-7, "{} {}", site.force, stiffness * area);
+}
+
+/// Antiparallel rods over the length 6, cut into many pieces: one line; force κ δ · 6, the gap is −δ throughout.
+#[test]
+fn parallel_rods_touch_along_one_line() {
+    for degrees in [0.0, 180.0] {
+        let set = straight(degrees, 0.99);
+        let sites = found(&set, 100.0);
+        assert_eq!(sites.len(), 1, "{degrees}: {sites:?}");
+        let site = &sites[0];
+        assert_eq!(site.kind, "line");
+        let overlap: f64 = if degrees == 0.0 { 6.0 } else { 5.6 };
+        // beyond the end of the other rod its end cap is felt: up to √(1 − 0.99²) = 0.141 further
+        for arc in [site.arc_a, site.arc_b] {
+            assert!((arc[1] - arc[0] - overlap).abs() < 0.2, "{degrees}: {arc:?}");
+        }
+        assert!((site.force - overlap).abs() < 0.15, "{degrees}: {}", site.force);
+        assert!((site.gap + 0.01).abs() < 1e-14 && site.angle < 1e-9);
+    }
+}
+
+/// A closed rod drawn out to a narrow loop: its two long sides, 0.99 apart, are both strands of one line.
+#[test]
+fn a_rod_along_itself_is_one_line() {
+    let side = |y: f64, back: bool| (0..=8).map(move |k| Vec3::new(f64::from(if back { 8 - k } else { k }), y, 0.0));
+    let points: Vec<Vec3> = side(0.0, false).chain(side(0.99, true)).collect();
+    let set = CurveSet::from_polylines(&[(&points, 0.5, true)]).unwrap();
+    let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
+    let terms =
+        evaluate(&set, &facing, LawParameters { stiffness: 100.0, geometric: 1.0 }, &|_| [0.0; 2], Want::Gradient);
+    let sites = sites(&set, &terms, &[0]);
+    assert_eq!(sites.len(), 1, "{sites:?}");
+    let site = &sites[0];
+    let expected = [[1.0, 7.0], [9.99, 15.99]];
+    for (arc, expected) in [site.arc_a, site.arc_b].into_iter().zip(expected) {
+        assert!((arc[0] - expected[0]).abs() < 1e-12 && (arc[1] - expected[1]).abs() < 1e-12, "{arc:?}");
+    }
+    assert_eq!((site.rod_a, site.rod_b, site.kind), (0, 0, "line"));
+    assert!((site.force - 6.0).abs() < 1e-10 && (site.gap + 0.01).abs() < 1e-14 && site.angle < 1e-9, "{site:?}");
+}
+
+/// Two rings side by side touch all round.
+#[test]
+fn pieces_join_over_the_seam_and_all_round() {
+    let ring = |radius: f64, z: f64, start: f64| -> Vec<Vec3> {
+        (0..16)
+            .map(|k| std::f64::consts::TAU * (f64::from(k) + start) / 16.0)
+            .map(|t| Vec3::new(radius * t.cos(), radius * t.sin(), z))
+            .collect()
+    };
+    let (a, b) = (ring(5.0, 0.0, 0.0), ring(5.0, 0.99, 8.0));
+    let set = CurveSet::from_polylines(&[(&a, 0.5, true), (&b, 0.5, true)]).unwrap();
+    let sites = found(&set, 100.0);
+    assert_eq!(sites.len(), 1, "{sites:?}");
+    let total = length(&set, 0);
+    assert_eq!((sites[0].arc_a, sites[0].kind), ([0.0, total], "line"));
+    assert!((sites[0].force / total - 1.0).abs() < 1e-9);
+
+    // a straight rod across the first node of the ring: the site runs over the seam
+    let bar: Vec<Vec3> =
+        (0..4).map(|k| Vec3::new(5.0, 0.0, 0.99) + Vec3::new(1.0, 0.1, 0.0) * (f64::from(k) - 1.4)).collect();
+    let set = CurveSet::from_polylines(&[(&a, 0.5, true), (&bar, 0.5, false)]).unwrap();
+    let sites = found(&set, 100.0);
+    assert_eq!(sites.len(), 1, "{sites:?}");
+    assert!(sites[0].arc_a[0] > 30.0 && sites[0].arc_a[1] < 1.0 && sites[0].kind == "point", "{sites:?}");
+}
+
+#[test]
+fn arcs_overlap_across_the_period() {
+    assert!(overlap([9.5, 10.5], [0.2, 0.4], 0.0, Some(10.0)));
+    assert!(!overlap([9.5, 10.5], [0.2, 0.4], 0.0, None));
+    assert!(overlap([3.0, 1.0], [2.9, 4.0], 0.0, None));
+    assert_eq!(hull([[9.0, 10.5], [0.2, 0.8]].into_iter(), Some(10.0)).0, [9.0, 0.8000000000000007]);
+}

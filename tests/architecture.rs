@@ -1,0 +1,124 @@
+//! Layers: lower ones know nothing of higher ones.
+//!
+//! math → {contact, rod, sparse} → scene → solve → observe → io → main, and dna apart; `error` is open to all. Scans every
+//! `crate::` path in the sources outside comments.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::path::{Path, PathBuf};
+
+/// Each module of the crate's root and what it may use besides itself.
+const MAY_USE: [(&str, &[&str]); 10] = [
+    ("error", &[]),
+    ("math", &["error"]),
+    ("contact", &["error", "math"]),
+    ("rod", &["error", "math"]),
+    ("sparse", &["error", "math"]),
+    ("scene", &["error", "math", "rod"]),
+    ("solve", &["error", "math", "contact", "rod", "sparse", "scene"]),
+    ("observe", &["error", "math", "contact", "rod", "scene", "solve"]),
+    ("io", &["error", "math", "rod", "scene", "solve", "observe"]),
+    ("dna", &["error"]),
+];
+
+/// Foreign crates that a single file names.
+const NAMED_ONCE: [(&str, &str); 2] = [("parry3d", "contact/broad_phase.rs"), ("faer", "sparse/factor.rs")];
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// All sources as (path below src, text without comments).
+fn sources() -> Vec<(String, String)> {
+    let (mut folders, mut found) = (vec![source()], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let name = path.strip_prefix(source()).unwrap().to_string_lossy().replace('\\', "/");
+                found.push((name, without_comments(&std::fs::read_to_string(&path).unwrap())));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn without_comments(text: &str) -> String {
+    text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+}
+
+/// Root modules named in `crate::name` and `crate::{name::…, other}`.
+fn roots(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (at, _) in text.match_indices("crate::") {
+        let rest = &text[at + "crate::".len()..];
+        let mut depth = 0;
+        let mut start = true;
+        let mut name = String::new();
+        for c in rest.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 1 => start = true,
+                _ if start && (c.is_alphanumeric() || c == '_') => {
+                    name.push(c);
+                    continue;
+                }
+                _ if c.is_whitespace() && name.is_empty() => continue,
+                _ => {}
+            }
+            if !name.is_empty() {
+                found.push(std::mem::take(&mut name));
+                start = false;
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+    }
+    found
+}
+
+/// What breaks the layers in one file.
+fn offences(file: &str, text: &str) -> Vec<String> {
+    let module = file.split(['/', '.']).next().unwrap_or_default();
+    let Some((_, allowed)) = MAY_USE.iter().find(|(name, _)| *name == module) else {
+        return vec![format!("{file}: \"{module}\" has no place among the layers")];
+    };
+    let known = |name: &str| MAY_USE.iter().any(|(module, _)| *module == name);
+    let uses = roots(text).into_iter().filter(|name| known(name) && name != module);
+    uses.filter(|name| !allowed.contains(&name.as_str())).map(|name| format!("{file} uses {name}")).collect()
+}
+
+#[test]
+fn lower_layers_know_nothing_of_higher_ones() {
+    let broken: Vec<String> = sources()
+        .iter()
+        .filter(|(file, _)| !["lib.rs", "main.rs"].contains(&file.as_str()))
+        .flat_map(|(file, text)| offences(file, text))
+        .collect();
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn foreign_crates_are_named_in_one_place() {
+    for (name, home) in NAMED_ONCE {
+        let used: Vec<String> = sources().into_iter().filter(|(_, text)| text.contains(name)).map(|s| s.0).collect();
+        assert_eq!(used, [home], "{name}");
+    }
+}
+
+#[test]
+fn a_broken_layer_is_seen() {
+    assert_eq!(offences("math/mod.rs", "use crate::solve::Engine;"), ["math/mod.rs uses solve"]);
+    assert_eq!(offences("contact/law.rs", "fn f(x: crate::rod::Rod) {}"), ["contact/law.rs uses rod"]);
+    let grouped = "use crate::{\n    error::{InputError, SolveError},\n    io::csv,\n    math::Vec3,\n};";
+    assert_eq!(offences("observe/mod.rs", grouped), ["observe/mod.rs uses io"]);
+    assert_eq!(offences("dna.rs", "use crate::math;"), ["dna.rs uses math"]);
+    assert!(offences("io/run.rs", "use crate::observe;\nuse crate::io::csv;").is_empty());
+    assert_eq!(offences("gui/mod.rs", "").len(), 1);
+    assert!(roots(&without_comments("//! see crate::io\nlet x = 1; // crate::solve")).is_empty());
+}

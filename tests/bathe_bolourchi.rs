@@ -1,0 +1,52 @@
+//! The 45° bend of Bathe & Bolourchi (1979): a curved cantilever loaded out of its plane, in ONE load step.
+//!
+//! Set-up: a circular arc of radius 100 and 45° in the x-y plane, stress-free, clamped at the origin with its tangent along +x
+//! and turning towards +y; a dead force along z at the tip. Square section 1 × 1, E = 1e7, ν = 0: EA = 1e7, EI = E/12,
+//! GJ = 5e6/6, shear stiffness 5/6 · 5e6 (and 5e6 as a variant). 16 cubic elements.
+//! Reference: tip position of the continuous rod, solved as a boundary value problem to all printed digits. (The often quoted
+//! (47.23, 15.79, 53.37) at 600 of Simo & Vu-Quoc 1986 comes from coarse meshes.)
+//! Tolerance: 1e-7 absolute.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
+
+mod common;
+
+use common::{cantilever, history, tip, verify_point};
+use std::f64::consts::FRAC_PI_4;
+use supercoil::math::Vec3;
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::Ramp;
+use supercoil::solve::{Options, Solver, Status};
+
+const TOLERANCE: f64 = 1e-7;
+
+fn bend(force: f64, shearing: f64) -> Solver {
+    let section = Section::isotropic(1e7 / 12.0, 5e6 / 6.0, 1e7, shearing, 0.5);
+    let shape =
+        Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
+    let rod = Rod::new("bend", &shape, false, section, 16, 3, Natural::AsShaped).unwrap();
+    let mut solver = Solver::new(cantilever(rod, Vec3::z() * force, Vec3::zeros()), Options::default()).unwrap();
+    let report = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
+    println!("force {force}: {}", history(&report));
+    assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
+    assert!(report.iterations <= 30, "{}", history(&report));
+    solver
+}
+
+#[test]
+fn tip_at_three_loads() {
+    for (force, reference) in [
+        (300.0, [58.778_897_330_0, 22.244_679_426_7, 40.192_392_332_3]),
+        (450.0, [52.238_261_846_7, 18.508_064_875_6, 48.503_491_531_8]),
+        (600.0, [47.150_096_240_3, 15.684_689_479_0, 53.475_477_998_2]),
+    ] {
+        let solver = bend(force, 5.0 / 6.0 * 5e6);
+        verify_point(&format!("Bathe-Bolourchi, {force}"), &tip(&solver), reference, TOLERANCE);
+    }
+}
+
+#[test]
+fn tip_with_full_shear_stiffness() {
+    let reference = [47.150_438_573_6, 15.684_800_534_0, 53.474_858_791_8];
+    verify_point("Bathe-Bolourchi, 600, kGA = 5e6", &tip(&bend(600.0, 5e6)), reference, TOLERANCE);
+}

@@ -1,0 +1,155 @@
+//! Orders of convergence in a spatial case, for elements of order 1, 2, 3 at slenderness 1e1 to 1e6.
+//!
+//! Set-up: a stress-free circular arc of 90° and length 1 in the x-y plane, clamped at the origin, under a dead tip force
+//! (0.8, −1.1, 2.5) B/L²: bending about both axes and twist. Solid disc of slenderness L/ε with E = 2G: EA = 4B/ε², GA = 2B/ε².
+//! Reference: the same rod on 96 cubic elements; its internal moment by equilibrium, m(s) = (r(L) − r(s)) × F.
+//! Required: with p the order of the elements, the tip's position and rotation and the energy converge with order 2p, the largest
+//! error of position over all nodes with 2, 4, 4, the internal moment at the integration points with p + 1, and neither errors nor
+//! orders depend on the slenderness (no locking).
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
+
+mod common;
+
+use common::{cantilever, elastic_energy, fitted_order, history, sci, slender_disc, strains_of, verify};
+use std::f64::consts::FRAC_PI_2;
+use supercoil::math::quadrature::gauss;
+use supercoil::math::shape_functions::lagrange;
+use supercoil::math::{Quat, Vec3};
+use supercoil::rod::{Natural, Rod, Shape};
+use supercoil::scene::Ramp;
+use supercoil::solve::{Options, Solver, Status};
+
+const FINE: usize = 96;
+
+fn force() -> Vec3 {
+    Vec3::new(0.8, -1.1, 2.5)
+}
+
+/// The curvature of the arc, exactly.
+fn uniform() -> Natural {
+    Natural::Uniform { kappa: [FRAC_PI_2, 0.0, 0.0] }
+}
+
+fn bent(order: usize, elements: usize, natural: Natural, slenderness: f64) -> Solver {
+    let shape = Shape::Arc {
+        start: Vec3::zeros(),
+        tangent: Vec3::x(),
+        towards: Vec3::y(),
+        radius: 1.0 / FRAC_PI_2,
+        angle: FRAC_PI_2,
+    };
+    let rod = Rod::new("arc", &shape, false, slender_disc(slenderness), elements, order, natural).unwrap();
+    let mut solver = Solver::new(cantilever(rod, force(), Vec3::zeros()), Options::default()).unwrap();
+    let report = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
+    assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
+    solver
+}
+
+/// Position and frame of a solution at a fraction of its length, inside its elements.
+fn at(solver: &Solver, fraction: f64) -> (Vec3, Quat) {
+    let rod = &solver.engine().model().rods[0];
+    let x = fraction * rod.num_elements as f64;
+    let element = (x as usize).min(rod.num_elements - 1);
+    let n = lagrange(rod.order, x - element as f64).0;
+    let node = |a: usize| element * rod.order + a;
+    let position = (0..=rod.order).map(|a| solver.engine().positions(0)[node(a)] * n[a]).sum();
+    let frames = solver.engine().frames(0);
+    let sign = |a: usize| frames[node(0)].coords.dot(&frames[node(a)].coords).signum();
+    let sum: nalgebra::Vector4<f64> = (0..=rod.order).map(|a| frames[node(a)].coords * (sign(a) * n[a])).sum();
+    (position, Quat::new_normalize(nalgebra::Quaternion::from_vector(sum)))
+}
+
+/// Errors of: tip position, tip rotation, energy, position anywhere, moment anywhere.
+fn errors(solver: &Solver, fine: &Solver) -> [f64; 5] {
+    let rod = &solver.engine().model().rods[0];
+    let (order, elements) = (rod.order, rod.num_elements);
+    let (end, exact_end) = (at(solver, 1.0), at(fine, 1.0));
+    let turn = (exact_end.1.inverse() * end.1).imag().norm() * 2.0;
+    let energy = (elastic_energy(solver) - elastic_energy(fine)).abs();
+    let positions = solver.engine().positions(0);
+    let last = (positions.len() - 1) as f64;
+    let offset = |(i, r): (usize, &Vec3)| (r - at(fine, i as f64 / last).0).norm();
+    let anywhere = positions.iter().enumerate().map(offset).fold(0.0, f64::max);
+    let points = gauss(order).points;
+    let moment_error = |(i, strain): (usize, &[f64; 6])| {
+        let fraction = ((i / order) as f64 + points[i % order]) / elements as f64;
+        // isotropic, bending and twisting stiffness 1: the strains are the moments in the rod's own frame
+        let material = Vec3::new(strain[3], strain[4], strain[5]);
+        let (position, frame) = at(fine, fraction);
+        (frame * material - (exact_end.0 - position).cross(&force())).norm()
+    };
+    let moment = strains_of(solver).iter().enumerate().map(moment_error).fold(0.0, f64::max);
+    [(end.0 - exact_end.0).norm(), turn, energy, anywhere, moment]
+}
+
+/// Errors on three meshes, each twice as fine as the last, and the orders fitted to them.
+fn study(order: usize, natural: Natural, slenderness: f64) -> ([[f64; 5]; 3], [f64; 5]) {
+    // beyond 1e4 the solution no longer changes with the slenderness, but rounding does
+    let fine = bent(3, FINE, uniform(), slenderness.min(1e4));
+    let coarse = [16, 4, 3][order - 1];
+    let meshes = [coarse, 2 * coarse, 4 * coarse];
+    let found = meshes.map(|n| errors(&bent(order, n, natural, slenderness), &fine));
+    let sizes = meshes.map(|n| 1.0 / n as f64);
+    let orders = std::array::from_fn(|k| fitted_order(&sizes, &found.map(|e| e[k])));
+    for (n, e) in meshes.iter().zip(&found) {
+        println!("order {order}, {n} elements, L/ε {slenderness:e}: {}", sci(e));
+    }
+    println!("orders {orders:.2?}");
+    (found, orders)
+}
+
+#[test]
+fn orders_do_not_depend_on_the_slenderness() {
+    for order in 1..=3 {
+        let p = order as f64;
+        let mut reference = None;
+        for slenderness in [1e2, 1e1, 1e3, 1e4] {
+            let (found, orders) = study(order, uniform(), slenderness);
+            let case = format!("convergence, p = {order}, L/ε = {slenderness:e}");
+            for (k, name) in ["tip position", "tip rotation", "energy"].into_iter().enumerate() {
+                verify(&case, name, orders[k], 2.0 * p, 0.15);
+            }
+            verify(&case, "position anywhere", orders[3], [2.0, 4.0, 4.0][order - 1], 0.2);
+            verify(&case, "moment anywhere", orders[4], p + 1.0, 0.2);
+            let reference = reference.get_or_insert(found);
+            for k in 0..5 {
+                let ratio = found[1][k] / reference[1][k];
+                verify(&case, "error over that at L/ε = 1e2, middle mesh", ratio, 1.0, 0.1);
+            }
+        }
+    }
+}
+
+/// At L/ε = 1e6 one rounding of a position is 1e-3 of the load: the tip has a floor of about 1e-7, and nothing locks above it.
+#[test]
+fn slenderness_of_a_million() {
+    for order in 1..=3 {
+        let (thick, _) = study(order, uniform(), 1e2);
+        let (thin, _) = study(order, uniform(), 1e6);
+        for (a, b) in thick.iter().zip(&thin) {
+            let case = format!("convergence, p = {order}, L/ε = 1e6");
+            verify(&case, "tip error less that at L/ε = 1e2", b[0] - a[0], 0.0, 5e-7 + 0.05 * a[0]);
+        }
+    }
+}
+
+/// On a fine mesh one rounding of a position is then a force that moves the rod by 1e-5 node spacings, a thousand times the tolerance
+/// on increments.
+#[test]
+fn a_fine_mesh_at_a_slenderness_of_a_million_comes_to_rest() {
+    let (thin, thick) = (bent(3, FINE, uniform(), 1e6), bent(3, FINE, uniform(), 1e4));
+    let apart = (at(&thin, 1.0).0 - at(&thick, 1.0).0).norm();
+    verify("convergence, p = 3, L/ε = 1e6, 96 elements", "tip error", apart, 0.0, 5e-7);
+}
+
+/// Natural strains measured on the interpolated start shape are themselves in error by order p + 1, which then bounds the order
+/// of everything: cubic elements lose two orders against natural strains given exactly.
+#[test]
+fn rods_stress_free_as_shaped() {
+    for order in 1..=3 {
+        let (_, orders) = study(order, Natural::AsShaped, 1e2);
+        let expected = [2.0, 4.0, 4.0][order - 1];
+        verify(&format!("convergence, p = {order}, as shaped"), "tip position", orders[0], expected, 0.3);
+    }
+}
