@@ -70,3 +70,30 @@ impl Block {
             | u32::from(apart[3] <= 0.0) << 3
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Masks against single comparisons: touching, flat and missing boxes included.
+    #[test]
+    fn masks_are_the_overlaps() {
+        let unit = |x: f32, y: f32, z: f32| ([x, y, z], [x + 1.0, y + 1.0, z + 1.0]);
+        let flat = ([0.5; 3], [0.5, 0.5, 2.0]);
+        let boxes = [unit(0.0, 0.0, 0.0), unit(1.0, 0.5, 0.0), unit(0.0, 2.5, 0.0), flat, unit(0.9, 0.0, 1.5)];
+        let overlap = |a: &Box3, b: &Box3| (0..3).all(|k| a.0[k] <= b.1[k] && b.0[k] <= a.1[k]);
+        let (mut seen, mut missed) = (0, 0);
+        for (m, n) in (0..=5).flat_map(|m| (0..=5).map(move |n| (m, n))) {
+            let (a, b) = (Block::gather(m, |k| boxes[k]), Block::gather(n, |k| boxes[4 - k]));
+            let mask = a.overlaps_all(&b);
+            for (c, d) in (0..WIDTH).flat_map(|c| (0..WIDTH).map(move |d| (c, d))) {
+                let expected = c < m && d < n && overlap(&boxes[c], &boxes[4 - d]);
+                assert_eq!(mask >> (WIDTH * c + d) & 1 == 1, expected, "{m} {n} {c} {d}");
+                *(if expected { &mut seen } else { &mut missed }) += 1;
+            }
+        }
+        assert!(seen > 50 && missed > 50, "{seen} {missed}");
+        let whole = Block::gather(4, |k| boxes[k]).union();
+        assert_eq!(whole, ([0.0; 3], [2.0, 3.5, 2.0]));
+    }
+}
