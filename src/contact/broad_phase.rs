@@ -16,7 +16,7 @@
 //!
 //! **Order.** Leaf pairs are sorted by counting; each task owns 256 consecutive leaves, whose pairs pass the capsule test while
 //! they are in the cache and are sorted likewise; the tasks' lists follow one another: sorted, and the same for any number of threads.
-//! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory 77 bytes a segment for boxes and tree, 8 a
+//! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a segment for boxes and tree, 8 a
 //! pair, and a copy of the control points if `margin` > 0.
 
 use std::ops::Range;

@@ -52,7 +52,7 @@ pub struct Contacts {
 /// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
 /// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
 ///
-/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory 137 bytes a segment (boxes and tree 77, turning 44, arc length 16; cubics 8 more), 8
+/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
 /// bytes a candidate pair, 144 a site, and a copy of the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
