@@ -11,7 +11,7 @@
 //! The data flow of the potential: [`curve`] (cubic pieces strung into curves) → [`exclusion`] (which parts of one curve are too near
 //! *along* it to touch) → [`broad_phase`] (candidate pairs from a bounding-volume hierarchy) → [`capsule`] (cheap lower bounds of
 //! distance) → [`projection`] (every orthogonal projection of a point, certified) → [`zone`] (where the gap is below the
-//! reach, with exact ends) → [`law`] (pressure) → [`detect`] (energy, gradient, Hessian per pair). Beside it, and
+//! reach, with exact ends) → [`law`] (pressure) → [`mod@detect`] (energy, gradient, Hessian per pair). Beside it, and
 //! independent of zones, [`clearance`] certifies the smallest gap.
 
 mod boxes;
