@@ -2,7 +2,10 @@
 //! moved far.
 //!
 //! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: far offsets and odd units cost
-//! nothing, a pair is never lost. The exact work, here a capsule bound per pair, is f64.
+//! nothing, a pair is never lost. A leaf is a run of up to four consecutive segments of one curve: curves are sorted by themselves, so
+//! the tree needs a quarter of the nodes, and two leaves are compared segment by segment in vector lanes. Leaf pairs along a strand all of
+//! whose segments are excluded are dropped by one comparison as the tree is traversed. The tree is refitted while its boxes stay as tight as when
+//! it was built; which pairs are found does not depend on its shape.
 //!
 //! **When the list is kept.** It is built for curves that come within `range + margin` of touching. While no control
 //! point has moved more than `margin`/2 since, no distance has shrunk by more than `margin`, so the list still holds every pair within
@@ -10,27 +13,49 @@
 //! only as long as every pair left out for that reason is still excluded by the present [`Exclusion`] (an exact O(segments) check of how far
 //! each segment's exclusion reaches). So the list is always a superset of the pairs that can hold contact; users still ask
 //! [`Exclusion::excluded`] per pair where they must not see neighbours.
+//!
+//! **Order.** Leaf pairs are sorted by counting; each task owns 256 consecutive leaves, whose pairs pass the capsule test while
+//! they are in the cache and are sorted likewise; the tasks' lists follow one another: sorted, and the same for any number of threads.
+//! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a segment for boxes and tree, 8 a
+//! pair, and a copy of the control points if `margin` > 0.
+
+use std::ops::Range;
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 use rayon::prelude::*;
 
-use super::capsule::Capsule;
-use super::curve::{Cubic, CurveInfo, CurveSet};
+use super::boxes::{Block, Box3, WIDTH};
+use super::curve::CurveSet;
 use super::exclusion::Exclusion;
+use super::input::{Shape, Strands, lower, upper};
+use super::pair_filter::keep_near;
 use crate::error::InputError;
 use crate::math::Vec3;
 
-/// Below this many segments all pairs are tried: the tree costs more than it saves (and some of its builders dislike 1 or 2 leaves).
-const SMALL: usize = 24;
+/// Segments per parallel piece of work.
+const MIN_LEN: usize = 4096;
+/// Leaves per task of the search.
+const TASK: usize = 256;
+/// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders dislike 1 or 2 leaves).
+const SMALL: usize = 8;
+/// A tree whose inner boxes have grown by this factor relative to its leaves is built anew.
+const SPOILT: f64 = 1.5;
 
 /// Finds candidate pairs and keeps them from one call to the next.
 #[derive(Default)]
 pub struct BroadPhase {
     built: Option<Built>,
     pairs: Vec<[u32; 2]>,
-    capsules: Vec<Capsule>,
+    bulges: Vec<f64>,
+    /// Last segment of the same curve excluded with each segment; never decreases.
+    far: Vec<u32>,
+    /// First segment of each leaf, and the number of segments.
+    firsts: Vec<u32>,
+    /// Boxes of each leaf's segments.
+    blocks: Vec<Block>,
+    /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tried.
     tree: Option<Tree>,
     workspace: BvhWorkspace,
     generation: u64,
@@ -42,23 +67,21 @@ impl std::fmt::Debug for BroadPhase {
     }
 }
 
+struct Tree {
+    bvh: Bvh,
+    /// [`looseness`] right after the build.
+    fresh: f64,
+}
+
 /// What the present list was built for.
+#[derive(Default)]
 struct Built {
-    segments: Vec<Cubic>,
-    curves: Vec<CurveInfo>,
+    points: Vec<Vec3>,
+    /// First segment, count, closed, radius.
+    curves: Vec<(usize, usize, bool, f64)>,
     reach: Vec<u32>,
     range: f64,
     margin: f64,
-}
-
-struct Tree {
-    bvh: Bvh,
-    /// Map to tree coordinates, x ↦ (x − centre)/size, fixed when the tree was built.
-    centre: Vec3,
-    size: f64,
-    count: usize,
-    /// Box pairs found right after the build; many more mean that refitting has spoilt the tree.
-    fresh_pairs: usize,
 }
 
 impl BroadPhase {
@@ -84,7 +107,7 @@ impl BroadPhase {
     /// radius_i + radius_j + `range` \[L\] of each other, and some more: a pair up to `margin` \[L\] farther may be listed, one whose capsules are
     /// provably farther apart is not. `exclusion` must be up to date with `set`.
     ///
-    /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds on any motion. Rebuilt also when `range`, `margin`, the number of segments
+    /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds at every call. Rebuilt also when `range`, `margin`, the number of segments
     /// or the curves (radii, closure) change. The result depends on the calls made, never on the number of threads.
     ///
     /// # Errors
@@ -96,143 +119,299 @@ impl BroadPhase {
         range: f64,
         margin: f64,
     ) -> Result<&[[u32; 2]], InputError> {
+        set.validate_geometry()?;
+        self.candidates_of(&Strands::of_set(set), exclusion, range, margin)
+    }
+
+    /// As [`BroadPhase::candidates`] for borrowed curves, whose points must be finite.
+    pub(crate) fn candidates_of(
+        &mut self,
+        strands: &Strands,
+        exclusion: &Exclusion,
+        range: f64,
+        margin: f64,
+    ) -> Result<&[[u32; 2]], InputError> {
         InputError::check("range", range, true, "finite")?;
         InputError::check("margin", margin, margin >= 0.0, "finite and at least 0")?;
-        set.validate_geometry()?;
-        let kept = self.built.as_ref().is_some_and(|b| b.still_holds(set, exclusion, range, margin));
+        let kept = self.built.as_ref().is_some_and(|b| b.still_holds(strands, exclusion, range, margin));
         if !kept {
-            self.rebuild(set, exclusion, range, margin);
+            self.generation += 1;
+            self.refit(strands, 0.5 * (range + margin));
+            self.search(strands, exclusion, Some(range + margin));
+            if margin > 0.0 {
+                self.built.get_or_insert_default().remember(strands, exclusion, range, margin);
+            } else {
+                self.built = None;
+            }
         }
         Ok(&self.pairs)
     }
 
-    fn rebuild(&mut self, set: &CurveSet, exclusion: &Exclusion, range: f64, margin: f64) {
-        self.generation += 1;
-        self.capsules.clear();
-        self.capsules.par_extend(set.segments.par_iter().map(Capsule::new));
-        let capsules = &self.capsules;
-        let wanted = |i: u32, j: u32| -> Option<[u32; 2]> {
-            let (i, j) = if i < j { (i, j) } else { (j, i) };
-            (!exclusion.excluded_reduced(i as usize, j as usize)
-                && near(set, capsules, i as usize, j as usize, range + margin))
-            .then_some([i, j])
-        };
-        self.pairs.clear();
-        if set.len() <= SMALL {
-            let n = set.len() as u32;
-            self.pairs.extend((0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).filter_map(|(i, j)| wanted(i, j)));
-        } else {
-            let boxed = box_pairs(&mut self.tree, &mut self.workspace, set, 0.5 * (range + margin));
-            self.pairs.par_extend(boxed.par_iter().filter_map(|&(i, j)| wanted(i, j)));
-            self.pairs.par_sort_unstable();
-            self.pairs.dedup();
+    /// Boxes, inflated by the radius and `inflate`, and the tree.
+    pub(crate) fn refit(&mut self, strands: &Strands, inflate: f64) {
+        let firsts = leaves(strands);
+        if firsts != self.firsts {
+            self.firsts = firsts;
+            self.tree = None;
         }
-        // Reuse the buffers of the last time.
-        let mut built = self.built.take().unwrap_or_else(|| Built {
-            segments: Vec::new(),
-            curves: Vec::new(),
-            reach: Vec::new(),
-            range,
-            margin,
-        });
-        built.segments.clone_from(&set.segments);
-        built.curves.clone_from(&set.curves);
-        built.reach.clear();
-        built.reach.extend_from_slice(exclusion.reduced_reach());
-        (built.range, built.margin) = (range, margin);
-        self.built = Some(built);
+        let (centre, size) = frame(strands, inflate);
+        let firsts = &self.firsts;
+        let num_leaves = firsts.len() - 1;
+        let block = |leaf: usize| {
+            let first = firsts[leaf] as usize;
+            Block::gather(firsts[leaf + 1] as usize - first, |lane| {
+                // A negative range may shrink boxes, but not inside out.
+                let r = (strands.radius_of(first + lane) + inflate).max(0.0);
+                outward(strands.bounds(first + lane), r, &centre, size)
+            })
+        };
+        (0..num_leaves).into_par_iter().with_min_len(MIN_LEN / WIDTH).map(block).collect_into_vec(&mut self.blocks);
+        if num_leaves < SMALL || !sane(size) {
+            self.tree = None;
+        } else {
+            self.fit_tree();
+        }
+        self.bulges.clear();
+        if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
+            let bulge = |i| if strands.is_straight(i) { 0.0 } else { strands.cubic(i).bulge() };
+            (0..strands.len()).into_par_iter().with_min_len(MIN_LEN).map(bulge).collect_into_vec(&mut self.bulges);
+        }
     }
+
+    /// Brings the tree to the present blocks: refitted, or built if there is none or it is spoilt.
+    fn fit_tree(&mut self) {
+        let aabb = |block: &Block| {
+            let (lo, hi) = block.union();
+            Aabb::new(Vector::from_array(lo), Vector::from_array(hi))
+        };
+        if let Some(tree) = &mut self.tree {
+            for (leaf, block) in self.blocks.iter().enumerate() {
+                tree.bvh.insert_or_update_partially(aabb(block), leaf as u32, 0.0);
+            }
+            tree.bvh.refit_parallel(&mut self.workspace);
+            if looseness(&tree.bvh) <= SPOILT * tree.fresh {
+                return;
+            }
+        }
+        let boxes: Vec<Aabb> = self.blocks.iter().map(aabb).collect();
+        let mut bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        // Puts the nodes in the order of the traversal.
+        bvh.refit_parallel(&mut self.workspace);
+        let fresh = looseness(&bvh);
+        self.tree = Some(Tree { bvh, fresh });
+    }
+
+    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, sorted.
+    fn leaf_pairs(&mut self) -> Vec<[u32; 2]> {
+        let (far, firsts) = (&self.far, &self.firsts);
+        let num_leaves = (firsts.len() - 1) as u32;
+        // The last segment of q is excluded with the first of p: all pairs between are.
+        let wanted = |a: u32, b: u32| {
+            let (p, q) = if a < b { (a, b) } else { (b, a) };
+            (firsts[q as usize + 1] - 1 > far[firsts[p as usize] as usize]).then_some([p, q])
+        };
+        let Some(tree) = &self.tree else {
+            return (0..num_leaves).flat_map(|p| (p + 1..num_leaves).filter_map(move |q| wanted(p, q))).collect();
+        };
+        let mut found = Vec::new();
+        if rayon::current_num_threads() == 1 {
+            tree.bvh.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| found.extend(wanted(a, b)));
+        } else {
+            // The same pairs in the same order.
+            found.extend(
+                tree.bvh.traverse_bvtt_single_tree_parallel::<false>().iter().filter_map(|&(a, b)| wanted(a, b)),
+            );
+        }
+        sort_pairs(found, 0..num_leaves as usize)
+    }
+
+    /// Fills the list from the tree: pairs not excluded whose boxes overlap and, if `reach` is given, whose capsules may be within both
+    /// radii + `reach`.
+    pub(crate) fn search(&mut self, strands: &Strands, exclusion: &Exclusion, reach: Option<f64>) {
+        let reaches = exclusion.reduced_reach();
+        self.far.clear();
+        for curve in &strands.curves {
+            // Round a closed curve the pairs beyond its seam are looked at one by one.
+            let last = curve.first + curve.count - 1;
+            self.far.extend((curve.first..=last).map(|i| (i + (last - i).min(reaches[i] as usize)) as u32));
+        }
+        let leaf_pairs = self.leaf_pairs();
+        let seams = strands.curves.iter().any(|c| c.closed);
+        let (firsts, blocks, far, bulges) = (&self.firsts, &self.blocks, &self.far, &self.bulges);
+        let num_leaves = blocks.len();
+        let lists: Vec<Vec<[u32; 2]>> = (0..num_leaves.div_ceil(TASK))
+            .into_par_iter()
+            .map_init(Vec::new, |found, task| {
+                found.clear();
+                let mut compare = |p: usize, q: usize, lanes: u32| {
+                    let mut mask = blocks[p].overlaps_all(&blocks[q]) & lanes;
+                    while mask != 0 {
+                        let bit = mask.trailing_zeros();
+                        mask &= mask - 1;
+                        let (i, j) = (firsts[p] + bit / WIDTH as u32, firsts[q] + bit % WIDTH as u32);
+                        if j > far[i as usize] && (!seams || !exclusion.excluded_reduced(i as usize, j as usize)) {
+                            found.push([i, j]);
+                        }
+                    }
+                };
+                let leaves = task * TASK..((task + 1) * TASK).min(num_leaves);
+                for p in leaves.clone() {
+                    if firsts[p + 1] - 1 > far[firsts[p] as usize] {
+                        // Bit 4c + d for lanes c < d.
+                        compare(p, p, 0b0000_1000_1100_1110);
+                    }
+                }
+                let from = |leaf: usize| leaf_pairs.partition_point(|pair| (pair[0] as usize) < leaf);
+                for &[p, q] in &leaf_pairs[from(leaves.start)..from(leaves.end)] {
+                    compare(p as usize, q as usize, u32::MAX);
+                }
+                let mut list = Vec::new();
+                match reach {
+                    Some(reach) => keep_near(strands, bulges, reach, found, &mut list),
+                    None => list.extend_from_slice(found),
+                }
+                sort_pairs(list, firsts[leaves.start] as usize..firsts[leaves.end] as usize)
+            })
+            .collect();
+        self.pairs.clear();
+        self.pairs.reserve(lists.iter().map(Vec::len).sum());
+        for list in &lists {
+            self.pairs.extend_from_slice(list);
+        }
+    }
+}
+
+/// First segment of each leaf, and the number of segments: each curve in runs of four.
+fn leaves(strands: &Strands) -> Vec<u32> {
+    let mut firsts = Vec::with_capacity(strands.len().div_ceil(WIDTH) + strands.curves.len() + 1);
+    for curve in &strands.curves {
+        firsts.extend((curve.first..curve.first + curve.count).step_by(WIDTH).map(|i| i as u32));
+    }
+    firsts.push(strands.len() as u32);
+    firsts
+}
+
+/// Surface of the inner boxes relative to that of the leaves: what a traversal costs, whatever the unit.
+fn looseness(bvh: &Bvh) -> f64 {
+    let (mut inner, mut leaves) = (0.0, 0.0);
+    bvh.traverse(|node| {
+        let e = node.maxs() - node.mins();
+        let surface = f64::from(e.x * e.y + e.y * e.z + e.z * e.x);
+        *(if node.is_leaf() { &mut leaves } else { &mut inner }) += surface;
+        TraversalAction::Continue
+    });
+    inner / leaves
+}
+
+/// Sorts pairs whose first index lies in `rows`: counting by the first, then each row by the second.
+fn sort_pairs(pairs: Vec<[u32; 2]>, rows: Range<usize>) -> Vec<[u32; 2]> {
+    let mut start = vec![0u32; rows.len() + 1];
+    for &[i, _] in &pairs {
+        start[i as usize - rows.start + 1] += 1;
+    }
+    for k in 1..start.len() {
+        start[k] += start[k - 1];
+    }
+    let mut sorted = vec![[0; 2]; pairs.len()];
+    for &[i, j] in &pairs {
+        let place = &mut start[i as usize - rows.start];
+        sorted[*place as usize] = [i, j];
+        *place += 1;
+    }
+    // `start[k]` has become the end of row k.
+    let mut first = 0;
+    for &end in &start[..rows.len()] {
+        let row = &mut sorted[first..end as usize];
+        if row.len() > 1 {
+            row.sort_unstable_by_key(|p| p[1]);
+        }
+        first = end as usize;
+    }
+    sorted
 }
 
 impl Built {
-    fn still_holds(&self, set: &CurveSet, exclusion: &Exclusion, range: f64, margin: f64) -> bool {
-        self.range == range
-            && self.margin == margin
-            && self.curves == set.curves
-            && self.segments.len() == set.len()
-            && exclusion.covers(&self.reach)
-            && self.segments.par_iter().with_min_len(4096).zip(&set.segments).all(|(then, now)| {
-                // Rounded to the safe side: a few ulp short of half the margin (and exact rest always holds).
-                then == now || (0..4).all(|k| (now.b[k] - then.b[k]).norm() <= 0.5 * margin * (1.0 - 1e-12))
-            })
+    fn still_holds(&self, strands: &Strands, exclusion: &Exclusion, range: f64, margin: f64) -> bool {
+        // Rounded to the safe side: a few ulp short of half the margin (and exact rest always holds).
+        let allowed = 0.5 * margin * (1.0 - 1e-12);
+        let near = |(then, now): (&Vec3, &Vec3)| then == now || (now - then).norm() <= allowed;
+        let same_curves = self.curves.iter().copied().eq(curves_of(strands));
+        if self.range != range || self.margin != margin || !same_curves || !exclusion.covers(&self.reach) {
+            return false;
+        }
+        let mut rest = self.points.as_slice();
+        for run in strands.control_points() {
+            if run.len() > rest.len() {
+                return false;
+            }
+            let (then, after) = rest.split_at(run.len());
+            rest = after;
+            let still = if run.len() > MIN_LEN {
+                then.par_iter().with_min_len(MIN_LEN).zip(run).all(near)
+            } else {
+                then.iter().zip(run).all(near)
+            };
+            if !still {
+                return false;
+            }
+        }
+        rest.is_empty()
+    }
+
+    fn remember(&mut self, strands: &Strands, exclusion: &Exclusion, range: f64, margin: f64) {
+        self.points.clear();
+        for run in strands.control_points() {
+            self.points.extend_from_slice(run);
+        }
+        self.curves.clear();
+        self.curves.extend(curves_of(strands));
+        self.reach.clear();
+        self.reach.extend_from_slice(exclusion.reduced_reach());
+        (self.range, self.margin) = (range, margin);
     }
 }
 
-/// True unless the capsules are provably farther apart than both radii + reach.
-fn near(set: &CurveSet, capsules: &[Capsule], i: usize, j: usize, reach: f64) -> bool {
-    let limit = set.radius_of(i) + set.radius_of(j) + reach;
-    capsules[i].distance_lower_bound(&capsules[j]) <= limit + 8.0 * f64::EPSILON * limit.abs()
-}
-
-/// All pairs of segments whose inflated boxes overlap (each once, in either order).
-fn box_pairs(tree: &mut Option<Tree>, workspace: &mut BvhWorkspace, set: &CurveSet, inflate: f64) -> Vec<(u32, u32)> {
-    if let Some(tree) = tree.as_mut().filter(|t| t.count == set.len())
-        && let Some(boxes) = boxes(set, inflate, &tree.centre, tree.size)
-    {
-        for (i, aabb) in boxes.into_iter().enumerate() {
-            tree.bvh.insert_or_update_partially(aabb, i as u32, 0.0);
-        }
-        tree.bvh.refit(workspace);
-        let pairs = tree.bvh.traverse_bvtt_single_tree_parallel::<false>();
-        if pairs.len() <= 2 * tree.fresh_pairs + set.len() {
-            return pairs;
-        }
-    }
-    let (centre, size) = frame(set, inflate);
-    let Some(boxes) = boxes(set, inflate, &centre, size) else {
-        // Sizes beyond the range of f64: no tree can help, so everything is a box pair.
-        let n = set.len() as u32;
-        return (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).collect();
-    };
-    let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-    let pairs = bvh.traverse_bvtt_single_tree_parallel::<false>();
-    *tree = Some(Tree { bvh, centre, size, count: set.len(), fresh_pairs: pairs.len() });
-    pairs
+fn curves_of<'a>(strands: &'a Strands) -> impl Iterator<Item = (usize, usize, bool, f64)> + 'a {
+    strands.curves.iter().map(|c| (c.first, c.count, c.closed, c.radius))
 }
 
 /// Centre and half-size of everything, inflation included.
-fn frame(set: &CurveSet, inflate: f64) -> (Vec3, f64) {
-    let (mut lo, mut hi) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    for p in set.segments.iter().flat_map(|s| &s.b) {
-        lo = lo.inf(p);
-        hi = hi.sup(p);
-    }
-    let radius = set.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
+fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
+    let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    let grow = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lower(&lo, p), upper(&hi, p));
+    let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (lower(&a.0, &b.0), upper(&a.1, &b.1));
+    let part = |run: &[Vec3]| run.iter().fold(none, grow);
+    let (lo, hi) = strands
+        .control_points()
+        .map(
+            |run| {
+                if run.len() <= MIN_LEN { part(run) } else { run.par_chunks(MIN_LEN).map(part).reduce(|| none, join) }
+            },
+        )
+        .fold(none, join);
+    let radius = strands.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
     // Halved first: the sum of two huge coordinates may overflow.
-    (lo * 0.5 + hi * 0.5, (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0))
+    let size = (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0);
+    (lo * 0.5 + hi * 0.5, size)
 }
 
-/// f32 boxes of the control points, inflated by radius + `inflate` and rounded outward; `None` if they have left the range of the frame.
-fn boxes(set: &CurveSet, inflate: f64, centre: &Vec3, size: f64) -> Option<Vec<Aabb>> {
-    // Not while the set is 100 times larger or smaller than when the frame was fixed.
-    let sane = size > 1e-290 && size < 1e290;
-    let boxes: Vec<Aabb> = (0..set.len())
-        .into_par_iter()
-        .with_min_len(1024)
-        .map(|i| {
-            let [b0, b1, b2, b3] = &set.segments[i].b;
-            // A negative range may shrink boxes, but not inside out.
-            let r = Vec3::repeat((set.radius_of(i) + inflate).max(0.0));
-            let lo = (b0.inf(b1).inf(&b2.inf(b3)) - centre - r) / size;
-            let hi = (b0.sup(b1).sup(&b2.sup(b3)) - centre + r) / size;
-            Aabb::new(
-                Vector::new(below(lo.x), below(lo.y), below(lo.z)),
-                Vector::new(above(hi.x), above(hi.y), above(hi.z)),
-            )
-        })
-        .collect();
-    let fits = |b: &Aabb| b.mins.min_element() > -100.0 && b.maxs.max_element() < 100.0;
-    (sane && boxes.par_iter().with_min_len(1024).all(fits)).then_some(boxes)
+/// Whether a frame is neither too small nor too large for f64.
+fn sane(size: f64) -> bool {
+    (1e-290..1e290).contains(&size)
 }
 
-/// A float safely below x: one f32 ulp covers the cast; 1e-13 of the frame covers the f64 roundings before it where x is near 0.
-fn below(x: f64) -> f32 {
-    (x as f32 - 1e-6 * f32::EPSILON).next_down()
-}
-
-/// A float safely above x.
-fn above(x: f64) -> f32 {
-    (x as f32 + 1e-6 * f32::EPSILON).next_up()
+/// f32 box in the frame, grown by `r` and rounded outward. In a frame too small or large for f64 everything is one box.
+#[inline]
+fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
+    if !sane(size) {
+        return ([-2.0; 3], [2.0; 3]);
+    }
+    let scale = 1.0 / size;
+    // Coordinates are within ±1 (to rounding): 2⁻²⁴ covers the cast, 1e-13 the f64 roundings before it.
+    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + 1e-13);
+    let below = |k: usize| ((lo[k] - centre[k]) * scale - grow) as f32;
+    let above = |k: usize| ((hi[k] - centre[k]) * scale + grow) as f32;
+    (std::array::from_fn(below), std::array::from_fn(above))
 }
 
 /// What [`BroadPhase::candidates`] must contain, by trying all pairs with the capsule bound: those not excluded and perhaps within
@@ -240,11 +419,16 @@ fn above(x: f64) -> f32 {
 #[doc(hidden)]
 #[must_use]
 pub fn brute_force_candidates(set: &CurveSet, exclusion: &Exclusion, range: f64) -> Vec<[u32; 2]> {
+    use super::capsule::Capsule;
     let capsules: Vec<Capsule> = set.segments.iter().map(Capsule::new).collect();
+    let near = |i: usize, j: usize| {
+        let limit = set.radius_of(i) + set.radius_of(j) + range;
+        capsules[i].distance_lower_bound(&capsules[j]) <= limit
+    };
     let n = set.len();
     (0..n)
         .flat_map(|i| (i + 1..n).map(move |j| (i, j)))
-        .filter(|&(i, j)| !exclusion.excluded(i, j) && near(set, &capsules, i, j, range))
+        .filter(|&(i, j)| !exclusion.excluded(i, j) && near(i, j))
         .map(|(i, j)| [i as u32, j as u32])
         .collect()
 }

@@ -62,6 +62,18 @@ impl Cubic {
         (Self { b: [*b0, c01, c012, mid] }, Self { b: [mid, c123, c23, *b3] })
     }
 
+    /// The part on \[t0, t1\] (reversed if t0 > t1, constant if equal), by blossoming.
+    #[must_use]
+    pub fn restrict(&self, t0: f64, t1: f64) -> Self {
+        let mix = |a: Vec3, b: Vec3, t: f64| a * (1.0 - t) + b * t;
+        let blossom = |r: f64, s: f64, t: f64| {
+            let [b0, b1, b2, b3] = self.b;
+            let (p0, p1, p2) = (mix(b0, b1, r), mix(b1, b2, r), mix(b2, b3, r));
+            mix(mix(p0, p1, s), mix(p1, p2, s), t)
+        };
+        Self { b: [blossom(t0, t0, t0), blossom(t0, t0, t1), blossom(t0, t1, t1), blossom(t1, t1, t1)] }
+    }
+
     /// Edges of the control polygon, b_{i+1} − b_i \[L\]; c′ = 3 × the quadratic Bézier curve of these.
     #[must_use]
     pub fn edges(&self) -> [Vec3; 3] {
@@ -104,6 +116,12 @@ impl Cubic {
             last = Some(edge);
         }
         turning
+    }
+
+    /// True if `next` starts where this curve ends, to 1e-6 of their size (and the ulps of points far from the origin).
+    pub(crate) fn joins(&self, next: &Self) -> bool {
+        let size: f64 = self.edges().iter().chain(&next.edges()).map(Vec3::amax).sum();
+        (next.b[0] - self.b[3]).amax() <= 1e-6 * size + 8.0 * f64::EPSILON * self.b[3].amax()
     }
 
     /// Direction of the tangent at u = 0 (not normalised): the first non-zero edge; zero for a curve shrunk to a point.
@@ -296,6 +314,18 @@ impl CurveSet {
         self.curves[self.curve_of(segment)].radius
     }
 
+    /// Overwrites the reference lengths.
+    pub(crate) fn set_lengths(&mut self, lengths: &[f64]) {
+        self.lengths.copy_from_slice(lengths);
+        for curve in &self.curves {
+            let mut arc = 0.0;
+            for i in curve.first..curve.first + curve.count {
+                self.arc_start[i] = arc;
+                arc += lengths[i];
+            }
+        }
+    }
+
     /// The segments, to be overwritten with new geometry (the joints must keep meeting). Call [`CurveSet::validate_geometry`] after
     /// numbers of uncertain origin.
     pub fn segments_mut(&mut self) -> &mut [Cubic] {
@@ -322,11 +352,7 @@ impl CurveSet {
     fn check_joints(&self) -> Result<(), InputError> {
         for segment in 0..self.len() {
             let Some(next) = self.next(segment) else { continue };
-            let (a, b) = (&self.segments[segment], &self.segments[next]);
-            let size: f64 = a.edges().iter().chain(&b.edges()).map(Vec3::amax).sum();
-            // Computed points far from the origin carry its ulps.
-            let ulps = 8.0 * f64::EPSILON * a.b[3].amax();
-            if (b.b[0] - a.b[3]).amax() > 1e-6 * size + ulps {
+            if !self.segments[segment].joins(&self.segments[next]) {
                 let curve = self.curve_of(segment);
                 let local = segment - self.curves[curve].first;
                 let reason = "its end is not the start of the next segment: make them the same point".to_owned();

@@ -52,6 +52,16 @@ pub struct PairTerm {
     pub zones: Vec<ZonePiece>,
 }
 
+impl PairTerm {
+    /// The gradient with respect to the ends of two *straight* segments: slave's start and end, master's start and end \[F\].
+    #[must_use]
+    pub fn point_gradient(&self) -> [Vec3; 4] {
+        let ends = |g: &[Vec3]| [g[0] + (g[1] * 2.0 + g[2]) / 3.0, (g[1] + g[2] * 2.0) / 3.0 + g[3]];
+        let ([a0, a1], [b0, b1]) = (ends(&self.gradient[..4]), ends(&self.gradient[4..]));
+        [a0, a1, b0, b1]
+    }
+}
+
 /// What [`evaluate`] computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Want {

@@ -98,7 +98,7 @@ impl Local {
         if middle == 0.0 || middle == 1.0 {
             v = [middle; 2];
         }
-        let on_b = restrict(&self.b, v[0], v[1]);
+        let on_b = self.b.restrict(v[0], v[1]);
         let w = Cubic { b: std::array::from_fn(|k| on_b.b[k] - self.a.b[k]) };
         // |w|² at its stationary points and ends.
         let size_sq = w.b.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
@@ -151,19 +151,8 @@ fn harmful_slope(w: &Cubic, slope: &[Vec3; 3], v: [f64; 2]) -> f64 {
     }
 }
 
-/// The part of a cubic on [t0, t1] (also reversed, t0 > t1, or constant), by blossoming.
-fn restrict(c: &Cubic, t0: f64, t1: f64) -> Cubic {
-    let mix = |a: Vec3, b: Vec3, t: f64| a * (1.0 - t) + b * t;
-    let blossom = |r: f64, s: f64, t: f64| {
-        let [b0, b1, b2, b3] = c.b;
-        let (p0, p1, p2) = (mix(b0, b1, r), mix(b1, b2, r), mix(b2, b3, r));
-        mix(mix(p0, p1, s), mix(p1, p2, s), t)
-    };
-    Cubic { b: [blossom(t0, t0, t0), blossom(t0, t0, t1), blossom(t0, t1, t1), blossom(t1, t1, t1)] }
-}
-
 fn part(c: &Cubic, range: [f64; 2]) -> Cubic {
-    if range == [0.0, 1.0] { *c } else { restrict(c, range[0], range[1]) }
+    if range == [0.0, 1.0] { *c } else { c.restrict(range[0], range[1]) }
 }
 
 pub(super) fn at(range: [f64; 2], t: f64) -> f64 {

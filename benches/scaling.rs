@@ -1,0 +1,229 @@
+//! Cost of contact detection against the number of segments, stage by stage, with rivals on the same inputs in the same run.
+//!
+//! ```text
+//! cargo bench --bench scaling                       # 1e4, 1e5, 1e6 segments, 1 and 2 threads: a few minutes
+//! cargo bench --bench scaling -- --max 100000       # smaller
+//! cargo bench --bench scaling -- --repeat 9 --input packed
+//! ```
+//!
+//! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians. Writes
+//! `target/scaling/scaling.csv` and `scaling.svg`.
+
+#![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
+
+mod inputs;
+mod rivals;
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Instant;
+
+use inputs::Kind;
+use supercoil::contact::capsule::segment_distance;
+use supercoil::contact::detect::Want;
+use supercoil::contact::stages::Stage;
+use supercoil::contact::{Curve, Detector, Neighbours, Options};
+use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
+use supercoil::math::Vec3;
+
+const RADIUS: f64 = 1.0;
+
+struct Arguments {
+    one_thread: bool,
+    max: usize,
+    repeat: usize,
+    input: Option<String>,
+}
+
+fn arguments() -> Arguments {
+    let list: Vec<String> = std::env::args().collect();
+    let value = |name: &str| list.iter().position(|a| a == name).and_then(|k| list.get(k + 1)).cloned();
+    let number = |name: &str, default: usize| value(name).map_or(default, |v| v.parse().unwrap());
+    Arguments {
+        one_thread: list.iter().any(|a| a == "--one-thread"),
+        max: number("--max", 1_000_000),
+        repeat: number("--repeat", 5),
+        input: value("--input"),
+    }
+}
+
+/// One measured time.
+struct Row {
+    input: &'static str,
+    segments: usize,
+    threads: usize,
+    stage: &'static str,
+    seconds: f64,
+    found: usize,
+}
+
+fn median(repeat: usize, mut run: impl FnMut() -> usize) -> (f64, usize) {
+    let mut found = 0;
+    let mut times: Vec<f64> = (0..repeat)
+        .map(|_| {
+            let start = Instant::now();
+            found = run();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    (times[repeat / 2], found)
+}
+
+/// The independent program's three counts, from the detector's own box pairs.
+fn verify(kind: Kind, points: &[Vec3]) {
+    let Some(expected) = kind.reference(points.len() - 1) else { return };
+    let options = Options { neighbours: Neighbours::Segments(1), ..Options::default() };
+    let curve = [Curve::polyline(points, RADIUS)];
+    let mut detector = Detector::new(options);
+    for stage in [Stage::Prepare, Stage::Refit, Stage::Boxes] {
+        detector.run_stage(&curve, stage).unwrap();
+    }
+    let neighbours = inputs::neighbours(points);
+    let mut counts = [0; 3];
+    for &[i, j] in detector.candidates() {
+        let (i, j) = (i as usize, j as usize);
+        if !rivals::boxes_overlap(points, RADIUS, i, j) {
+            continue;
+        }
+        counts[0] += 1;
+        if segment_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) < 2.0 * RADIUS {
+            counts[1] += 1;
+            counts[2] += usize::from(j - i > neighbours);
+        }
+    }
+    let verdict = if counts == expected { "as expected" } else { "DIFFERENT" };
+    println!(
+        "{:<11} {:>8} counts box/capsule/nonlocal {counts:?} {verdict} {expected:?}",
+        kind.name(),
+        points.len() - 1
+    );
+    assert_eq!(counts, expected);
+}
+
+fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, rows: &mut Vec<Row>) {
+    let n = points.len() - 1;
+    let repeat = arguments.repeat;
+    let curve = [Curve::polyline(points, RADIUS)];
+    let mut push = |stage: &'static str, (seconds, found): (f64, usize)| {
+        rows.push(Row { input: kind.name(), segments: n, threads, stage, seconds, found });
+    };
+    let options = Options { zones: false, ..Options::default() };
+    let mut fresh = || {
+        let mut detector = Detector::new(options);
+        detector.run_stage(&curve, Stage::Refit).unwrap()
+    };
+    push("build", median(repeat, &mut fresh));
+    let mut detector = Detector::new(options);
+    let mut stage = |stage: Stage| median(repeat, || detector.run_stage(&curve, stage).unwrap());
+    push("check+exclusion", stage(Stage::Prepare));
+    let refit = stage(Stage::Refit);
+    push("refit", refit);
+    let boxes = stage(Stage::Boxes);
+    push("box pairs", boxes);
+    let candidates = stage(Stage::Candidates);
+    push("capsules", (candidates.0 - boxes.0, candidates.1));
+    push("refit+candidates", (refit.0 + candidates.0, candidates.1));
+    push("projections", stage(Stage::Sites));
+    push("zones", stage(Stage::Zones));
+    let mut detector = Detector::new(options);
+    push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
+    if n <= 10_000 {
+        push("assembly", median(1, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
+    }
+    if threads == 1 {
+        let neighbours = inputs::neighbours(points);
+        push("plain grid", median(repeat.min(3), || rivals::grid(points, RADIUS, neighbours).len()));
+        let mut tree = rivals::Tree::new(points, RADIUS);
+        push("parry build", median(repeat.min(3), || rivals::Tree::new(points, RADIUS).num_leaves()));
+        push("parry refit+pairs", median(repeat, || tree.refit_and_list(points, RADIUS)));
+        let mut chain = rivals::Chain::default();
+        push("chain refit+pairs", median(repeat, || chain.refit_and_list(points, RADIUS, neighbours)));
+        if n <= 10_000 {
+            push("brute force", median(1, || rivals::brute_force(points, RADIUS, neighbours).len()));
+        }
+    }
+}
+
+/// Slope of log(time) against log(segments).
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let log: Vec<(f64, f64)> = points.iter().map(|p| (p.0.ln(), p.1.ln())).collect();
+    let (mx, my) = (log.iter().map(|p| p.0).sum::<f64>() / n, log.iter().map(|p| p.1).sum::<f64>() / n);
+    let xy: f64 = log.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    xy / log.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum::<f64>()
+}
+
+fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Vec<(f64, f64)> {
+    let wanted = |r: &&Row| r.input == input && r.stage == stage && r.threads == threads;
+    rows.iter().filter(wanted).map(|r| (r.segments as f64, r.seconds)).collect()
+}
+
+fn report(rows: &[Row]) {
+    for kind in Kind::ALL {
+        for stage in ["refit+candidates", "whole detection"] {
+            let points = of(rows, kind.name(), stage, 1);
+            if points.len() > 1 {
+                let name = kind.name();
+                println!("exponent {name:<11} {stage:<17} {:.3}  (log time against log segments)", exponent(&points));
+            }
+        }
+    }
+    let folder = Path::new("target/scaling");
+    std::fs::create_dir_all(folder).unwrap();
+    let mut csv = "input,segments,threads,stage,seconds,ns_per_segment,found\n".to_owned();
+    for r in rows {
+        let ns = r.seconds / r.segments as f64 * 1e9;
+        writeln!(csv, "{},{},{},{},{:e},{ns:.2},{}", r.input, r.segments, r.threads, r.stage, r.seconds, r.found)
+            .unwrap();
+    }
+    std::fs::write(folder.join("scaling.csv"), csv).unwrap();
+    let series = Kind::ALL.iter().flat_map(|kind| {
+        let line = |stage: &str, style| {
+            let points = of(rows, kind.name(), stage, 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
+            Series { name: format!("{}: {stage}", kind.name()), points, style }
+        };
+        [line("whole detection", SeriesStyle::LinePoints), line("plain grid", SeriesStyle::Dashed)]
+    });
+    let plot = PlotSpec {
+        title: "Contact detection, one thread".to_owned(),
+        x_label: "segments".to_owned(),
+        y_label: "ns per segment".to_owned(),
+        series: series.filter(|s| !s.points.is_empty()).collect(),
+        log_x: true,
+        ..PlotSpec::default()
+    };
+    plot_lines(&folder.join("scaling.svg"), &plot).unwrap();
+    println!("written: target/scaling/scaling.csv, target/scaling/scaling.svg");
+}
+
+fn main() {
+    let arguments = arguments();
+    let mut rows = Vec::new();
+    println!("input       segments thr stage               ms        ns/segment  found");
+    for kind in Kind::ALL {
+        if arguments.input.as_ref().is_some_and(|name| name != kind.name()) {
+            continue;
+        }
+        for n in [10_000, 100_000, 1_000_000] {
+            if n > arguments.max {
+                continue;
+            }
+            let points = kind.points(n);
+            verify(kind, &points);
+            for threads in 1..=if arguments.one_thread { 1 } else { 2 } {
+                let first = rows.len();
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| measure(kind, &points, threads, &arguments, &mut rows));
+                for r in &rows[first..] {
+                    let (ms, ns) = (r.seconds * 1e3, r.seconds / r.segments as f64 * 1e9);
+                    println!(
+                        "{:<11} {:>8} {:>3} {:<17} {ms:>9.3} {ns:>13.1} {:>9}",
+                        r.input, r.segments, r.threads, r.stage, r.found
+                    );
+                }
+            }
+        }
+    }
+    report(&rows);
+}

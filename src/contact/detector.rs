@@ -1,0 +1,341 @@
+//! The detector: curves in, contact sites and zones out.
+
+use rayon::prelude::*;
+
+use super::broad_phase::BroadPhase;
+use super::curve::{Cubic, CurveInput, CurveSet};
+use super::detect::{self, LawParameters, PairTerm, Want};
+use super::exclusion::Exclusion;
+use super::input::{Curve, Strands};
+use super::interval::{self, Part, Zone};
+use super::options::{Neighbours, Options};
+use super::site::{self, Minimum, Site};
+use super::vertex::vertex_minima;
+use super::{capsule, closest};
+use crate::error::{InputError, SolveError};
+use crate::math::Vec3;
+use crate::math::quadrature::gauss;
+
+/// Candidate pairs per parallel piece of work.
+const CHUNK: usize = 2048;
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    /// Sites ordered by (curve, segment, parameter) of a, then of b.
+    pub sites: Vec<Site>,
+    /// Zones ordered by curve, partner, start of the interval; empty unless asked for.
+    pub zones: Vec<Zone>,
+}
+
+/// Finds contacts of curves and keeps tree, lists and buffers from one call to the next.
+///
+/// ```
+/// use supercoil::contact::{Curve, Detector, Options};
+/// use supercoil::math::Vec3;
+/// let a = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+/// let b = [Vec3::new(0.0, -1.0, 0.25), Vec3::new(0.0, 1.0, 0.25)];
+/// let mut detector = Detector::new(Options { range: 0.1, ..Options::default() });
+/// let contacts = detector.detect(&[Curve::polyline(&a, 0.1), Curve::polyline(&b, 0.1)])?;
+/// assert_eq!(contacts.sites.len(), 1);
+/// assert!((contacts.sites[0].gap - 0.05).abs() < 1e-15);
+/// # Ok::<(), supercoil::InputError>(())
+/// ```
+///
+/// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of one curve that are
+/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; cubics by
+/// subdivision that drops only what provably holds no minimum (along a contact line of cubics, one site for each pair of segments; see
+/// [`Options::sampling`]). No tolerance is a length. The result depends on the curves only (with
+/// `margin` 0 not even on earlier calls), never on the number of threads.
+///
+/// **Special cases.** Parallel straight segments, coincident ones too: one site per pair of segments, marked `flat`, in the middle of the overlap, and the zones tell
+/// the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
+/// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
+/// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
+///
+/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
+/// bytes a candidate pair, 144 a site, and a copy of the points if `margin` > 0.
+#[derive(Debug, Default)]
+pub struct Detector {
+    pub(super) options: Options,
+    pub(super) exclusion: Exclusion,
+    pub(super) broad: BroadPhase,
+    /// Arc length before each segment, and of it.
+    start: Vec<f64>,
+    lengths: Vec<f64>,
+    minima: Vec<Minimum>,
+    pub(super) contacts: Contacts,
+    set: CurveSet,
+}
+
+/// [`Detector::detect`] once.
+///
+/// # Errors
+/// As there.
+pub fn detect(curves: &[Curve], options: Options) -> Result<Contacts, InputError> {
+    let mut detector = Detector::new(options);
+    detector.detect(curves)?;
+    Ok(detector.contacts)
+}
+
+impl Detector {
+    /// Nothing found yet; the options are checked by the first call.
+    #[must_use]
+    pub fn new(options: Options) -> Self {
+        Self { options, ..Self::default() }
+    }
+
+    /// The options; they may be changed between calls.
+    pub fn options_mut(&mut self) -> &mut Options {
+        &mut self.options
+    }
+
+    /// Sites and zones of the curves as they are now. Curves may have moved, grown or changed in number since the last call.
+    ///
+    /// # Errors
+    /// [`InputError`] naming curve and index: too few points, a coordinate or radius that is not finite, radius ≤ 0, repeated points, cubics that do not
+    /// join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more; or an option out of its range.
+    pub fn detect(&mut self, curves: &[Curve]) -> Result<&Contacts, InputError> {
+        let strands = self.update(curves)?;
+        let mut sites = std::mem::take(&mut self.contacts.sites);
+        self.find_sites(&strands, &mut sites);
+        self.contacts.sites = sites;
+        self.contacts.zones = if self.options.zones { self.find_zones(&strands) } else { Vec::new() };
+        Ok(&self.contacts)
+    }
+
+    /// Pairs i < j of segments (numbered over all curves) that may be within range, of the last call; sorted.
+    #[must_use]
+    pub fn candidates(&self) -> &[[u32; 2]] {
+        self.broad.pairs()
+    }
+
+    /// Energy, gradient and, if wanted, Hessian of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from each side),
+    /// as one term per ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁
+    /// counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] brings the gradient to its points. `stiffness` κ
+    /// \[F/L²\]. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle.
+    ///
+    /// # Errors
+    /// As [`Detector::detect`].
+    pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
+        InputError::positive("stiffness", stiffness)?;
+        let strands = self.update(curves)?;
+        self.place(&strands)?;
+        let exclusion = &self.exclusion;
+        let wanted = |p: &&[u32; 2]| {
+            let (i, j) = (p[0] as usize, p[1] as usize);
+            !exclusion.excluded(i, j) && !adjacent(&strands, i, j)
+        };
+        let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
+        let law = LawParameters { stiffness, geometric: 1.0 };
+        Ok(detect::evaluate(&self.set, &pairs, law, &|_| [0.0; 2], want))
+    }
+
+    /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
+    /// [`smallest_clearance`](super::clearance::smallest_clearance).
+    ///
+    /// # Errors
+    /// As [`Detector::detect`].
+    pub fn smallest_clearance(
+        &mut self,
+        curves: &[Curve],
+        max_gap: f64,
+        tol: f64,
+    ) -> Result<Option<super::clearance::Clearance>, InputError> {
+        let strands = self.prepare(curves)?;
+        self.place(&strands)?;
+        Ok(super::clearance::smallest_clearance(&self.set, &self.exclusion, max_gap, tol))
+    }
+
+    pub(super) fn prepare<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
+        self.options.check()?;
+        let strands = Strands::new(curves)?;
+        match self.options.neighbours {
+            Neighbours::Turning => self.exclusion.update_strands(&strands).map_err(too_coarse)?,
+            Neighbours::Segments(num) => self.exclusion.update_by_count(&strands, num),
+        }
+        Ok(strands)
+    }
+
+    /// Everything up to the candidate list.
+    fn update<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
+        let strands = self.prepare(curves)?;
+        self.measure(&strands);
+        self.broad.candidates_of(&strands, &self.exclusion, self.options.range, self.options.margin)?;
+        Ok(strands)
+    }
+
+    /// Arc lengths.
+    pub(super) fn measure(&mut self, strands: &Strands) {
+        let length = |i| {
+            if strands.is_straight(i) {
+                let (a, b) = strands.ends(i);
+                norm(&(b - a))
+            } else {
+                arc_length(&strands.cubic(i), 1.0)
+            }
+        };
+        (0..strands.len()).into_par_iter().with_min_len(4096).map(length).collect_into_vec(&mut self.lengths);
+        self.start.clear();
+        for curve in &strands.curves {
+            let mut sum = 0.0;
+            for length in &self.lengths[curve.first..curve.first + curve.count] {
+                self.start.push(sum);
+                sum += length;
+            }
+        }
+    }
+
+    fn arc(&self, strands: &Strands, segment: usize, u: f64) -> f64 {
+        let part = if strands.is_straight(segment) || u == 0.0 || u == 1.0 {
+            u * self.lengths[segment]
+        } else {
+            arc_length(&strands.cubic(segment), u)
+        };
+        self.start[segment] + part
+    }
+
+    pub(super) fn find_sites(&mut self, strands: &Strands, sites: &mut Vec<Site>) {
+        let mut minima = std::mem::take(&mut self.minima);
+        let this = &*self;
+        let find = |chunk: &[[u32; 2]]| {
+            let mut minima = Vec::with_capacity(chunk.len());
+            for &[i, j] in chunk {
+                this.pair_minima(strands, i as usize, j as usize, &mut minima);
+            }
+            minima
+        };
+        let lists: Vec<Vec<Minimum>> = this.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        minima.clear();
+        lists.iter().for_each(|list| minima.extend_from_slice(list));
+        site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
+        let arc = |s: usize, u: f64| this.arc(strands, s, u);
+        let dress = |m: &Minimum| site::dress(strands, arc, m);
+        minima.par_iter().with_min_len(CHUNK).map(dress).collect_into_vec(sites);
+        self.minima = minima;
+    }
+
+    /// All minima in range of one candidate pair.
+    fn pair_minima(&self, strands: &Strands, i: usize, j: usize, out: &mut Vec<Minimum>) {
+        let reach = strands.radius_of(i) + strands.radius_of(j) + self.options.range;
+        if reach < 0.0 || self.exclusion.excluded(i, j) {
+            return;
+        }
+        if strands.is_straight(i) && strands.is_straight(j) {
+            // Two adjacent straight segments are nearest at their joint.
+            if !adjacent(strands, i, j) {
+                out.extend(site::straight_minimum(strands, i, j, reach));
+            }
+            return;
+        }
+        let (a, b) = (strands.cubic(i), strands.cubic(j));
+        if capsule::distance_lower_bound(&a, &b) > reach {
+            return;
+        }
+        let first = out.len();
+        closest::minima(&a, &b, reach, 1.0 / self.options.sampling as f64, |u, v, flat| {
+            out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
+        });
+        vertex_minima(strands, i, j, reach, false, out);
+        vertex_minima(strands, j, i, reach, true, out);
+        let mut k = first;
+        while k < out.len() {
+            if self.neighbouring_points(strands, &out[k]) {
+                out.remove(k);
+            } else {
+                k += 1;
+            }
+        }
+    }
+
+    /// Points too close along the curve, the same point of a joint included.
+    fn neighbouring_points(&self, strands: &Strands, m: &Minimum) -> bool {
+        let (i, j) = (m.i as usize, m.j as usize);
+        if strands.curve_of(i) != strands.curve_of(j) {
+            return false;
+        }
+        let same_joint = (strands.next(i) == Some(j) && m.u > 1.0 - 1e-6 && m.v < 1e-6)
+            || (strands.next(j) == Some(i) && m.v > 1.0 - 1e-6 && m.u < 1e-6);
+        let turning = |i, u, j, v| self.exclusion.turning_between_pieces(strands, i, u, j, v);
+        same_joint
+            || (self.options.neighbours == Neighbours::Turning
+                && turning(i, m.u, j, m.v).min(turning(j, m.v, i, m.u)) < std::f64::consts::FRAC_PI_2)
+    }
+
+    pub(super) fn find_zones(&self, strands: &Strands) -> Vec<Zone> {
+        let find = |chunk: &[[u32; 2]]| {
+            let mut parts: Vec<Part> = Vec::new();
+            for &[i, j] in chunk {
+                let (i, j) = (i as usize, j as usize);
+                if self.exclusion.excluded(i, j) || adjacent(strands, i, j) {
+                    continue;
+                }
+                let arc = |s: usize, u: f64| self.arc(strands, s, u);
+                interval::parts(strands, &arc, i, j, self.options.range, &mut parts);
+                interval::parts(strands, &arc, j, i, self.options.range, &mut parts);
+            }
+            parts
+        };
+        let parts: Vec<Part> = self.broad.pairs().par_chunks(CHUNK).flat_map_iter(find).collect();
+        interval::join(parts, |curve| {
+            let c = &strands.curves[curve];
+            (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64
+        })
+    }
+
+    /// The curves as a set of cubics, in the old buffers if their numbers have not changed.
+    fn place(&mut self, strands: &Strands) -> Result<(), InputError> {
+        let same = self.set.curves.len() == strands.curves.len()
+            && self
+                .set
+                .curves
+                .iter()
+                .zip(&strands.curves)
+                .all(|(c, s)| (c.first, c.count, c.closed, c.radius) == (s.first, s.count, s.closed, s.radius));
+        self.measure(strands);
+        if same {
+            let cubic = |(k, segment): (usize, &mut Cubic)| *segment = strands.cubic(k);
+            self.set.segments.par_iter_mut().with_min_len(4096).enumerate().for_each(cubic);
+            self.set.set_lengths(&self.lengths);
+            return Ok(());
+        }
+        let input = |s: &super::input::Strand| CurveInput {
+            segments: (s.first..s.first + s.count).map(|k| strands.cubic(k)).collect(),
+            lengths: self.lengths[s.first..s.first + s.count].to_vec(),
+            closed: s.closed,
+            radius: s.radius,
+        };
+        self.set = CurveSet::new(strands.curves.iter().map(input).collect())?;
+        Ok(())
+    }
+}
+
+/// True if two segments share a joint.
+fn adjacent(strands: &Strands, i: usize, j: usize) -> bool {
+    strands.next(i) == Some(j) || strands.next(j) == Some(i)
+}
+
+pub(super) fn norm(v: &Vec3) -> f64 {
+    let size = v.amax();
+    if size == 0.0 || (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
+}
+
+/// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for turning below 1 rad).
+fn arc_length(cubic: &Cubic, u: f64) -> f64 {
+    let rule = gauss(5);
+    let part = u / 4.0;
+    let speed = |t: f64| norm(&cubic.derivatives(t).1);
+    let sum = |k: usize| -> f64 {
+        rule.points.iter().zip(rule.weights).map(|(&x, &w)| w * speed((k as f64 + x) * part)).sum()
+    };
+    (0..4).map(sum).sum::<f64>() * part
+}
+
+fn too_coarse(error: SolveError) -> InputError {
+    match error {
+        SolveError::TooCoarse { curve, segment, turning, limit } => InputError::Inconsistent {
+            field: format!("curves[{curve}].pieces[{segment}]"),
+            reason: format!("turns by {turning:.3} rad, {limit:.3} or more: split it, or count neighbours by segments"),
+        },
+        other => InputError::Inconsistent { field: "curves".to_owned(), reason: other.to_string() },
+    }
+}

@@ -1,0 +1,269 @@
+//! Contact zones: intervals of arc length on one curve that have another part within range, with the interval there.
+//!
+//! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so the part of a line
+//! within range of it is one interval, its ends roots of quadratics. Cubics go through [`Pair::pieces`](super::zone::Pair::pieces). The intervals of
+//! pairs of segments are then joined where both they and their partner intervals touch.
+
+use super::capsule::segment_distance;
+use super::curve::angle;
+use super::input::Strands;
+use super::zone::Pair;
+use crate::math::Vec3;
+
+/// A maximal interval of one curve whose points have a point of the partner interval within range.
+///
+/// Every contact is told twice, once from each side. On a closed curve zones are cut at its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zone {
+    /// Curve the interval lies on.
+    pub curve: usize,
+    /// Start and end of the interval, arc length \[L\].
+    pub arc: [f64; 2],
+    /// Curve of the partner interval.
+    pub partner: usize,
+    /// Smallest and largest arc length \[L\] of the nearest points on the partner.
+    pub partner_arc: [f64; 2],
+    /// Smallest gap between segments of the zone \[L\].
+    pub gap: f64,
+}
+
+/// Part of a zone on one pair of segments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) curve: u32,
+    pub(crate) partner: u32,
+    pub(crate) arc: [f64; 2],
+    pub(crate) partner_arc: [f64; 2],
+    pub(crate) gap: f64,
+}
+
+/// Parts of segment `i` within range of segment `j`: both radii + `range` \[L\].
+pub(crate) fn parts(
+    strands: &Strands,
+    arc: &impl Fn(usize, f64) -> f64,
+    i: usize,
+    j: usize,
+    range: f64,
+    out: &mut Vec<Part>,
+) {
+    let radii = strands.radius_of(i) + strands.radius_of(j);
+    let reach = radii + range;
+    if reach <= 0.0 {
+        return;
+    }
+    let mut push = |u: [f64; 2], v: [f64; 2], gap: f64| {
+        let (t0, t1) = (arc(j, v[0]), arc(j, v[1]));
+        out.push(Part {
+            curve: strands.curve_of(i) as u32,
+            partner: strands.curve_of(j) as u32,
+            arc: u.map(|u| arc(i, u)),
+            partner_arc: [t0.min(t1), t0.max(t1)],
+            gap,
+        });
+    };
+    if strands.is_straight(i) && strands.is_straight(j) {
+        let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
+        let chord = |k: usize| {
+            let (start, end) = strands.ends(k);
+            end - start
+        };
+        let corners = [strands.prev(j).map(chord), strands.next(j).map(chord)];
+        let gap = segment_distance(&a0, &a1, &b0, &b1) - radii;
+        straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap));
+        return;
+    }
+    let (slave, master) = (strands.cubic(i), strands.cubic(j));
+    let corner = |before: Option<usize>, after: Option<usize>| match (before, after) {
+        (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
+        _ => true,
+    };
+    let pair = Pair {
+        slave: &slave,
+        master: &master,
+        open_start: corner(strands.prev(j), Some(j)),
+        open_end: corner(Some(j), strands.next(j)),
+        reach: [reach; 2],
+    };
+    let mut pieces = Vec::new();
+    pair.pieces(&mut pieces);
+    for piece in pieces {
+        push(piece.u, piece.v, piece.nearest.distance - radii);
+    }
+}
+
+/// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest points, in at most three
+/// intervals, ascending. `corners`: the directions of the segments before and after e; where a point is nearest to such a joint, it counts only if it is nearest to it
+/// as seen from the neighbour too (otherwise the neighbour has a nearer point and its own interval).
+fn straight_intervals(
+    d: &Vec3,
+    e: &Vec3,
+    r: &Vec3,
+    reach: f64,
+    corners: &[Option<Vec3>; 2],
+    mut push: impl FnMut([f64; 2], [f64; 2]),
+) {
+    // In units of the reach, against over- and underflow of squares.
+    let (d, e, r) = (d / reach, e / reach, r / reach);
+    let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
+    let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
+    // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows of u.
+    let beside = [r - e * (er / ee), d - e * (de / ee)];
+    let before = (cut(UNIT, -er, -de), [r, d]);
+    let after = (cut(UNIT, er - ee, de), [r - e, d]);
+    let middle = (cut(cut(UNIT, er, de), ee - er, -de), beside);
+    let wedge = |range: [f64; 2], corner: &Option<Vec3>, p: &Vec3, sign: f64| match corner {
+        Some(t) => cut(range, sign * p.dot(t), sign * d.dot(t)),
+        None => range,
+    };
+    let before = (wedge(before.0, &corners[0], &r, 1.0), before.1);
+    let after = (wedge(after.0, &corners[1], &(r - e), -1.0), after.1);
+    let ordered = if de < 0.0 { [after, middle, before] } else { [before, middle, after] };
+    let mut open: Option<[f64; 2]> = None;
+    for (range, [x, y]) in ordered {
+        let Some(inside) = unit_chord(&x, &y) else { continue };
+        let part = [inside[0].max(range[0]), inside[1].min(range[1])];
+        let empty = part[0].is_nan() || part[0] > part[1];
+        if empty {
+            continue;
+        }
+        open = match open {
+            Some(u) if part[0] <= u[1] => Some([u[0], u[1].max(part[1])]),
+            Some(u) => {
+                push(u, u.map(foot));
+                Some(part)
+            }
+            None => Some(part),
+        };
+    }
+    if let Some(u) = open {
+        push(u, u.map(foot));
+    }
+}
+
+const UNIT: [f64; 2] = [0.0, 1.0];
+
+/// The part of a range with c + u k ≥ 0; empty (upside down) if there is none.
+fn cut(range: [f64; 2], c: f64, k: f64) -> [f64; 2] {
+    let root = -c / k;
+    if k > 0.0 {
+        [range[0].max(root), range[1]]
+    } else if k < 0.0 {
+        [range[0], range[1].min(root)]
+    } else if c >= 0.0 {
+        range
+    } else {
+        [1.0, 0.0]
+    }
+}
+
+/// {u : |x + u y| ≤ 1}.
+fn unit_chord(x: &Vec3, y: &Vec3) -> Option<[f64; 2]> {
+    let yy = y.norm_squared();
+    if yy == 0.0 {
+        return (x.norm_squared() <= 1.0).then_some([f64::NEG_INFINITY, f64::INFINITY]);
+    }
+    let middle = -x.dot(y) / yy;
+    let left = 1.0 - (x + y * middle).norm_squared();
+    let half = (left.max(0.0) / yy).sqrt();
+    (left >= 0.0).then_some([middle - half, middle + half])
+}
+
+/// Joins parts into zones: those of the same two curves that touch on both sides (to 1e-9 of `size(curve)`, a length \[L\]). Zones come out ordered by curve,
+/// partner and start.
+pub(crate) fn join(mut parts: Vec<Part>, size: impl Fn(usize) -> f64) -> Vec<Zone> {
+    let key = |p: &Part| (p.curve, p.partner);
+    parts.sort_by(|p, q| {
+        key(p)
+            .cmp(&key(q))
+            .then(p.arc[0].total_cmp(&q.arc[0]))
+            .then(p.partner_arc[0].total_cmp(&q.partner_arc[0]))
+            .then(p.arc[1].total_cmp(&q.arc[1]))
+    });
+    let mut groups = Groups((0..parts.len() as u32).collect());
+    // Parts that reach as far as the present start.
+    let mut active: Vec<usize> = Vec::new();
+    for k in 0..parts.len() {
+        let part = &parts[k];
+        let (tol, tol_partner) = (1e-9 * size(part.curve as usize), 1e-9 * size(part.partner as usize));
+        active.retain(|&m| key(&parts[m]) == key(part) && parts[m].arc[1] + tol >= part.arc[0]);
+        for &m in &active {
+            let (p, q) = (parts[m].partner_arc, part.partner_arc);
+            if p[0] <= q[1] + tol_partner && q[0] <= p[1] + tol_partner {
+                groups.join(m, k);
+            }
+        }
+        active.push(k);
+    }
+    let mut zones: Vec<Zone> = Vec::new();
+    let mut place = vec![usize::MAX; parts.len()];
+    for (k, part) in parts.iter().enumerate() {
+        let root = groups.root(k);
+        if place[root] == usize::MAX {
+            place[root] = zones.len();
+            let (curve, partner) = (part.curve as usize, part.partner as usize);
+            zones.push(Zone { curve, arc: part.arc, partner, partner_arc: part.partner_arc, gap: part.gap });
+        }
+        let zone = &mut zones[place[root]];
+        zone.arc[1] = zone.arc[1].max(part.arc[1]);
+        zone.partner_arc = [zone.partner_arc[0].min(part.partner_arc[0]), zone.partner_arc[1].max(part.partner_arc[1])];
+        zone.gap = zone.gap.min(part.gap);
+    }
+    zones
+}
+
+/// Union and find, smallest index as root.
+struct Groups(Vec<u32>);
+
+impl Groups {
+    fn root(&mut self, mut k: usize) -> usize {
+        while self.0[k] as usize != k {
+            self.0[k] = self.0[self.0[k] as usize];
+            k = self.0[k] as usize;
+        }
+        k
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b)] = a.min(b) as u32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The interval of a line within reach of a segment against sampling.
+    #[test]
+    fn intervals_match_sampling() {
+        let mut state = 5u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut found = 0;
+        for case in 0..4000 {
+            let mut vector = || Vec3::new(random(), random(), random());
+            let (d, mut e, r) = (vector() * 2.0, vector(), vector());
+            match case % 5 {
+                0 => e = d * 0.7,
+                1 => e -= d * (e.dot(&d) / d.norm_squared()),
+                _ => {}
+            }
+            let mut interval: Option<([f64; 2], [f64; 2])> = None;
+            straight_intervals(&d, &e, &r, 0.6, &[None, None], |u, v| {
+                assert!(interval.is_none());
+                interval = Some((u, v));
+            });
+            for k in 0..=200 {
+                let u = f64::from(k) / 200.0;
+                let p = r + d * u;
+                let distance = segment_distance(&p, &p, &Vec3::zeros(), &e);
+                let inside = interval.is_some_and(|(u01, _)| u >= u01[0] && u <= u01[1]);
+                assert!((distance - 0.6).abs() < 1e-12 || inside == (distance < 0.6), "case {case} u {u} {distance}");
+            }
+            found += usize::from(interval.is_some());
+        }
+        assert!(found > 1000);
+    }
+}

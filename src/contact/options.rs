@@ -1,0 +1,49 @@
+//! What the detector is asked for.
+
+use crate::error::InputError;
+
+/// Which segments of one curve are too close along it to be in contact with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Neighbours {
+    /// Less than π/2 of accumulated turning between them: such points provably cannot be each other's nearest (see [`Exclusion`](super::exclusion::Exclusion)). Independent of
+    /// how finely the curve is cut.
+    #[default]
+    Turning,
+    /// This many segments before and after each, whatever the geometry; adjacent segments are left out even at 0.
+    Segments(usize),
+}
+
+/// What to look for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Sites and zones with a gap of at most this are found \[L\]. May be negative (only overlaps deeper than that). Raising it costs pairs.
+    pub range: f64,
+    /// Extra reach of the candidate list \[L\], at least 0: the list is kept until a point has moved half of it. 0 makes a new list
+    /// at every call, which is the best choice for steps larger than about a tenth of a radius.
+    pub margin: f64,
+    /// Which neighbours along a curve are left out.
+    pub neighbours: Neighbours,
+    /// How finely valleys between cubics are searched: parts of a segment, in \[1, 1024\]. Raising it separates more minima and costs in
+    /// proportion. Where boxes of this size cannot be decided (contact lines), those that hang together within one pair of segments give *one* site, marked `flat`,
+    /// even if the valley has several shallow minima. Polylines are exact without it.
+    pub sampling: usize,
+    /// Whether to look for zones (they cost about as much again as the sites).
+    pub zones: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { range: 0.0, margin: 0.0, neighbours: Neighbours::Turning, sampling: 8, zones: true }
+    }
+}
+
+impl Options {
+    pub(super) fn check(&self) -> Result<(), InputError> {
+        InputError::check("range", self.range, true, "finite")?;
+        InputError::check("margin", self.margin, self.margin >= 0.0, "finite and at least 0")?;
+        if (1..=1024).contains(&self.sampling) {
+            return Ok(());
+        }
+        Err(InputError::Count { field: "sampling".to_owned(), value: self.sampling, allowed: "from 1 to 1024" })
+    }
+}
