@@ -1,0 +1,84 @@
+//! Kernels by module: rod element (residual and tangent), contact terms of a supercoiled strand pair, one equilibrium search.
+//! Each checks its answer before it is timed.
+//!
+//! `cargo bench --bench kernels`
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+
+use supercoil::contact::curve::{Cubic, CurveInput, CurveSet};
+use supercoil::contact::detect::{LawParameters, Want, evaluate};
+use supercoil::math::Vec3;
+use supercoil::math::shape_functions::Table;
+use supercoil::rod::element::{self, ElementNodes, ElementOutput};
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::{Contact, Model, Ramp};
+use supercoil::solve::{Options, Solver, Status};
+
+/// A straight element under pure stretch has the energy ½ EA ε² ℓ.
+fn rod_element(c: &mut Criterion) {
+    for order in 1..=3 {
+        let table = Table::new(order);
+        let mut nodes = ElementNodes::default();
+        for a in 0..=order {
+            nodes.r[a] = [0.0, 0.0, 1.01 * a as f64 / order as f64];
+            nodes.q[a] = [1.0, 0.0, 0.0, 0.0];
+        }
+        let material = [1e3, 1e3, 1e4, 1.0, 1.0, 1.5];
+        let reference = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3];
+        let mut out = ElementOutput::default();
+        let mut run = |want| {
+            element::evaluate(&table, black_box(&nodes), 1.0, &material, &reference, None, want, &mut out);
+            out.energy[0]
+        };
+        assert!((run(element::Want::Tangent) - 0.5e4 * 1e-4).abs() < 1e-10);
+        c.bench_function(&format!("element order {order}, residual"), |b| b.iter(|| run(element::Want::Residual)));
+        c.bench_function(&format!("element order {order}, tangent"), |b| b.iter(|| run(element::Want::Tangent)));
+    }
+}
+
+/// Two strands of a double helix that overlap a little: every facing pair is in contact and the forces on the strands balance.
+fn contact_terms(c: &mut Criterion) {
+    let strand = |phase: f64| {
+        let at = |k: usize| {
+            let t = 0.2 * k as f64;
+            let (s, c) = (t + phase).sin_cos();
+            (Vec3::new(c, s, 1.2 * t), Vec3::new(-s, c, 1.2) * 0.2)
+        };
+        let segments: Vec<Cubic> = (0..500)
+            .map(|k| {
+                let ((p, dp), (q, dq)) = (at(k), at(k + 1));
+                Cubic::from_hermite(p, dp, q, dq)
+            })
+            .collect();
+        CurveInput { lengths: vec![0.312; segments.len()], segments, closed: false, radius: 1.02 }
+    };
+    let set = CurveSet::new(vec![strand(0.0), strand(std::f64::consts::PI)]).unwrap();
+    let pairs: Vec<[u32; 2]> =
+        (0..500u32).flat_map(|i| (i.saturating_sub(2)..(i + 3).min(500)).map(move |j| [i, 500 + j])).collect();
+    let law = LawParameters { stiffness: 100.0, geometric: 1.0 };
+    let run = |want| evaluate(&set, black_box(&pairs), law, &|_| [0.0; 2], want);
+    let total: Vec3 = run(Want::Gradient).iter().flat_map(|t| t.gradient).sum();
+    let pressed: f64 = run(Want::Gradient).iter().flat_map(|t| &t.zones).map(|z| z.half_force).sum();
+    assert!(pressed > 1.0 && total.norm() < 1e-9 * pressed);
+    c.bench_function("contact terms of 1000 segments, gradient", |b| b.iter(|| run(Want::Gradient)));
+    c.bench_function("contact terms of 1000 segments, Hessian", |b| b.iter(|| run(Want::Hessian)));
+}
+
+/// A twisted flat ring of 96 cubic elements brought to rest after a tenth of a turn.
+fn search(c: &mut Criterion) {
+    let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.005);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, true, section, 96, 3, Natural::Straight).unwrap();
+    let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
+    let run = || {
+        let mut solver = Solver::new(model.clone(), Options::default()).unwrap();
+        solver.step_to(&[Ramp::ExcessLink { rod: 0, to: 0.1 }]).unwrap()
+    };
+    assert_eq!(run().status, Status::Converged);
+    c.bench_function("set up and settle a ring of 96 elements", |b| b.iter(run));
+}
+
+criterion_group!(kernels, rod_element, contact_terms, search);
+criterion_main!(kernels);
