@@ -119,6 +119,8 @@ pub struct Engine {
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
     pub(crate) scales: Scales,
+    /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times lever² for rotations.
+    pub(crate) masses: Vec<f64>,
     pub(crate) pool: Option<rayon::ThreadPool>,
 }
 
@@ -183,6 +185,7 @@ impl Engine {
         let mut engine = Self {
             tables: [Table::new(1), Table::new(2), Table::new(3)],
             material: model.rods.iter().map(|r| stiffness(&r.section)).collect(),
+            masses: masses(&model, &scales),
             reference: Vec::new(),
             contact: None,
             model,
@@ -389,4 +392,15 @@ fn scales(model: &Model) -> Scales {
         bending: fold(&|r| r.section.bending[0].min(r.section.bending[1]), f64::INFINITY, f64::min),
         lever: fold(&spacing, f64::INFINITY, f64::min),
     }
+}
+
+fn masses(model: &Model, scales: &Scales) -> Vec<f64> {
+    let unit = scales.bending / scales.length.powi(4);
+    let lever_sq = scales.lever * scales.lever;
+    let of_rod = |rod: &Rod| {
+        let position = unit * (rod.length / (rod.num_elements * rod.order) as f64);
+        let rotation = position * lever_sq;
+        [position, position, position, rotation, rotation, rotation].repeat(rod.num_nodes())
+    };
+    model.rods.iter().flat_map(of_rod).collect()
 }

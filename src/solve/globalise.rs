@@ -12,9 +12,7 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, subtract_product};
 use crate::solve::engine::Engine;
-use crate::solve::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, for_each_mass, increment_size, relative_residual,
-};
+use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
 
 /// Smallest shift that is tried, in units of B/L⁴.
@@ -210,32 +208,10 @@ impl Workspace {
         Ok(())
     }
 
-    /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse iterations that
-    /// start from the last such vector.
-    fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
-        let mass = masses(engine);
-        if self.softest.len() != mass.len() {
-            // a fixed start with components everywhere: runs repeat
-            self.softest = (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
-        }
-        let mut lowest = f64::INFINITY;
-        for _ in 0..rounds {
-            let norm: f64 = self.softest.iter().zip(&mass).map(|(x, m)| x * x * m).sum::<f64>().sqrt();
-            self.softest.iter_mut().for_each(|x| *x /= norm);
-            let rhs: Vec<f64> = self.softest.iter().zip(&mass).map(|(x, m)| x * m).collect();
-            let next = self.solve_last(engine, &rhs);
-            // Rayleigh quotient of the inverse
-            lowest = 1.0 / next.iter().zip(&rhs).map(|(x, r)| x * r).sum::<f64>();
-            self.softest = next;
-        }
-        lowest
-    }
-
     /// The shift that would about halve a step: its stiffness over its mass.
     fn stride(&self, engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
         let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
-        let mass = masses(engine);
-        let inertia = self.free_dot(engine, step, |i| mass[i] * step[i]);
+        let inertia = self.free_dot(engine, step, |i| engine.masses[i] * step[i]);
         let stride = work / inertia - self.shift;
         if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
     }
@@ -254,8 +230,7 @@ impl Workspace {
         let safe = engine.step_fraction(state, step)?.min(longest);
         let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
         let slope = self.free_dot(engine, step, |i| residual.gradient[i]);
-        let mass = masses(engine);
-        let inertia = self.free_dot(engine, step, |i| mass[i] * step[i]);
+        let inertia = self.free_dot(engine, step, |i| engine.masses[i] * step[i]);
         let base: Vec<f64> = step.iter().map(|x| x * safe).collect();
         let mut trial = Trial {
             state: state.retract(&base, 1.0),
@@ -303,8 +278,7 @@ impl Workspace {
     /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
     fn energy_norm_sq(&self, engine: &Engine, change: &[f64]) -> f64 {
         let product = self.multiply(engine, change);
-        let mass = masses(engine);
-        self.free_dot(engine, change, |i| product[i] + self.shift * mass[i] * change[i])
+        self.free_dot(engine, change, |i| product[i] + self.shift * engine.masses[i] * change[i])
     }
 
     /// Forces that the linear prediction missed: BᵀC e of the rods and g_c(x ⊕ Δ) − g_c(x) − K_c Δ of contact.
@@ -336,10 +310,4 @@ fn relative_change(before: &[f64], after: &[f64]) -> f64 {
     let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / largest }
-}
-
-fn masses(engine: &Engine) -> Vec<f64> {
-    let mut mass = vec![0.0; 6 * engine.num_nodes()];
-    for_each_mass(engine, |node, k, m| mass[6 * node + k] = m);
-    mass
 }

@@ -223,11 +223,11 @@ impl Workspace {
             &self.tangent.values
         } else {
             self.shifted.clone_from(&self.tangent.values);
-            for_each_mass(engine, |node, k, mass| {
-                if let Some(eq) = pattern.equation(node, k) {
+            for (i, mass) in engine.masses.iter().enumerate() {
+                if let Some(eq) = pattern.equation(i / 6, i % 6) {
                     self.shifted[pattern.diagonal(eq)] += shift * mass;
                 }
-            });
+            }
             &self.shifted
         };
         let negative = factor.factorise(pattern, values)?.num_negative;
@@ -302,21 +302,6 @@ struct Border {
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
 /// are neutral but for rounding and discretisation.
 const NEUTRAL_SHIFT: f64 = 1e-7;
-
-/// Calls `f(node, unknown, mass)` with the masses that shifts multiply: (B/L⁴)·h for positions, times lever² for rotations.
-pub(crate) fn for_each_mass(engine: &Engine, mut f: impl FnMut(usize, usize, f64)) {
-    let scales = &engine.scales;
-    let unit = scales.bending / scales.length.powi(4);
-    for (index, rod) in engine.model.rods.iter().enumerate() {
-        let spacing = rod.length / (rod.num_elements * rod.order) as f64;
-        for node in engine.first_node[index]..engine.first_node[index + 1] {
-            for k in 0..6 {
-                let lever_sq = if k < 3 { 1.0 } else { scales.lever * scales.lever };
-                f(node, k, unit * spacing * lever_sq);
-            }
-        }
-    }
-}
 
 fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; 6 * engine.num_nodes()];

@@ -1,10 +1,34 @@
-//! Unstable equilibria: the direction that leaves them.
+//! Soft and unstable directions: how low the lowest eigenvalue is, and the way out of an unstable equilibrium.
 
 use crate::error::SolveError;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Workspace, for_each_mass};
+use crate::solve::newton::Workspace;
+
+/// Inverse iterations for the direction in which an unstable equilibrium is left.
+const DIRECTION_ROUNDS: usize = 60;
 
 impl Workspace {
+    /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse iterations that
+    /// start from the last such vector.
+    pub(crate) fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
+        let mass = &engine.masses;
+        if self.softest.len() != mass.len() {
+            // a fixed start with components everywhere: runs repeat
+            self.softest = (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
+        }
+        let mut lowest = f64::INFINITY;
+        for _ in 0..rounds {
+            let norm: f64 = self.softest.iter().zip(mass).map(|(x, m)| x * x * m).sum::<f64>().sqrt();
+            self.softest.iter_mut().for_each(|x| *x /= norm);
+            let rhs: Vec<f64> = self.softest.iter().zip(mass).map(|(x, m)| x * m).collect();
+            let next = self.solve_last(engine, &rhs);
+            // Rayleigh quotient of the inverse
+            lowest = 1.0 / next.iter().zip(&rhs).map(|(x, r)| x * r).sum::<f64>();
+            self.softest = next;
+        }
+        lowest
+    }
+
     /// Direction of the most negative eigenvalue of the tangent at the engine's state (mass-weighted inverse iteration from a
     /// fixed start, so that runs repeat), scaled so that the largest rotation is 1 rad. Call after [`Workspace::count_unstable`].
     ///
@@ -18,18 +42,11 @@ impl Workspace {
                 return Err(SolveError::Factorisation { iteration: 0, shift });
             }
         }
-        let mut mass = vec![0.0; 6 * engine.num_nodes()];
-        for_each_mass(engine, |node, k, m| mass[6 * node + k] = m);
-        let mut vector: Vec<f64> =
-            (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
-        for _ in 0..60 {
-            let rhs: Vec<f64> = vector.iter().zip(&mass).map(|(x, m)| x * m).collect();
-            vector = self.solve_last(engine, &rhs);
-            let norm: f64 = vector.iter().zip(&mass).map(|(x, m)| x * x * m).sum::<f64>().sqrt();
-            vector.iter_mut().for_each(|x| *x /= norm);
-        }
-        let turn = vector.chunks(6).flat_map(|n| &n[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
+        // from the fixed start, whatever the searches before have left
+        self.softest.clear();
+        self.lowest_above(engine, DIRECTION_ROUNDS);
+        let turn = self.softest.chunks(6).flat_map(|n| &n[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
         let scale = if turn > 0.0 { 1.0 / turn } else { 1.0 };
-        Ok(vector.into_iter().map(|x| x * scale).collect())
+        Ok(self.softest.iter().map(|x| x * scale).collect())
     }
 }
