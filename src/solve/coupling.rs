@@ -93,3 +93,79 @@ fn add(out: &mut NodalTangent, row: usize, col: usize, block: &Mat3) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Quat;
+    use crate::math::quaternion::exp;
+
+    const LEVER: f64 = 0.37;
+
+    fn wave(k: usize) -> f64 {
+        (1.3 + 2.1 * k as f64).sin()
+    }
+
+    fn vector(k: usize) -> Vec3 {
+        Vec3::new(wave(3 * k), wave(3 * k + 1), wave(3 * k + 2))
+    }
+
+    /// Control points of both cubics from positions and frames of the four nodes.
+    fn controls(r: &[Vec3; 4], q: &[Quat; 4]) -> [Vec3; 8] {
+        std::array::from_fn(|m| {
+            let node = 2 * (m / 4) + usize::from(m % 4 >= 2);
+            let lever = [0.0, LEVER, -LEVER, 0.0][m % 4];
+            r[node] + (q[node] * Vec3::z()) * lever
+        })
+    }
+
+    /// A quadratic potential of the control points, U = Σ g·x + ½ Σ xᵀ A x, mapped to the nodes: gradient and every entry of the
+    /// tangent, second-order part of the rotations included, against differences along the update.
+    #[test]
+    fn mapped_gradient_and_tangent_match_finite_differences() {
+        let linear: [Vec3; 8] = std::array::from_fn(|m| vector(m) * 3.0);
+        let block = |m: usize, n: usize| Mat3::from_fn(|i, j| wave(31 * m + 7 * n + 5 * i + j));
+        // filled for m ≤ n, diagonal blocks symmetric, as contact terms are
+        let hessian: Hessian = std::array::from_fn(|m| {
+            std::array::from_fn(|n| if m == n { block(m, m) + block(m, m).transpose() } else { block(m, n) })
+        });
+        let full = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m].transpose() };
+        let gradient = |x: &[Vec3; 8]| -> [Vec3; 8] {
+            std::array::from_fn(|m| linear[m] + (0..8).map(|n| full(m, n) * x[n]).sum::<Vec3>())
+        };
+        let r: [Vec3; 4] = std::array::from_fn(|a| vector(a + 20));
+        let q: [Quat; 4] = std::array::from_fn(|a| exp(&vector(a + 40)));
+        let potential = |step: &[f64; 24]| {
+            let part = |a: usize, k: usize| Vec3::new(step[6 * a + k], step[6 * a + k + 1], step[6 * a + k + 2]);
+            let x = controls(
+                &std::array::from_fn(|a| r[a] + part(a, 0)),
+                &std::array::from_fn(|a| exp(&part(a, 3)) * q[a]),
+            );
+            let g = gradient(&x);
+            x.iter().zip(&g).zip(&linear).map(|((x, g), l)| 0.5 * x.dot(&(g + l))).sum::<f64>()
+        };
+        let d3 = |a: usize| q[a] * Vec3::z();
+        let sides = [0, 2].map(|a| SegmentFrame { tangents: [d3(a), d3(a + 1)], lever: LEVER });
+        let g = gradient(&controls(&r, &q));
+        let (mapped, tangent) = (nodal_gradient(&g, &sides), nodal_tangent(&g, &hessian, &sides));
+        let along = |i: usize, a: f64, j: usize, b: f64| {
+            let mut step = [0.0; 24];
+            step[i] += a;
+            step[j] += b;
+            potential(&step)
+        };
+        for i in 0..24 {
+            let h = 1e-5;
+            let slope = (along(i, h, i, 0.0) - along(i, -h, i, 0.0)) / (2.0 * h);
+            assert!((slope - mapped[i]).abs() < 1e-7, "{i}: {slope} {}", mapped[i]);
+            for j in i..24 {
+                let h = 1e-3;
+                let second = |h: f64| {
+                    (along(i, h, j, h) - along(i, h, j, -h) - along(i, -h, j, h) + along(i, -h, j, -h)) / (4.0 * h * h)
+                };
+                let difference = (4.0 * second(h) - second(2.0 * h)) / 3.0;
+                assert!((difference - tangent[i][j]).abs() < 1e-6, "({i},{j}): {difference} {}", tangent[i][j]);
+            }
+        }
+    }
+}
