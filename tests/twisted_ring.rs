@@ -139,12 +139,12 @@ fn decades_of_the_penalty_converge_superlinearly() {
     }
 }
 
-/// The last step gains two digits, the last two together three. A linear rate (.95 with sloppy zone ends) or a limit cycle does
-/// not.
+/// The last two steps together gain three and a half digits, the last alone all but two. Two digits a step are what is left in the line
+/// state, whatever κ; at points it is more. A linear rate (.95 with sloppy zone ends) or a limit cycle fails.
 fn assert_superlinear(report: &StepReport, excess_link: f64, decade: i32) {
     let sizes: Vec<f64> = report.history.iter().flatten().map(|i| i.increment).collect();
     let [.., e1, e2, e3] = sizes[..] else { return };
-    assert!(e3 <= 1e-2 * e2 && e3 <= 1e-3 * e1, "ΔLk {excess_link} κ 1e{decade}: {sizes:?}");
+    assert!(e3 <= 2e-2 * e2 && e3 <= 3e-4 * e1, "ΔLk {excess_link} κ 1e{decade}: {sizes:?}");
 }
 
 /// A load step far too long: from the flat ring to line contact at once. Wherever it ends, no strand has passed another: the link

@@ -5,8 +5,9 @@
 //! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with
 //! e = ε(x ⊕ Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the same for contact forces, it is
 //! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and the step
-//! is accepted like any trust-region step, by comparing its decrease with the model's. The trust region is the shift τ in
-//! K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
+//! is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or closes along the
+//! way the corrections may not converge; the best state they passed is as good as any if it lies low enough. The trust region is
+//! the shift τ in K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
 
 use crate::error::SolveError;
 use crate::rod::element::Six;
@@ -28,7 +29,13 @@ const CONTRACTION: f64 = 0.4;
 /// Steps rejected in a row before the search gives up.
 const MAX_REJECTIONS: usize = 30;
 /// Fractions of a step tried before the shift is raised.
-const SHORTER: [f64; 1] = [0.5];
+const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
+/// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is good enough.
+const ENOUGH: f64 = 0.1;
+/// Accepted steps in a row, none rejected between them, after which the shift falls fastest.
+const CLEAN: usize = 2;
+/// Or, near the end, steps smaller than this (relative to the node spacing, or rad).
+const SMALL_STEP: f64 = 1e-2;
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
@@ -40,6 +47,7 @@ const TOL_SADDLE: f64 = 1e-8;
 const ROUNDING: f64 = 1e-11;
 
 /// A step after its corrections.
+#[derive(Clone)]
 struct Trial {
     increment: Vec<f64>,
     state: State,
@@ -66,7 +74,7 @@ impl Workspace {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let mut state = engine.state.clone();
-        let (mut rejections, mut at_saddle) = (0, 0);
+        let (mut rejections, mut at_saddle, mut clean) = (0, 0, CLEAN);
         let mut stress = engine.actual_stress(&state);
         self.shift = 0.0;
         while report.iterations.len() < options.max_iterations {
@@ -82,20 +90,22 @@ impl Workspace {
                 let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
                 // shorter along the same direction first: it costs no factorisation
                 for shorter in if pushed { [].as_slice() } else { &SHORTER } {
-                    if trial.settled || size <= options.tol_increment {
+                    let falls = residual.potential.total() - trial.potential >= ENOUGH * trial.expected;
+                    if trial.settled || falls || size <= options.tol_increment {
                         break;
                     }
                     trial = self.trial(engine, &state, &residual, &step, *shorter, pushed)?;
                 }
-                let noise =
-                    ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>());
+                let noise = noise(&residual);
                 let gain = residual.potential.total() - trial.potential;
                 let driven = remaining > 0.0 || !engine.is_conservative();
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
                 let indefinite = self.shift > 0.0;
                 let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE;
-                let accepted = tiny || trial.settled && (driven || gain >= 0.05 * trial.expected - noise);
+                let falls = gain >= 0.05 * trial.expected - noise;
+                let acceptable = tiny || if driven { trial.settled } else { falls };
+                let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
                 report.iterations.push(Iteration {
                     increment: size,
                     residual: relative_residual(engine, &residual),
@@ -111,11 +121,12 @@ impl Workspace {
                         side.law.geometric = 1.0;
                     }
                     let ratio = gain / trial.expected;
+                    clean = if rejected_here == 0 { clean + 1 } else { 0 };
                     if tiny {
                         self.shift = 0.0;
                     } else if rejected_here == 0 && trial.rounds <= 2 && (0.8..1.25).contains(&ratio) {
                         // the model was right: let the eigenvalues alone decide
-                        self.shift /= 100.0;
+                        self.shift /= if clean >= CLEAN || size < SMALL_STEP { 100.0 } else { 10.0 };
                     } else if rejected_here == 0
                         && trial.rounds <= 5
                         && (driven || gain >= 0.5 * trial.expected - noise)
@@ -156,7 +167,8 @@ impl Workspace {
                         return self.finish(engine, &state, report);
                     }
                 } else {
-                    self.shift = (4.0 * self.shift).max(self.stride(engine, &residual, &step));
+                    let raised = 4.0f64.powi(rejected_here.min(3)) * self.shift;
+                    self.shift = raised.max(self.stride(engine, &residual, &step));
                 }
             }
             if report.converged {
@@ -244,11 +256,11 @@ impl Workspace {
             excess: None,
         };
         let mut last = f64::INFINITY;
+        let mut best: Option<Trial> = None;
         loop {
             // contact that cannot be resolved there is a step too long, not the end
             if engine.update_contact(&trial.state).is_err() {
-                engine.update_contact(state)?;
-                return Ok(trial);
+                break;
             }
             let there = engine.residual(&trial.state);
             trial.potential = there.potential.total();
@@ -261,6 +273,9 @@ impl Workspace {
             let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
+            if best.as_ref().is_none_or(|b| trial.potential < b.potential) {
+                best = Some(trial.clone());
+            }
             if size.is_nan() || size >= CONTRACTION * last {
                 break;
             }
@@ -272,7 +287,11 @@ impl Workspace {
             trial.excess = Some(excess);
         }
         engine.update_contact(state)?;
-        Ok(trial)
+        // among changes that rounding makes, the corrected state is the better one
+        Ok(match best {
+            Some(best) if !trial.settled && trial.expected > noise(residual) => best,
+            _ => trial,
+        })
     }
 
     /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
@@ -303,6 +322,11 @@ impl Workspace {
         }
         (excess, out)
     }
+}
+
+/// Changes of the potential that rounding makes.
+fn noise(residual: &Residual) -> f64 {
+    ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
 }
 
 /// Largest difference over the largest value before; 0 where all is 0.

@@ -1,4 +1,4 @@
-//! Finds equilibria, from the outside in: [`path`] (load stepping), [`settle`] (one state brought to rest: contact enforced,
+//! Finds equilibria, from the outside in: [`path`] (load stepping), `predictor` (where it is heading), [`settle`] (one state brought to rest: contact enforced,
 //! unstable states left), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), [`step_bound`]
 //! (no strand passes another), [`stability`] (the way out of unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem
 //! assembled), [`state`] (the configuration and how it moves), [`fields`] (what it looks like along the rods).
@@ -12,6 +12,7 @@ mod moment_load;
 mod neutral;
 pub mod newton;
 pub mod path;
+mod predictor;
 pub mod settle;
 pub mod stability;
 pub mod state;

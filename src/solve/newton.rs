@@ -5,6 +5,7 @@ use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
 use crate::solve::neutral::Neutral;
+use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 use crate::sparse::{Factor, Pattern};
 
@@ -21,7 +22,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tol_increment: 1e-8, max_iterations: 200, stable_only: true }
+        Self { tol_increment: 1e-8, max_iterations: 500, stable_only: true }
     }
 }
 
@@ -89,11 +90,8 @@ impl Workspace {
         options: &NewtonOptions,
         leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
-        for rod in 0..drive.seams.len() {
-            let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
-            engine.state.twist(rod, nodes, drive.seams[rod]);
-        }
-        let start = engine.state.clone();
+        let start = turned(engine, &engine.state, drive);
+        engine.state = start.clone();
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
         let mut spent = Vec::new();
@@ -209,7 +207,7 @@ impl Workspace {
         let mut step = self.solve_last(engine, &rhs);
         self.add_moment_skew(engine, &mut step);
         self.neutral.remove(&mut step);
-        set_prescribed(&mut step, drive);
+        drive.add_to(&mut step);
         match step.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(SolveError::NotFinite { iteration, quantity: "increment", index, value: step[index] }),
             None => Ok(step),
@@ -313,15 +311,6 @@ fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
         }
     }
     all
-}
-
-fn set_prescribed(step: &mut [f64], drive: &Drive) {
-    for &(node, displacement, rotation) in &drive.nodes {
-        for k in 0..3 {
-            step[6 * node + k] += displacement[k];
-            step[6 * node + 3 + k] += rotation[k];
-        }
-    }
 }
 
 pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {

@@ -10,6 +10,7 @@ use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
+use crate::solve::predictor::History;
 use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::Drive;
 
@@ -158,7 +159,7 @@ impl Solver {
             self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
         }
         let target = self.target(ramps, 1.0);
-        Ok(self.attempt(&target))
+        Ok(self.attempt(&target, None))
     }
 
     /// Number of unstable directions at the present state.
@@ -181,16 +182,25 @@ impl Solver {
         let full = 1.0 / stage.steps as f64;
         let mut size: f64 = full;
         let mut started = Instant::now();
+        let mut history = History::default();
+        history.push(done, self.engine.state.clone());
         while done < 1.0 - 1e-12 {
             // of the rest: ramps are measured from where they are
             let take = (size / (1.0 - done)).min(1.0);
             let take = if 1.0 - done - size < 1e-9 { 1.0 } else { take };
             let snapshot = self.snapshot();
             let target = self.target(&stage.ramps, take);
-            let report = self.attempt(&target);
+            let advance = take * (1.0 - done);
+            let predicted = history.predict(&self.engine, &target.drive, done + advance);
+            let offered = predicted.is_some();
+            let report = self.attempt(&target, predicted);
             *iterations += report.iterations;
+            if offered && !report.predicted {
+                // where contact changes too much for a parabola, some steps are made the slow way before the next try
+                history.clear();
+            }
             if report.status != Status::Converged {
-                self.restore(snapshot);
+                self.restore(snapshot)?;
                 size *= 0.5;
                 if size < full * self.options.min_step {
                     return Ok(match report.status {
@@ -200,7 +210,11 @@ impl Solver {
                 }
                 continue;
             }
-            done += take * (1.0 - done);
+            done += advance;
+            if report.departures > 0 {
+                history.clear();
+            }
+            history.push(done, self.engine.state.clone());
             *num_steps += 1;
             let progress = Progress {
                 engine: &self.engine,
@@ -256,14 +270,14 @@ impl Solver {
         target
     }
 
-    fn attempt(&mut self, target: &Target) -> StepReport {
+    fn attempt(&mut self, target: &Target, predicted: Option<Vec<f64>>) -> StepReport {
         if let Some(factor) = target.load_factor {
             self.engine.state.load_factor = factor;
         }
         for &(rod, pressure) in &target.pressures {
             self.engine.state.pressures[rod] = pressure;
         }
-        let report = self.settle(&target.drive);
+        let report = self.settle_along(&target.drive, predicted);
         if report.status == Status::Converged {
             for &(node, change) in &target.turned {
                 *self.turned.entry(node).or_insert(0.0) += change;

@@ -9,11 +9,18 @@ use crate::error::SolveError;
 use crate::scene::ContactLaw;
 use crate::solve::newton::{Iteration, NewtonReport};
 use crate::solve::path::Solver;
+use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 
 /// Stages of a softened law at the start of a load step, and the factor between them.
-const SOFT_STAGES: i32 = 2;
+const SOFT_STAGES: i32 = 3;
 const SOFTENING: f64 = 10.0;
+/// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
+/// once would buckle into its tenth mode.
+const TURNS_AT_ONCE: f64 = 1.0;
+/// Iterations spent on a predicted state, and the largest rotation of a node for which the prediction is trusted, rad.
+const PREDICTED_ITERATIONS: usize = 20;
+const LARGEST_PREDICTED_TURN: f64 = 0.3;
 /// Iterations spent on one hardening stage before it is given up.
 const HARDENING_ITERATIONS: usize = 100;
 /// Augmentations under the soft law, and the gap error relative to the radius at which they end: hardening keeps gaps.
@@ -74,6 +81,8 @@ pub struct StepReport {
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
     /// all the same; a point contact is spread wider by the cube root of it.
     pub softening: f64,
+    /// The step settled at once from the state extrapolated from the steps before.
+    pub predicted: bool,
     /// What broke down, if anything did.
     pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
@@ -103,6 +112,11 @@ struct ContactErrors {
 impl Solver {
     /// Brings the present state to a stable equilibrium with contact enforced, applying `drive` on the way.
     pub fn settle(&mut self, drive: &Drive) -> StepReport {
+        self.settle_along(drive, None)
+    }
+
+    /// [`Solver::settle`], tried first from where the increment `predicted` leads.
+    pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
         let mut report = StepReport {
             status: Status::Converged,
             iterations: 0,
@@ -111,26 +125,80 @@ impl Solver {
             num_unstable: 0,
             penetration: 0.0,
             softening: 1.0,
+            predicted: false,
             error: None,
             history: Vec::new(),
         };
-        if let Err(error) = self.settle_into(drive, &mut report) {
+        let settled = match predicted {
+            Some(increment) => self.settle_predicted(drive, increment, &mut report),
+            None => Ok(false),
+        };
+        let outcome = settled.and_then(|done| if done { Ok(()) } else { self.settle_into(drive, &mut report) });
+        if let Err(error) = outcome {
             report.error = Some(error);
             report.status = Status::BrokeDown;
         }
         report
     }
 
+    /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back where it was.
+    fn settle_predicted(
+        &mut self,
+        drive: &Drive,
+        increment: Vec<f64>,
+        report: &mut StepReport,
+    ) -> Result<bool, SolveError> {
+        let largest = increment.chunks(6).flat_map(|node| &node[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
+        if largest > LARGEST_PREDICTED_TURN {
+            return Ok(false);
+        }
+        let before = self.snapshot();
+        let patience = std::mem::replace(&mut self.options.newton.max_iterations, PREDICTED_ITERATIONS);
+        let outcome = self.search_predicted(drive, &increment, report);
+        self.options.newton.max_iterations = patience;
+        if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
+            report.predicted = true;
+            return Ok(true);
+        }
+        self.restore(before)?;
+        (report.status, report.num_unstable) = (Status::Converged, 0);
+        (report.augmentations, report.departures) = (0, 0);
+        Ok(false)
+    }
+
+    fn search_predicted(
+        &mut self,
+        drive: &Drive,
+        increment: &[f64],
+        report: &mut StepReport,
+    ) -> Result<(), SolveError> {
+        let engine = &mut self.engine;
+        let state = turned(engine, &engine.state, drive);
+        engine.update_contact(&state)?;
+        let fraction = engine.step_fraction(&state, increment)?;
+        engine.state = state.retract(increment, fraction);
+        self.search(&drive.scaled(1.0 - fraction), report)?;
+        self.enforce_gaps(report)
+    }
+
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        if self.softens() {
-            self.scale_contact(SOFTENING.powi(self.stages_left - SOFT_STAGES));
-            self.stages_left = SOFT_STAGES;
-            let outcome = self.settle_softly(drive, report);
+        let mut softened = false;
+        for part in drive.parts(TURNS_AT_ONCE) {
+            if self.softens() {
+                self.scale_contact(SOFTENING.powi(self.stages_left - SOFT_STAGES));
+                self.stages_left = SOFT_STAGES;
+                softened = true;
+            }
+            self.search(&part, report)?;
+            if report.status != Status::Converged {
+                break;
+            }
+        }
+        if softened {
+            let outcome = self.harden(report);
             report.softening = SOFTENING.powi(self.stages_left);
             outcome?;
-            return self.enforce_gaps(report);
         }
-        self.search(drive, report)?;
         self.enforce_gaps(report)
     }
 
@@ -157,11 +225,10 @@ impl Solver {
         Ok(())
     }
 
-    /// The load step under a softened law, then the law hardened in stages. Under a soft law strands slide several zone widths
-    /// per iteration; hardening keeps gaps, so these are closed before. Where the mesh is too coarse for the hard law (lines of
-    /// contact break up into points between nodes) hardening ends early.
-    fn settle_softly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        self.search(drive, report)?;
+    /// Hardens the softened law in stages. Under a soft law strands slide several zone widths per iteration; hardening keeps gaps, so
+    /// these are closed before. Where the mesh is too coarse for the hard law (lines of contact break up into points between
+    /// nodes) hardening ends early.
+    fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         for _ in 0..SOFT_AUGMENTATIONS {
             let errors = self.contact_errors();
             if report.status != Status::Converged || errors.penetration.max(errors.opening) < TOL_SOFT {
@@ -177,7 +244,7 @@ impl Solver {
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
             if outcome.is_err() || report.status != Status::Converged {
-                self.restore(before);
+                self.restore(before)?;
                 report.status = Status::Converged;
                 report.num_unstable = 0;
                 return Ok(());
@@ -278,12 +345,15 @@ impl Solver {
         }
     }
 
-    pub(crate) fn restore(&mut self, snapshot: Snapshot) {
+    /// Goes back to a snapshot, contact geometry included.
+    pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), SolveError> {
         self.stages_left = snapshot.stages_left;
         self.engine.state = snapshot.state;
         if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
             side.law = law;
             side.offsets = offsets;
         }
+        let state = self.engine.state.clone();
+        self.engine.update_contact(&state).map(|_| ())
     }
 }

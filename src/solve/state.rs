@@ -31,6 +31,26 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// The drive in equal parts in none of which a seam turns by more than `turns` turns. Supports move in the first part.
+    pub(crate) fn parts(&self, turns: f64) -> Vec<Self> {
+        let largest = self.seams.iter().fold(0.0f64, |a, b| a.max(b.abs())) / std::f64::consts::TAU;
+        let count = (largest / turns - 1e-9).ceil().clamp(1.0, 1000.0);
+        let seams: Vec<f64> = self.seams.iter().map(|angle| angle / count).collect();
+        let first = Self { nodes: self.nodes.clone(), seams: seams.clone() };
+        let rest = Self { nodes: Vec::new(), seams };
+        std::iter::once(first).chain(std::iter::repeat_n(rest, count as usize - 1)).collect()
+    }
+
+    /// Adds the supports' motions to an increment (six per node).
+    pub(crate) fn add_to(&self, increment: &mut [f64]) {
+        for &(node, displacement, rotation) in &self.nodes {
+            for k in 0..3 {
+                increment[6 * node + k] += displacement[k];
+                increment[6 * node + 3 + k] += rotation[k];
+            }
+        }
+    }
+
     /// The supports' motions times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { nodes: self.nodes.iter().map(|&(n, d, r)| (n, d * factor, r * factor)).collect(), seams: Vec::new() }
@@ -50,6 +70,17 @@ impl State {
             next.frames[node] = Unit::new_normalize(turned.into_inner());
         }
         next
+    }
+
+    /// The increment whose retraction takes `before` to this state: displacements \[L\] and rotation vectors of at most half a turn, rad.
+    pub fn increment_since(&self, before: &Self) -> Vec<f64> {
+        let mut increment = Vec::with_capacity(6 * self.positions.len());
+        for node in 0..self.positions.len() {
+            let displacement = self.positions[node] - before.positions[node];
+            let rotation = (self.frames[node] * before.frames[node].inverse()).scaled_axis();
+            increment.extend(displacement.iter().chain(rotation.iter()));
+        }
+        increment
     }
 
     /// Turns the seam of a closed rod (nodes `nodes`) by `angle` and spreads the twist evenly: frames spin about their own d3, the

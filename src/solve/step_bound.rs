@@ -13,20 +13,41 @@ use crate::math::Vec3;
 use crate::solve::engine::{ContactSide, Engine};
 use crate::solve::state::State;
 
-/// Fraction of the contact distance that strands must keep between them within one step.
-const KEEP: f64 = 0.5;
-/// Strands already closer than that may lose this fraction of their distance.
-const DEEP: f64 = 0.25;
-/// Largest relative rotation of neighbouring nodes in one step, rad: interpolation needs less than π between them.
-const MAX_RELATIVE_ROTATION: f64 = 1.0;
+/// What strands must keep between them within one step.
+#[derive(Debug, Clone, Copy)]
+struct Keep {
+    /// Fraction of the contact distance.
+    distance: f64,
+    /// Strands already closer than that may lose this fraction of what is between them.
+    deep: f64,
+    /// Largest relative rotation of neighbouring nodes, rad: interpolation needs less than π between them.
+    rotation: f64,
+    /// Longest motion, in contact radii; steps beyond it are cut before pairs are looked at.
+    longest: f64,
+}
 
+/// For a step before it is corrected for curvature.
+const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, longest: 16.0 };
+/// For the step as it is taken: corrections may use up half of what the step left.
+const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, longest: 32.0 };
 impl Engine {
     /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
     pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
-        let mut t = rotation_fraction(self, increment);
+        self.fraction_keeping(state, increment, STEP)
+    }
+
+    /// Whether a step that was within the bound before its corrections still lets no strand pass another. Contact geometry must be that of
+    /// `state`.
+    pub(crate) fn keeps_apart(&mut self, state: &State, increment: &[f64]) -> Result<bool, SolveError> {
+        Ok(self.fraction_keeping(state, increment, CORRECTED)? == 1.0)
+    }
+
+    fn fraction_keeping(&mut self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        let mut t = rotation_fraction(self, increment, keep.rotation);
         if let Some(mut side) = self.contact.take() {
             let pool = self.pool.take();
-            let bound = crate::solve::assembly::in_pool(pool.as_ref(), || side.passage_fraction(state, increment));
+            let bound =
+                crate::solve::assembly::in_pool(pool.as_ref(), || side.passage_fraction(state, increment, keep));
             self.pool = pool;
             self.contact = Some(side);
             t = t.min(bound?);
@@ -35,7 +56,7 @@ impl Engine {
     }
 }
 
-fn rotation_fraction(engine: &Engine, increment: &[f64]) -> f64 {
+fn rotation_fraction(engine: &Engine, increment: &[f64], limit: f64) -> f64 {
     let rotation = |node: usize| Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5]);
     let mut largest = 0.0f64;
     for element in &engine.elements {
@@ -45,7 +66,7 @@ fn rotation_fraction(engine: &Engine, increment: &[f64]) -> f64 {
             largest = largest.max(relative.norm());
         }
     }
-    if largest > MAX_RELATIVE_ROTATION { MAX_RELATIVE_ROTATION / largest } else { 1.0 }
+    if largest > limit { limit / largest } else { 1.0 }
 }
 
 /// Linear motion of the four control points of a segment and the bound of what is left out.
@@ -55,7 +76,7 @@ struct Motion {
 }
 
 impl ContactSide {
-    fn passage_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
+    fn passage_fraction(&mut self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let lengths = &self.set.lengths;
         let nodes = &self.nodes;
         let motions: Vec<Motion> = (0..nodes.len())
@@ -72,7 +93,7 @@ impl ContactSide {
             return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index: 0, value: farthest });
         }
         // beyond this range pairs cannot meet; very long steps are first cut to a few contact distances
-        let longest = 16.0 * self.min_radius;
+        let longest = keep.longest * self.min_radius;
         let cut = if farthest > longest { longest / farthest } else { 1.0 };
         let range = 2.0 * farthest * cut;
         let pairs = self.step_search.candidates(&self.set, &self.exclusion, range, 0.0).map_err(|_| {
@@ -88,7 +109,7 @@ impl ContactSide {
                 let approach = relative_motion(&motions[i], &motions[j]);
                 let distance = capsules[i].distance_lower_bound(&capsules[j]);
                 let contact_distance = set.radius_of(i) + set.radius_of(j);
-                let allowed = (distance - KEEP * contact_distance).max(DEEP * distance);
+                let allowed = (distance - keep.distance * contact_distance).max(keep.deep * distance);
                 if approach * cut > allowed { allowed / approach } else { cut }
             })
             .reduce(|| cut, f64::min);
