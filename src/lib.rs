@@ -68,7 +68,7 @@
 //! | c | `offset` | augmented Lagrangian: pressure is κ⟨c − g⟩ | L |
 //! | p | `pressure` | contact force per length; also load pressure | F/L |
 //! | Lk, Tw, Wr | `link`, `twist`, `writhe` | Lk = Tw + Wr | turns |
-//! | ΔLk | `excess_link` | link put into a closed rod | turns |
+//! | ΔLk | `excess_link` | link of a closed rod's material line with its centreline, seam included; that put in, if straight by nature | turns |
 //! | θ | rotation part of an increment | q ← exp(θ/2) q | rad |
 //! | ∂Π/∂x | `gradient`, `residual` | of the potential; at supports the reaction | F, F·L |
 //! | ∂²Π/∂x² | `tangent` | | |
@@ -84,7 +84,7 @@
 //! error  open to all            dna  on its own
 //! ```
 //!
-//! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials
+//! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves
 //! * [`contact`]: contact of curves with radii; usable without rods
 //! * [`rod`]: sections, shapes, elements
 //! * [`sparse`]: sparse LDLᵀ with inertia

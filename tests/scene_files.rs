@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use supercoil::math::Vec3;
-use supercoil::rod::Natural;
+use supercoil::rod::{Natural, Plectoneme, Shape};
 use supercoil::scene::{Contact, ContactLaw, NodeRef, Ramp, Scene};
 
 const RING: &str = r#"
@@ -94,7 +94,7 @@ fn beam_means_what_it_says() {
 
 #[test]
 fn the_examples_are_accepted() {
-    for name in ["minicircle", "elastica", "ring_pressure", "crossed_beams"] {
+    for name in ["minicircle", "elastica", "ring_pressure", "crossed_beams", "puc19", "pbr322", "lambda_phage"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(format!("{name}.toml"));
         Scene::read(&path).unwrap_or_else(|error| panic!("{error}"));
     }
@@ -108,6 +108,8 @@ fn unknown_keys_are_named_with_line_and_allowed_keys() {
     refused(RING, "every", "evry", &["unknown field `evry`", "`every`", "`picture`"]);
     refused(RING, "excess_link", "excess", &["unknown field `excess`", "`excess_link`", "`pressure`"]);
     refused(RING, "to = -3.0", "till = -3.0", &["unknown field `till`", "`to`"]);
+    let knot = "kind = \"torus_knot\", windings = [2, 3], aspekt = 0.4, length";
+    refused(RING, "kind = \"circle\", length", knot, &["unknown field `aspekt`", "`aspect`"]);
     refused(BEAM, "curvature", "kurvature", &["unknown field `kurvature`", "`curvature`", "`twist`"]);
     refused(BEAM, "{ arc = 1.6 }", "{ s = 1.6 }", &["unknown field `s`", "`arc`"]);
 }
@@ -140,6 +142,9 @@ fn bad_numbers_are_named_with_value_and_range() {
     refused(RING, "1e-8", "1.5", &["contact.tol_penetration = 1.5: must be between 0 and 1"]);
     refused(RING, "every = 2", "every = 0", &["output.every = 0: must be at least 1"]);
     refused(RING, "[output]", "[solver]\nthreads = 0\n[output]", &["solver.threads = 0"]);
+    refused(RING, "elements = 12", "elements = 12\nexcess_link = nan", &["rods.dna.excess_link = NaN"]);
+    refused(RING, "elements = 12", "elements = 12\nexcess_link = 40", &["rods.dna.excess_link", "use more elements"]);
+    refused(BEAM, "order = 2", "order = 2\nexcess_link = 1.0", &["rods.beam.excess_link: the rod is open"]);
     refused(BEAM, "poisson = 0.25", "poisson = 0.7", &["rods.beam.section.poisson = 0.7: must be greater than -1"]);
     refused(BEAM, "[1.0, 0.1]", "[1.0, -0.1]", &["rods.beam.section.rectangle[1] = -0.1"]);
     refused(BEAM, "arc = 1.6", "arc = 2.6", &["supports[1].at.arc = 2.6: must be between 0 and the length"]);
@@ -182,4 +187,53 @@ fn points_come_from_files_beside_the_scene() {
     assert_eq!(rod.start_excess_link, 0.0);
     let absent = "kind = \"points\", file = \"nowhere.csv\"";
     refused(RING, "kind = \"circle\", length = 114.24", absent, &["nowhere.csv", "No such file"]);
+}
+
+/// The ring as a plectoneme, with `keys` more on the shape and `link` on the rod.
+fn plectoneme(keys: &str, link: &str) -> String {
+    let shape = format!("kind = \"plectoneme\", length = 114.24{keys}");
+    RING.replace("kind = \"circle\", length = 114.24", &shape)
+        .replace("elements = 12", &format!("elements = 48\n{link}"))
+}
+
+#[test]
+fn plectonemes_are_wound_by_link_turns_or_angle() {
+    let rod = |keys: &str, link: &str| read(&plectoneme(keys, link)).unwrap().model.rods.remove(0);
+    let by_link = rod("", "excess_link = -3.0");
+    assert_eq!((by_link.start_excess_link, by_link.length), (-3.0, 114.24));
+    let least = Plectoneme::of_link(114.24, 5.0, 205.7, 308.6, -3.0).unwrap();
+    assert_eq!(by_link.positions, Shape::Plectoneme(least.clone()).place(true, 144).unwrap().positions);
+    let by_turns = rod(", turns = 0.5, distance = 5.5", "excess_link = -2.5");
+    assert_eq!(by_turns.start_excess_link, -2.5);
+    let across = (by_turns.positions[36] - by_turns.positions[108]).norm();
+    assert!((across - 5.5).abs() < 1e-9, "{across}");
+    let untwisted = rod(", angle = 0.08", "");
+    assert!(untwisted.start_excess_link < -1.0 && untwisted.start_excess_link > -3.0);
+    let moved = rod(", center = [1, 2, 3], direction = [0, 0, 2]", "excess_link = -3");
+    let middle = moved.positions.iter().sum::<Vec3>() / 144.0;
+    assert!((middle - Vec3::new(1.0, 2.0, 3.0)).norm() < 1e-9);
+    let coiled = rod(", axis = { kind = \"arc\", radius = 50.0, turns = 0.5 }", "excess_link = -3");
+    assert_eq!(coiled.start_excess_link, -3.0);
+}
+
+#[test]
+fn unfit_plectonemes_and_knots_are_refused() {
+    let text = |keys: &str, link: &str| read(&plectoneme(keys, link)).unwrap_err().to_string();
+    assert!(text("", "").contains("rods.dna.shape: how tightly is it wound?"));
+    assert!(text(", turns = 2.0, angle = 0.1", "").contains("one of them"));
+    assert!(text("", "excess_link = -1").contains("rods.dna.shape: an excess link of -1 turns is too small"));
+    assert!(text("", "excess_link = 0").contains("rods.dna.excess_link = 0"));
+    assert!(text(", angle = 0.2", "").contains("rods.dna.shape.angle"));
+    assert!(text(", turns = 9", "").contains("rods.dna.shape.turns = 9"));
+    let arc = "axis = { kind = \"arc\", radius = 9.0, turns = 1.0 }";
+    assert!(text(&format!(", center = [0, 0, 0], {arc}"), "excess_link = -3").contains("remove center and direction"));
+    assert!(text(", axis = { kind = \"circle\", radius = 9 }", "excess_link = -3").contains("an open curve"));
+    let open = plectoneme("", "excess_link = -3").replace("closed = true", "");
+    assert!(read(&open).unwrap_err().to_string().contains("a plectoneme is closed"));
+    let knot = |windings: &str| {
+        let shape = format!("kind = \"torus_knot\", windings = {windings}, length = 114.24");
+        read(&RING.replace("kind = \"circle\", length = 114.24", &shape).replace("elements = 12", "elements = 30"))
+    };
+    assert!(knot("[2, 3]").unwrap().model.rods[0].start_excess_link > 3.0);
+    assert!(knot("[2, 4]").unwrap_err().to_string().contains("rods.dna.shape.windings: (2, 4) is a link of 2"));
 }

@@ -1,6 +1,10 @@
-//! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein polynomials.
+//! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein and Chebyshev
+//! polynomials, minimisation, topology of closed curves.
 
 pub mod bernstein;
+pub(crate) mod chebyshev;
+pub mod link;
+pub mod minimise;
 pub mod quadrature;
 pub mod quaternion;
 pub mod shape_functions;

@@ -1,9 +1,10 @@
 //! What is to be known of a state: [`observe()`] fills an [`Observation`](report::Observation) with everything, [`link`] has the
 //! topology of closed curves, [`report`] the plain data.
 
-pub mod link;
 pub mod report;
 mod sites;
 mod state;
 
+/// Link, twist and writhe of closed curves (they live among the mathematics, for start shapes need them too).
+pub use crate::math::link;
 pub use state::observe;

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use crate::contact::clearance::smallest_clearance;
+use crate::math::link::link_numbers;
 use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
 use crate::solve::{Engine, Progress};
 
-use super::link::link_numbers;
 use super::report::{Energies, GapReport, Observation, Reaction, RodLink};
 use super::sites::sites;
 

@@ -1,7 +1,5 @@
 //! A rod: section, elements, nodes and the natural (stress-free) state.
 
-use std::f64::consts::TAU;
-
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Section, Shape};
@@ -43,11 +41,15 @@ pub struct Rod {
     pub frames: Vec<Quat>,
     /// Stress-free state.
     pub natural: Natural,
-    /// Closed rods: excess link Tw + Wr of the start state, turns; the frame at s = L is the frame at 0 turned by this
-    /// about d3. Open rods: 0.
+    /// Closed rods: excess link of the start state, turns: Tw + Wr, the link of the centreline with the material line d1. The frame
+    /// at s = L is the frame at 0 turned by it about d3, so its fraction is the turn of the seam. Open rods: 0.
     ///
-    /// Its fraction is exact up to the spacing of the nodes. Its whole turns are those of the twist alone, so on a space
-    /// curve whose writhe is beyond ±½ turn it is that many whole turns short of Tw + Wr; on plane curves it is right.
+    /// Of a rod that is straight by nature (or curved but not twisted) this is its link beyond that of the relaxed rod, Lk − Lk₀;
+    /// where it has a natural twist K3, the relaxed rod has K3 L/2π turns of it.
+    ///
+    /// Its whole turns are exact. Its fraction is a matter of where the frames at s = 0 and s = L are taken to be: it is
+    /// exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean twist of
+    /// the others, which makes it, on a shape with twist-free frames, the shape's writhe up to the fourth power of the spacing.
     pub start_excess_link: f64,
 }
 
@@ -77,7 +79,7 @@ impl Rod {
     /// (open).
     ///
     /// The segment that closes a closed rod is given the mean twist of the other segments, so frames that turn evenly
-    /// may carry any number of turns, fractions included; see [`Rod::start_excess_link`].
+    /// may carry any number of turns, fractions included; see [`Rod::start_excess_link`] and [`Rod::with_excess_link`].
     ///
     /// # Errors
     /// See [`Rod::check`].
@@ -201,32 +203,6 @@ impl Rod {
         }
         Ok(())
     }
-
-    /// Tw of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane curves
-    /// whose frames do not turn.
-    fn excess_link_of_nodes(&self) -> f64 {
-        let last = self.num_nodes() - 1;
-        let twists: f64 = (0..last).map(|i| self.segment_twist(i, i + 1)).sum();
-        let mean = twists / last as f64;
-        let angle = (mean - self.segment_twist(last, 0)) / TAU;
-        let twist = (twists + mean) / TAU;
-        let excess = angle + (twist - angle).round();
-        if excess.abs() < 1e-13 * self.num_nodes() as f64 { 0.0 } else { excess }
-    }
-
-    /// Turn about d3, rad in −π..π, from the frame of node a carried to node b without twist to the frame of node b.
-    ///
-    /// Carried by double reflection (Wang, Jüttler, Zheng & Liu 2008), fourth order in the spacing over a whole curve.
-    fn segment_twist(&self, a: usize, b: usize) -> f64 {
-        let reflect = |v: Vec3, n: &Vec3| v - n * (2.0 * n.dot(&v) / n.norm_squared());
-        let chord = self.positions[b] - self.positions[a];
-        let (d1, d3) = (reflect(self.frames[a] * Vec3::x(), &chord), reflect(self.frames[a] * Vec3::z(), &chord));
-        let second = self.frames[b] * Vec3::z() - d3;
-        let carried = if second.norm() < 1e-14 { d1 } else { reflect(d1, &second) };
-        let [b1, b2] = [Vec3::x(), Vec3::y()].map(|axis| self.frames[b] * axis);
-        let (cos, sin) = (b1.dot(&carried), -b2.dot(&carried));
-        sin.atan2(cos)
-    }
 }
 
 fn check_order(path: &str, order: usize) -> Result<(), InputError> {
@@ -251,6 +227,8 @@ pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     fn section(contact_radius: f64) -> Section {
@@ -287,7 +265,7 @@ mod tests {
         }
     }
 
-    /// Twist-free frames close up after a turn that is the writhe of the curve up to whole turns (Fuller 1971), here the Gauss integral.
+    /// The link of twist-free frames is the writhe of the curve (Fuller 1971), here the Gauss integral, whole turns included.
     #[test]
     fn holonomy_is_the_writhe() {
         let ring = |elements: usize| {
@@ -310,8 +288,7 @@ mod tests {
         assert!(writhe.abs() > 0.01, "{writhe}");
         for elements in [20, 40, 300] {
             let excess = ring(elements).start_excess_link;
-            let whole_turns = (excess - writhe).round(); // the documented gap: twist alone decides them
-            assert!((excess - writhe - whole_turns).abs() < 1e-5, "{excess} {writhe}");
+            assert!((excess - writhe).abs() < 1e-5, "{excess} {writhe}");
         }
     }
 

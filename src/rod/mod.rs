@@ -3,10 +3,11 @@
 
 mod body;
 pub mod element;
+mod link;
 pub mod section;
 pub mod shape;
 
 pub(crate) use body::within;
 pub use body::{Natural, Rod};
 pub use section::{CrossSection, Section};
-pub use shape::{Placement, Shape};
+pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot};

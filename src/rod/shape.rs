@@ -1,6 +1,9 @@
 //! Shapes a rod starts from, each sampled at equally spaced reference arc lengths with frames.
 
+mod plectoneme;
+mod sampler;
 mod spline;
+mod torus;
 
 use std::f64::consts::TAU;
 
@@ -9,10 +12,13 @@ use crate::math::{Mat3, Quat, Vec3};
 
 use spline::Spline;
 
+pub use plectoneme::{Axis, Plectoneme, superhelix_angle};
+pub use torus::TorusKnot;
+
 /// A start shape. Frames are twist-free: parallel transport along the continuous curve, exact to rounding.
 ///
 /// Directions of the first frame (d2 = d3 × d1 always):
-///  * line, points: d1 is the part of global z normal to the tangent (of global x where the tangent is within 1e-3 rad of z);
+///  * line, points, plectoneme, torus knot: d1 is the part of global z normal to the tangent (of global x where the tangent is within 1e-3 rad of z);
 ///  * circle, arc, helix: d1 is the binormal, so that K1 is the curvature at the start (everywhere, on circle and arc).
 ///
 /// On curves in the x-y plane d1 is therefore normal to the plane, and EI1 is the bending stiffness that counts.
@@ -67,6 +73,10 @@ pub enum Shape {
     /// A curve through the user's points \[L\]: C² cubic spline over chord length (natural ends, or periodic if closed),
     /// resampled by arc length. Closed rods: do not repeat the first point at the end.
     Points(Vec<Vec3>),
+    /// Two strands wound about each other; for closed rods.
+    Plectoneme(Plectoneme),
+    /// A torus knot; for closed rods.
+    TorusKnot(TorusKnot),
 }
 
 /// A shape sampled for a rod: reference length and nodes at equal reference arc lengths.
@@ -111,6 +121,8 @@ impl Shape {
                 helix(*center, axis, *radius, *pitch, *turns, num_segments)
             }
             Self::Points(points) => Spline::new(points, closed)?.place(num_segments),
+            Self::Plectoneme(plectoneme) => plectoneme.place(num_segments),
+            Self::TorusKnot(knot) => knot.place(num_segments),
         }
     }
 
@@ -120,6 +132,8 @@ impl Shape {
             (Self::Arc { .. }, true) => "an arc is open: use a circle or points for a closed rod",
             (Self::Helix { .. }, true) => "a helix is open: use a circle or points for a closed rod",
             (Self::Circle { .. }, false) => "a circle is closed: set closed = true, or use an arc for an open rod",
+            (Self::Plectoneme(_), false) => "a plectoneme is closed: set closed = true",
+            (Self::TorusKnot(_), false) => "a torus knot is closed: set closed = true",
             _ => return Ok(()),
         };
         Err(InputError::Inconsistent { field: "shape".into(), reason: reason.into() })

@@ -2,6 +2,7 @@
 
 mod build;
 mod points;
+mod shapes;
 mod text;
 mod values;
 
@@ -31,6 +32,11 @@ pub use points::read_points;
 /// #       { kind = "arc", radius, turns, start, tangent, towards }
 /// #       { kind = "helix", radius, pitch, turns, center, axis }
 /// #       { kind = "points", file = "curve.csv" }      CSV or XYZ, relative to the scene file
+/// #       { kind = "torus_knot", length, windings = [p, q], aspect, phase, center, normal }    closed
+/// #       { kind = "plectoneme", length, distance, turns | angle, center, direction | axis }   closed
+/// #         distance: between the strands, default twice the contact radius; turns of the superhelix or angle of the
+/// #         strands to its axis (turns, up to 0.125), right-handed positive; by default that of least energy at the
+/// #         rod's excess_link; axis: an open shape (a table like this one) to coil the plectoneme up along
 /// section = { bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }
 /// #         bending and shearing may be pairs [about/along d1, d2]
 /// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
@@ -39,6 +45,8 @@ pub use points::read_points;
 /// order = 3                                    # 1, 2 or 3 (default)
 /// natural = "straight"                         # or "as-shaped", or { curvature = [k1, k2], twist = k3 }
 /// roll = 0.0                                   # turns every frame about d3, in turns
+/// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;
+/// #                                              default: no twist, so that it is the writhe of the shape
 ///
 /// [[supports]]                                 # any number
 /// rod = "dna"                                  # here and below: not needed when there is one rod

@@ -235,7 +235,7 @@ fn integrate(f: &dyn Fn(f64) -> f64, from: f64, to: f64, tolerance: f64, depth: 
     integrate(f, from, middle, tolerance, depth - 1) + integrate(f, middle, to, tolerance, depth - 1)
 }
 
-fn gauss(f: &dyn Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+pub(super) fn gauss(f: &dyn Fn(f64) -> f64, from: f64, to: f64) -> f64 {
     let (center, half) = (0.5 * (from + to), 0.5 * (to - from));
     half * GAUSS.iter().map(|(x, weight)| weight * (f(center - half * x) + f(center + half * x))).sum::<f64>()
 }

@@ -6,11 +6,11 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{CrossSection, Natural, Rod, Section, Shape};
+use crate::rod::{CrossSection, Natural, Rod, Section};
 use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
-use super::points::read_points;
-use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionText, ShapeText, StageText};
+use super::shapes::{Wound, shape};
+use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionText, StageText};
 use super::values::{At, NaturalText};
 
 pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
@@ -84,45 +84,23 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
 fn rod(text: &RodText, contact: bool, base_dir: &Path) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
-    let shape = shape(&text.shape, base_dir).map_err(|error| within(&path, error))?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = match text.natural {
         NaturalText::Straight => Natural::Straight,
         NaturalText::AsShaped => Natural::AsShaped,
         NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
     };
+    let wound = Wound { section: &section, natural, excess_link: text.excess_link };
+    let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
     let mut rod = Rod::new(&text.name, &shape, text.closed, section, text.elements, text.order, natural)?;
+    if let Some(turns) = text.excess_link {
+        rod = rod.with_excess_link(turns)?;
+    }
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
         rod.frames.iter_mut().for_each(|frame| *frame *= turn);
     }
     Ok(rod)
-}
-
-fn shape(text: &ShapeText, base_dir: &Path) -> Result<Shape, InputError> {
-    Ok(match *text {
-        ShapeText::Line { start, direction, length } => {
-            Shape::Line { start: start.into(), direction: direction.into(), length }
-        }
-        ShapeText::Circle { length, radius, center, normal } => {
-            let length = match (length, radius) {
-                (Some(length), None) => length,
-                (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius)?,
-                _ => return Err(inconsistent("shape".into(), "a circle is given by its length or by its radius")),
-            };
-            Shape::Circle { length, center: center.into(), normal: normal.into() }
-        }
-        ShapeText::Arc { start, tangent, towards, radius, turns } => {
-            let ok = turns > 0.0 && turns <= 1.0;
-            InputError::check("shape.turns", turns, ok, "greater than 0 and at most 1 (turns)")?;
-            let (start, tangent, towards) = (start.into(), tangent.into(), towards.into());
-            Shape::Arc { start, tangent, towards, radius, angle: TAU * turns }
-        }
-        ShapeText::Helix { center, axis, radius, pitch, turns } => {
-            Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
-        }
-        ShapeText::Points { ref file } => Shape::Points(read_points(&base_dir.join(file))?),
-    })
 }
 
 const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), or by young, \
@@ -244,6 +222,6 @@ fn node(rods: &[Rod], field: &str, name: Option<&str>, at: At) -> Result<NodeRef
     Ok(NodeRef { rod: index, node })
 }
 
-fn inconsistent(field: String, reason: &str) -> InputError {
+pub(super) fn inconsistent(field: String, reason: &str) -> InputError {
     InputError::Inconsistent { field, reason: reason.to_owned() }
 }

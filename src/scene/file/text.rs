@@ -52,6 +52,11 @@ pub(super) struct RodText {
     pub natural: NaturalText,
     #[serde(default)]
     pub roll: f64,
+    pub excess_link: Option<f64>,
+}
+
+fn half() -> f64 {
+    0.5
 }
 
 fn axis_x() -> [f64; 3] {
@@ -105,6 +110,27 @@ pub(super) enum ShapeText {
     },
     Points {
         file: PathBuf,
+    },
+    Plectoneme {
+        length: f64,
+        distance: Option<f64>,
+        turns: Option<f64>,
+        angle: Option<f64>,
+        center: Option<[f64; 3]>,
+        direction: Option<[f64; 3]>,
+        axis: Option<Box<ShapeText>>,
+    },
+    TorusKnot {
+        length: f64,
+        windings: [i32; 2],
+        #[serde(default = "half")]
+        aspect: f64,
+        #[serde(default)]
+        phase: f64,
+        #[serde(default)]
+        center: [f64; 3],
+        #[serde(default = "axis_z")]
+        normal: [f64; 3],
     },
 }
 

@@ -2,10 +2,8 @@
 
 use super::{any_normal, signed_angle, writhe};
 use crate::math::Vec3;
-use std::f64::consts::{PI, TAU};
-
-/// Polynomial degree inside a panel; its Chebyshev points include both ends.
-const DEGREE: usize = 8;
+use crate::math::chebyshev::{DEGREE, Rule};
+use std::f64::consts::TAU;
 
 /// Writhe (turns) of a smooth closed curve, from `8·panels` samples.
 ///
@@ -29,7 +27,7 @@ pub fn writhe_smooth(sample: &dyn Fn(f64) -> (Vec3, Vec3), panels: usize) -> f64
         points.extend(samples[..DEGREE].iter().map(|(p, _)| *p));
         let tangents = samples.map(|(_, t)| t / t.norm());
         let axis = reference(tangents[0], tangents[DEGREE]);
-        twist += rule.twist(&tangents, axis);
+        twist += twist_of(&rule, &tangents, axis);
         ends.push([tangents[0], tangents[DEGREE], axis]);
     }
     for (i, [_, t, axis]) in ends.iter().enumerate() {
@@ -45,48 +43,17 @@ fn reference(start: Vec3, end: Vec3) -> Vec3 {
     start.cross(&end).try_normalize(1e-6).unwrap_or_else(|| any_normal(start))
 }
 
-/// Chebyshev points on [−1, 1] with Clenshaw–Curtis weights and differentiation matrix (Trefethen 2000, ch. 6, 12).
-struct Rule {
-    nodes: [f64; DEGREE + 1],
-    weights: [f64; DEGREE + 1],
-    derivative: [[f64; DEGREE + 1]; DEGREE + 1],
-}
-
-impl Rule {
-    fn new() -> Self {
-        let angle = |k: usize| PI * k as f64 / DEGREE as f64;
-        let nodes = std::array::from_fn(|k| -angle(k).cos());
-        let end = |k: usize| if k == 0 || k == DEGREE { 2.0 } else { 1.0 };
-        let weights = std::array::from_fn(|k| {
-            let term = |j: usize| {
-                let b = if 2 * j == DEGREE { 1.0 } else { 2.0 };
-                b * (2.0 * j as f64 * angle(k)).cos() / (4 * j * j - 1) as f64
-            };
-            (1.0 - (1..=DEGREE / 2).map(term).sum::<f64>()) * 2.0 / (end(k) * DEGREE as f64)
-        });
-        let mut derivative = [[0.0; DEGREE + 1]; DEGREE + 1];
-        for i in 0..=DEGREE {
-            for j in (0..=DEGREE).filter(|&j| j != i) {
-                let sign = if (i + j) % 2 == 0 { 1.0 } else { -1.0 };
-                derivative[i][j] = sign * end(i) / (end(j) * (nodes[i] - nodes[j]));
-                derivative[i][i] -= derivative[i][j];
-            }
-        }
-        Self { nodes, weights, derivative }
+/// Twist (rad) over a panel of the direction `axis` projected normal to the tangent t:
+/// `∫ t·(m × m') = −∫ (a·t) t·(a × t') / (1 − (a·t)²)`.
+fn twist_of(rule: &Rule, tangents: &[Vec3; DEGREE + 1], axis: Vec3) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..=DEGREE {
+        let t = tangents[i];
+        let slope = (0..=DEGREE).fold(Vec3::zeros(), |s, j| s + tangents[j] * rule.derivative[i][j]);
+        let along = axis.dot(&t);
+        sum -= rule.weights[i] * along * t.dot(&axis.cross(&slope)) / (1.0 - along * along);
     }
-
-    /// Twist (rad) over a panel of the direction `axis` projected normal to the tangent t:
-    /// `∫ t·(m × m') = −∫ (a·t) t·(a × t') / (1 − (a·t)²)`.
-    fn twist(&self, tangents: &[Vec3; DEGREE + 1], axis: Vec3) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..=DEGREE {
-            let t = tangents[i];
-            let slope = (0..=DEGREE).fold(Vec3::zeros(), |s, j| s + tangents[j] * self.derivative[i][j]);
-            let along = axis.dot(&t);
-            sum -= self.weights[i] * along * t.dot(&axis.cross(&slope)) / (1.0 - along * along);
-        }
-        sum
-    }
+    sum
 }
 
 #[cfg(test)]
@@ -101,21 +68,6 @@ mod tests {
         let (c, s) = ((2.0 * t).cos(), (2.0 * t).sin());
         let tangent = Vec3::new(slope * c - 2.0 * rho * s, slope * s + 2.0 * rho * c, 3.0 * (3.0 * t).cos());
         (Vec3::new(rho * c, rho * s, (3.0 * t).sin()), tangent)
-    }
-
-    #[test]
-    fn weights_and_slopes_are_exact_for_polynomials() {
-        let rule = Rule::new();
-        for power in 0..=DEGREE as i32 {
-            let sum: f64 = (0..=DEGREE).map(|k| rule.weights[k] * rule.nodes[k].powi(power)).sum();
-            let exact = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
-            assert!((sum - exact).abs() < 1e-14);
-            for i in 0..=DEGREE {
-                let slope: f64 = (0..=DEGREE).map(|j| rule.derivative[i][j] * rule.nodes[j].powi(power)).sum();
-                let exact = if power == 0 { 0.0 } else { f64::from(power) * rule.nodes[i].powi(power - 1) };
-                assert!((slope - exact).abs() < 1e-12);
-            }
-        }
     }
 
     #[test]

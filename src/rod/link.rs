@@ -1,0 +1,113 @@
+//! Excess link of closed rods: measured when a rod is built, and laid into its frames on demand.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use super::Rod;
+use crate::error::InputError;
+use crate::math::link::link_numbers;
+use crate::math::quaternion::spin;
+use crate::math::{Quat, Vec3};
+
+/// Largest twist laid between neighbouring nodes, turns. Elements take the shorter way round, which half a turn would not have.
+const MAX_TWIST: f64 = 0.4;
+
+/// Points per segment at most on the polygon that link is measured on.
+const MAX_POINTS: f64 = 8.0;
+
+impl Rod {
+    /// The same rod with the excess link `turns`: its frames are turned about d3 by an angle that grows evenly along the rod, its
+    /// centreline stays.
+    ///
+    /// The excess link of a closed rod is the link of its centreline with its material line d1, Tw + Wr, seam included, see
+    /// [`Rod::start_excess_link`]. Twist-free frames, as all shapes have, carry no twist, so the link of a rod just placed is the
+    /// writhe of its shape; this adds the twist that is missing. It holds to rounding, whatever the number of nodes.
+    ///
+    /// # Errors
+    /// An open rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
+    pub fn with_excess_link(mut self, turns: f64) -> Result<Self, InputError> {
+        let field = format!("rods.{}.excess_link", self.name);
+        InputError::check(&field, turns, true, "a finite number of turns")?;
+        if !self.closed {
+            let reason = "the rod is open: only a closed rod has an excess link".to_owned();
+            return Err(InputError::Inconsistent { field, reason });
+        }
+        let nodes = self.num_nodes() as f64;
+        let missing = turns - self.start_excess_link;
+        if (missing / nodes).abs() > MAX_TWIST {
+            let reason = format!(
+                "{turns} turns, of which {missing:.6} are twist, are more than {MAX_TWIST} turns between neighbouring nodes ({nodes} \
+                 nodes): use more elements"
+            );
+            return Err(InputError::Inconsistent { field, reason });
+        }
+        if missing != 0.0 {
+            let twisted = |(i, frame): (usize, &mut Quat)| {
+                *frame = Quat::new_normalize((*frame * spin(TAU * missing * (i as f64 / nodes))).into_inner());
+            };
+            self.frames.par_iter_mut().enumerate().for_each(twisted);
+            self.start_excess_link = turns;
+        }
+        Ok(self)
+    }
+
+    /// Tw + Wr of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane curves whose
+    /// frames do not turn.
+    ///
+    /// The frames decide the fraction of a turn: what the closing segment lacks is put into the seam. The whole turns are those of the
+    /// ribbon's linking number, exact on a polygon along the rod's contact centreline.
+    pub(super) fn excess_link_of_nodes(&self) -> f64 {
+        let last = self.num_nodes() - 1;
+        let twists: f64 = (0..last).map(|i| self.segment_twist(i, i + 1)).sum();
+        let mean = twists / last as f64;
+        let seam = (mean - self.segment_twist(last, 0)) / TAU;
+        let (points, d1) = self.ribbon(TAU * seam);
+        let link = link_numbers(&points, &d1, seam).link;
+        let excess = seam + (link - seam).round();
+        if excess.abs() < 1e-13 * self.num_nodes() as f64 { 0.0 } else { excess }
+    }
+
+    /// Points along the contact centreline (cubic between neighbouring nodes with their d3) and d1 there, so close that frames turn by
+    /// less than ½ rad from one to the next and chords stay within a fraction of the contact radius (8 a segment at most).
+    fn ribbon(&self, seam: f64) -> (Vec<Vec3>, Vec<Vec3>) {
+        let (nodes, spacing) = (self.num_nodes(), self.length / self.num_segments() as f64);
+        let closing = self.frames[0] * spin(seam);
+        let next = |i: usize| if i + 1 == nodes { closing } else { self.frames[i + 1] };
+        let turning = |i: usize| self.frames[i].angle_to(&next(i));
+        let most = (0..nodes).into_par_iter().map(turning).reduce(|| 0.0, f64::max);
+        // sagitta of a chord: turning × length / 8, at most a quarter of the radius
+        let sagitta = (most * spacing / (2.0 * self.section.contact_radius.max(spacing / MAX_POINTS))).sqrt();
+        let count = (2.0 * most).max(sagitta).ceil().clamp(1.0, MAX_POINTS) as usize;
+        let along = |i: usize| {
+            let (a, b) = (self.positions[i], self.positions[(i + 1) % nodes]);
+            let (before, after) = (self.frames[i], next(i));
+            let after =
+                if before.coords.dot(&after.coords) < 0.0 { Quat::new_unchecked(-after.into_inner()) } else { after };
+            let (d3_a, d3_b) = (before * Vec3::z(), after * Vec3::z());
+            (0..count).map(move |k| {
+                let u = k as f64 / count as f64;
+                let v = 1.0 - u;
+                let point = a * (v * v * (1.0 + 2.0 * u))
+                    + b * (u * u * (1.0 + 2.0 * v))
+                    + (d3_a * v - d3_b * u) * (u * v * spacing);
+                (point, before.nlerp(&after, u) * Vec3::x())
+            })
+        };
+        (0..nodes).into_par_iter().flat_map_iter(along).unzip()
+    }
+
+    /// Turn about d3, rad in −π..π, from the frame of node a carried to node b without twist to the frame of node b.
+    ///
+    /// Carried by double reflection (Wang, Jüttler, Zheng & Liu 2008), fourth order in the spacing over a whole curve.
+    fn segment_twist(&self, a: usize, b: usize) -> f64 {
+        let reflect = |v: Vec3, n: &Vec3| v - n * (2.0 * n.dot(&v) / n.norm_squared());
+        let chord = self.positions[b] - self.positions[a];
+        let (d1, d3) = (reflect(self.frames[a] * Vec3::x(), &chord), reflect(self.frames[a] * Vec3::z(), &chord));
+        let second = self.frames[b] * Vec3::z() - d3;
+        let carried = if second.norm() < 1e-14 { d1 } else { reflect(d1, &second) };
+        let [b1, b2] = [Vec3::x(), Vec3::y()].map(|axis| self.frames[b] * axis);
+        let (cos, sin) = (b1.dot(&carried), -b2.dot(&carried));
+        sin.atan2(cos)
+    }
+}
