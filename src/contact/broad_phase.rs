@@ -77,8 +77,10 @@ struct Tree {
 #[derive(Default)]
 struct Built {
     points: Vec<Vec3>,
-    /// First segment, count, closed, radius.
+    /// First segment, count, closed, largest radius.
     curves: Vec<(usize, usize, bool, f64)>,
+    /// Radii given one by one, curve after curve.
+    radii: Vec<f64>,
     reach: Vec<u32>,
     range: f64,
     margin: f64,
@@ -161,7 +163,7 @@ impl BroadPhase {
             let first = firsts[leaf] as usize;
             Block::gather(firsts[leaf + 1] as usize - first, |lane| {
                 // A negative range may shrink boxes, but not inside out.
-                let r = (strands.radius_of(first + lane) + inflate).max(0.0);
+                let r = (strands.reach_of(first + lane) + inflate).max(0.0);
                 outward(strands.bounds(first + lane), r, &centre, size)
             })
         };
@@ -336,6 +338,7 @@ impl Built {
         let allowed = 0.5 * margin * (1.0 - 1e-12);
         let near = |(then, now): (&Vec3, &Vec3)| then == now || (now - then).norm() <= allowed;
         let same_curves = self.curves.iter().copied().eq(curves_of(strands));
+        let same_curves = same_curves && self.radii.iter().eq(radii_of(strands));
         if self.range != range || self.margin != margin || !same_curves || !exclusion.covers(&self.reach) {
             return false;
         }
@@ -365,6 +368,8 @@ impl Built {
         }
         self.curves.clear();
         self.curves.extend(curves_of(strands));
+        self.radii.clear();
+        self.radii.extend(radii_of(strands));
         self.reach.clear();
         self.reach.extend_from_slice(exclusion.reduced_reach());
         (self.range, self.margin) = (range, margin);
@@ -372,7 +377,11 @@ impl Built {
 }
 
 fn curves_of<'a>(strands: &'a Strands) -> impl Iterator<Item = (usize, usize, bool, f64)> + 'a {
-    strands.curves.iter().map(|c| (c.first, c.count, c.closed, c.radius))
+    strands.curves.iter().map(|c| (c.first, c.count, c.closed, c.radius.largest()))
+}
+
+fn radii_of<'a>(strands: &'a Strands) -> impl Iterator<Item = &'a f64> + 'a {
+    strands.curves.iter().flat_map(|c| c.radius.list().unwrap_or_default())
 }
 
 /// Centre and half-size of everything, inflation included.
@@ -389,7 +398,7 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
             },
         )
         .fold(none, join);
-    let radius = strands.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
+    let radius = strands.largest_radius();
     // Halved first: the sum of two huge coordinates may overflow.
     let size = (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0);
     (lo * 0.5 + hi * 0.5, size)

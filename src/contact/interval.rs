@@ -61,13 +61,15 @@ pub(crate) fn parts(
             gap,
         });
     };
+    // A neighbour of j takes over beyond the joint unless it is thinner.
+    let thick = |k: &usize| strands.radius_of(*k) >= strands.radius_of(j);
     if strands.is_straight(i) && strands.is_straight(j) {
         let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
         let chord = |k: usize| {
             let (start, end) = strands.ends(k);
             end - start
         };
-        let corners = [strands.prev(j).map(chord), strands.next(j).map(chord)];
+        let corners = [strands.prev(j).filter(thick).map(chord), strands.next(j).filter(thick).map(chord)];
         let gap = segment_distance(&a0, &a1, &b0, &b1) - radii;
         straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap));
         return;
@@ -80,8 +82,8 @@ pub(crate) fn parts(
     let pair = Pair {
         slave: &slave,
         master: &master,
-        open_start: corner(strands.prev(j), Some(j)),
-        open_end: corner(Some(j), strands.next(j)),
+        open_start: corner(strands.prev(j).filter(thick), Some(j)),
+        open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
     };
     let mut pieces = Vec::new();
@@ -92,7 +94,7 @@ pub(crate) fn parts(
 }
 
 /// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest points, in at most three
-/// intervals, ascending. `corners`: the directions of the segments before and after e; where a point is nearest to such a joint, it counts only if it is nearest to it
+/// intervals, ascending. `corners`: the directions of the segments before and after e, if they reach as far; where a point is nearest to such a joint, it counts only if it is nearest to it
 /// as seen from the neighbour too (otherwise the neighbour has a nearer point and its own interval).
 fn straight_intervals(
     d: &Vec3,
