@@ -51,7 +51,13 @@ impl Line {
         let n = self.radii.len();
         let before = if k > 0 { Some(k - 1) } else { self.closed.then_some(n - 1) };
         let after = if k + 1 < n { Some(k + 1) } else { self.closed.then_some(0) };
-        let other = if u == 0.0 { before } else if u == 1.0 { after } else { None };
+        let other = if u == 0.0 {
+            before
+        } else if u == 1.0 {
+            after
+        } else {
+            None
+        };
         other.map_or(self.radii[k], |o| self.radii[k].max(self.radii[o]))
     }
 }
@@ -206,7 +212,8 @@ fn equal_radii_are_one_radius() {
     let pieces: Vec<Cubic> = (0..40).map(bend).collect();
     let mut one: Vec<Curve> = set.iter().map(|l| Curve { radius: radius.into(), ..l.curve() }).collect();
     one.push(Curve::cubics(&pieces, radius));
-    let mut many: Vec<Curve> = set.iter().map(|l| Curve { radius: list[..l.radii.len()].into(), ..l.curve() }).collect();
+    let mut many: Vec<Curve> =
+        set.iter().map(|l| Curve { radius: list[..l.radii.len()].into(), ..l.curve() }).collect();
     many.push(Curve::cubics(&pieces, &list[..40]));
     let (a, b) = (detect(&one, options()).unwrap(), detect(&many, options()).unwrap());
     assert!(a.sites.len() > 50 && a.zones.len() > 50);
@@ -232,7 +239,8 @@ fn equal_radii_are_one_radius() {
     let mut detector = Detector::new(Options { margin: 0.5, ..options() });
     let mut radii = vec![0.01; set[0].radii.len()];
     let mut count = |radii: &[f64]| {
-        let curves = [Curve { radius: radii.into(), ..set[0].curve() }, Curve { radius: 0.01.into(), ..set[1].curve() }];
+        let curves =
+            [Curve { radius: radii.into(), ..set[0].curve() }, Curve { radius: 0.01.into(), ..set[1].curve() }];
         let fresh = detect(&curves, options()).unwrap();
         assert_eq!(*detector.detect(&curves).unwrap(), fresh);
         fresh.sites.len()
