@@ -1,5 +1,7 @@
 //! The detector: curves in, contact sites and zones out.
 
+use std::cell::Cell;
+
 use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
@@ -280,15 +282,19 @@ impl Detector {
                     continue;
                 }
                 let arc = |s: usize, u: f64| self.arc(strands, s, u);
-                interval::parts(strands, &arc, i, j, self.options.range, &mut parts);
-                interval::parts(strands, &arc, j, i, self.options.range, &mut parts);
+                let nearest = Cell::new(None);
+                interval::parts(strands, &arc, i, j, self.options.range, &nearest, &mut parts);
+                interval::parts(strands, &arc, j, i, self.options.range, &nearest, &mut parts);
             }
             parts
         };
-        let parts: Vec<Part> = self.broad.pairs().par_chunks(CHUNK).flat_map_iter(find).collect();
-        interval::join(parts, |curve| {
+        let far = strands.control_points().flatten().map(Vec3::amax).fold(0.0, f64::max);
+        let lists: Vec<Vec<Part>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        interval::join(&lists, strands.len(), |curve| {
             let c = &strands.curves[curve];
-            (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64
+            let mean = (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64;
+            // Far from the origin the coordinates' own rounding.
+            1e-9 * mean + 256.0 * f64::EPSILON * far
         })
     }
 

@@ -175,11 +175,9 @@ impl<'a> Strands<'a> {
 
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self::join(
-            set.curves
-                .iter()
-                .map(|c| (Shape::Cubics(&set.segments[c.first..c.first + c.count]), set.radius_between(c), c.closed, c.count)),
-        )
+        Self::join(set.curves.iter().map(|c| {
+            (Shape::Cubics(&set.segments[c.first..c.first + c.count]), set.radius_between(c), c.closed, c.count)
+        }))
     }
 
     fn join(parts: impl Iterator<Item = (Shape<'a>, Radius<'a>, bool, usize)>) -> Self {
