@@ -11,8 +11,11 @@
 
 use rayon::prelude::*;
 
-/// Children of a block.
-const WIDTH: usize = 4;
+#[allow(unused_imports)] // its tests are the library's
+#[path = "../src/contact/boxes.rs"]
+mod boxes;
+use boxes::{Block, Box3, WIDTH};
+
 /// At most this many segments under one task, as a power of [`WIDTH`]: 4⁷ = 16384, 512 kB of tree, so that two tasks' boxes stay in the cache
 /// while they are compared.
 const MAX_TASK_POWER: usize = 7;
@@ -20,72 +23,6 @@ const MAX_TASK_POWER: usize = 7;
 const MIN_TASKS: usize = 32;
 /// Blocks per parallel piece of work when boxes are made.
 const MIN_LEN: usize = 256;
-
-/// A box: lowest and highest corner.
-pub type Box3 = ([f32; 3], [f32; 3]);
-
-const EMPTY: Box3 = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-
-/// Four boxes, coordinate by coordinate; unused places are empty boxes that overlap nothing.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    lo: [[f32; WIDTH]; 3],
-    hi: [[f32; WIDTH]; 3],
-}
-
-impl Block {
-    fn gather(count: usize, get: impl Fn(usize) -> Box3) -> Self {
-        let mut block = Self { lo: [[f32::INFINITY; WIDTH]; 3], hi: [[f32::NEG_INFINITY; WIDTH]; 3] };
-        for lane in 0..count.min(WIDTH) {
-            let (lo, hi) = get(lane);
-            for k in 0..3 {
-                block.lo[k][lane] = lo[k];
-                block.hi[k][lane] = hi[k];
-            }
-        }
-        block
-    }
-
-    /// Smallest box around all four.
-    fn union(&self) -> Box3 {
-        let (mut lo, mut hi) = EMPTY;
-        for k in 0..3 {
-            for lane in 0..WIDTH {
-                lo[k] = lo[k].min(self.lo[k][lane]);
-                hi[k] = hi[k].max(self.hi[k][lane]);
-            }
-        }
-        (lo, hi)
-    }
-
-    /// Bit 4c + d is set if box c of this block overlaps box d of the other.
-    #[inline(always)]
-    fn overlaps_all(&self, other: &Self) -> u32 {
-        let mut mask = 0;
-        for c in 0..WIDTH {
-            let lane = (std::array::from_fn(|k| self.lo[k][c]), std::array::from_fn(|k| self.hi[k][c]));
-            mask |= other.overlaps(&lane) << (WIDTH * c);
-        }
-        mask
-    }
-
-    /// Bit d is set if box d overlaps (touches) the given one.
-    #[inline(always)]
-    fn overlaps(&self, (lo, hi): &Box3) -> u32 {
-        let mut apart = [f32::NEG_INFINITY; WIDTH];
-        for k in 0..3 {
-            for d in 0..WIDTH {
-                let (left, right) = (self.lo[k][d] - hi[k], lo[k] - self.hi[k][d]);
-                let larger = if left > right { left } else { right };
-                apart[d] = if larger > apart[d] { larger } else { apart[d] };
-            }
-        }
-        u32::from(apart[0] <= 0.0)
-            | u32::from(apart[1] <= 0.0) << 1
-            | u32::from(apart[2] <= 0.0) << 2
-            | u32::from(apart[3] <= 0.0) << 3
-    }
-}
 
 /// The tree; see the module's head.
 #[derive(Clone, Debug, Default)]
@@ -97,7 +34,7 @@ pub struct ChainTree {
 
 impl ChainTree {
     /// Makes the tree of `len` boxes anew in the old buffers. Boxes must not hold NaN.
-    pub fn refit(&mut self, len: usize, boxes: impl Fn(usize) -> Box3 + Sync) {
+    pub(crate) fn refit(&mut self, len: usize, boxes: impl Fn(usize) -> Box3 + Sync) {
         self.len = len;
         let mut depth = 0;
         let mut count = len;

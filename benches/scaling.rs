@@ -6,7 +6,9 @@
 //! cargo bench --bench scaling -- --repeat 9 --input packed
 //! ```
 //!
-//! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians. Writes
+//! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
+//! where there is one thread, of the clock where there are two. Memory is what the process grew by from a new detector to its results (0 where
+//! the allocator had it at hand). Writes
 //! `target/scaling/scaling.csv` and `scaling.svg`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
@@ -57,17 +59,34 @@ struct Row {
     found: usize,
 }
 
+/// Seconds of processor time of this thread, which other work on the machine does not count for; `None` where the system does not tell.
+fn thread_time() -> Option<f64> {
+    // The system brings its account up to date when the thread offers to give way.
+    std::thread::yield_now();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split(' ').next()?.parse().ok().map(|ns: f64| ns * 1e-9)
+}
+
+/// Median of the processor time (one thread) or of the time on the clock (several), and what the last run found.
 fn median(repeat: usize, mut run: impl FnMut() -> usize) -> (f64, usize) {
     let mut found = 0;
     let mut times: Vec<f64> = (0..repeat)
         .map(|_| {
-            let start = Instant::now();
+            let (clock, own) = (Instant::now(), thread_time());
             found = run();
-            start.elapsed().as_secs_f64()
+            let elapsed = clock.elapsed().as_secs_f64();
+            let own = own.zip(thread_time()).map(|(before, after)| after - before);
+            if rayon::current_num_threads() == 1 { own.unwrap_or(elapsed) } else { elapsed }
         })
         .collect();
     times.sort_by(f64::total_cmp);
     (times[repeat / 2], found)
+}
+
+/// Memory of the process that is in use, bytes; `None` where the system does not tell.
+fn resident() -> Option<usize> {
+    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+    text.split(' ').nth(1)?.parse::<usize>().ok().map(|pages| pages * 4096)
 }
 
 /// The independent program's three counts, from the detector's own box pairs.
@@ -126,11 +145,17 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("refit+candidates", (refit.0 + candidates.0, candidates.1));
     push("projections", stage(Stage::Sites));
     push("zones", stage(Stage::Zones));
+    let before = resident();
     let mut detector = Detector::new(options);
     push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
-    if n <= 10_000 {
-        push("assembly", median(1, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
+    let bytes = resident().zip(before).map_or(0, |(after, before)| after.saturating_sub(before));
+    push("memory (bytes)", (0.0, bytes));
+    // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond 1e5 forces only.
+    let few = if n > 100_000 { 1 } else { repeat.min(3) };
+    if n <= 100_000 {
+        push("assembly", median(few, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
     }
+    push("forces", median(few, || detector.terms(&curve, 1.0, Want::Gradient).unwrap().len()));
     if threads == 1 {
         let neighbours = inputs::neighbours(points);
         push("plain grid", median(repeat.min(3), || rivals::grid(points, RADIUS, neighbours).len()));
@@ -161,7 +186,7 @@ fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Ve
 
 fn report(rows: &[Row]) {
     for kind in Kind::ALL {
-        for stage in ["refit+candidates", "whole detection"] {
+        for stage in ["refit+candidates", "whole detection", "zones"] {
             let points = of(rows, kind.name(), stage, 1);
             if points.len() > 1 {
                 let name = kind.name();
@@ -216,6 +241,14 @@ fn main() {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| measure(kind, &points, threads, &arguments, &mut rows));
                 for r in &rows[first..] {
+                    if r.stage.starts_with("memory") {
+                        let per = r.found as f64 / r.segments as f64;
+                        println!(
+                            "{:<11} {:>8} {:>3} memory {per:.0} bytes per segment",
+                            r.input, r.segments, r.threads
+                        );
+                        continue;
+                    }
                     let (ms, ns) = (r.seconds * 1e3, r.seconds / r.segments as f64 * 1e9);
                     println!(
                         "{:<11} {:>8} {:>3} {:<17} {ms:>9.3} {ns:>13.1} {:>9}",

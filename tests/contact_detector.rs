@@ -14,18 +14,9 @@ use supercoil::math::{Mat3, Quat, Vec3};
 mod inputs;
 use inputs::Kind;
 
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [−1, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
-    }
-}
+#[path = "common/random.rs"]
+mod random;
+use random::Random;
 
 fn options(range: f64, neighbours: Neighbours) -> Options {
     Options { range, neighbours, ..Options::default() }

@@ -55,7 +55,7 @@ impl Block {
 
     /// Bit d is set if box d overlaps (touches) the given one.
     #[inline(always)]
-    fn overlaps(&self, (lo, hi): &Box3) -> u32 {
+    pub(crate) fn overlaps(&self, (lo, hi): &Box3) -> u32 {
         let mut apart = [f32::NEG_INFINITY; WIDTH];
         for k in 0..3 {
             for d in 0..WIDTH {

@@ -14,12 +14,10 @@
 //! each segment's exclusion reaches). So the list is always a superset of the pairs that can hold contact; users still ask
 //! [`Exclusion::excluded`] per pair where they must not see neighbours.
 //!
-//! **Order.** Leaf pairs are sorted by counting; each task owns 256 consecutive leaves, whose pairs pass the capsule test while
-//! they are in the cache and are sorted likewise; the tasks' lists follow one another: sorted, and the same for any number of threads.
+//! **Order.** Leaf pairs are compared in the order of the tree, in which neighbours in space follow one another, and pass the capsule test while they are
+//! in the cache; the pairs of segments that remain are sorted by counting: the same list for any number of threads.
 //! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a segment for boxes and tree, 8 a
 //! pair, and a copy of the control points if `margin` > 0.
-
-use std::ops::Range;
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
@@ -36,8 +34,8 @@ use crate::math::Vec3;
 
 /// Segments per parallel piece of work.
 const MIN_LEN: usize = 4096;
-/// Leaves per task of the search.
-const TASK: usize = 256;
+/// Leaves or pairs of leaves per task of the search.
+const TASK: usize = 1024;
 /// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders dislike 1 or 2 leaves).
 const SMALL: usize = 8;
 /// A tree whose inner boxes have grown by this factor relative to its leaves is built anew.
@@ -58,6 +56,8 @@ pub struct BroadPhase {
     /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tried.
     tree: Option<Tree>,
     workspace: BvhWorkspace,
+    /// Scratch of the sort.
+    starts: Vec<u32>,
     generation: u64,
 }
 
@@ -77,8 +77,10 @@ struct Tree {
 #[derive(Default)]
 struct Built {
     points: Vec<Vec3>,
-    /// First segment, count, closed, radius.
+    /// First segment, count, closed, largest radius.
     curves: Vec<(usize, usize, bool, f64)>,
+    /// Radii given one by one, curve after curve.
+    radii: Vec<f64>,
     reach: Vec<u32>,
     range: f64,
     margin: f64,
@@ -161,7 +163,7 @@ impl BroadPhase {
             let first = firsts[leaf] as usize;
             Block::gather(firsts[leaf + 1] as usize - first, |lane| {
                 // A negative range may shrink boxes, but not inside out.
-                let r = (strands.radius_of(first + lane) + inflate).max(0.0);
+                let r = (strands.reach_of(first + lane) + inflate).max(0.0);
                 outward(strands.bounds(first + lane), r, &centre, size)
             })
         };
@@ -201,7 +203,8 @@ impl BroadPhase {
         self.tree = Some(Tree { bvh, fresh });
     }
 
-    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, sorted.
+    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, in the order of the tree: neighbours in space follow one
+    /// another, so that their boxes and points are still in the cache (sorted by leaf, every second one would be a cache miss in a crowd).
     fn leaf_pairs(&mut self) -> Vec<[u32; 2]> {
         let (far, firsts) = (&self.far, &self.firsts);
         let num_leaves = (firsts.len() - 1) as u32;
@@ -222,7 +225,7 @@ impl BroadPhase {
                 tree.bvh.traverse_bvtt_single_tree_parallel::<false>().iter().filter_map(|&(a, b)| wanted(a, b)),
             );
         }
-        sort_pairs(found, 0..num_leaves as usize)
+        found
     }
 
     /// Fills the list from the tree: pairs not excluded whose boxes overlap and, if `reach` is given, whose capsules may be within both
@@ -236,48 +239,82 @@ impl BroadPhase {
             self.far.extend((curve.first..=last).map(|i| (i + (last - i).min(reaches[i] as usize)) as u32));
         }
         let leaf_pairs = self.leaf_pairs();
-        let seams = strands.curves.iter().any(|c| c.closed);
-        let (firsts, blocks, far, bulges) = (&self.firsts, &self.blocks, &self.far, &self.bulges);
-        let num_leaves = blocks.len();
-        let lists: Vec<Vec<[u32; 2]>> = (0..num_leaves.div_ceil(TASK))
+        let compare = Comparison {
+            strands,
+            exclusion,
+            seams: strands.curves.iter().any(|c| c.closed),
+            reach,
+            firsts: &self.firsts,
+            blocks: &self.blocks,
+            far: &self.far,
+            bulges: &self.bulges,
+        };
+        let num_leaves = self.blocks.len();
+        let mut lists: Vec<Vec<[u32; 2]>> = (0..num_leaves.div_ceil(TASK))
             .into_par_iter()
             .map_init(Vec::new, |found, task| {
                 found.clear();
-                let mut compare = |p: usize, q: usize, lanes: u32| {
-                    let mut mask = blocks[p].overlaps_all(&blocks[q]) & lanes;
-                    while mask != 0 {
-                        let bit = mask.trailing_zeros();
-                        mask &= mask - 1;
-                        let (i, j) = (firsts[p] + bit / WIDTH as u32, firsts[q] + bit % WIDTH as u32);
-                        if j > far[i as usize] && (!seams || !exclusion.excluded_reduced(i as usize, j as usize)) {
-                            found.push([i, j]);
-                        }
-                    }
-                };
-                let leaves = task * TASK..((task + 1) * TASK).min(num_leaves);
-                for p in leaves.clone() {
-                    if firsts[p + 1] - 1 > far[firsts[p] as usize] {
-                        // Bit 4c + d for lanes c < d.
-                        compare(p, p, 0b0000_1000_1100_1110);
-                    }
-                }
-                let from = |leaf: usize| leaf_pairs.partition_point(|pair| (pair[0] as usize) < leaf);
-                for &[p, q] in &leaf_pairs[from(leaves.start)..from(leaves.end)] {
-                    compare(p as usize, q as usize, u32::MAX);
-                }
-                let mut list = Vec::new();
-                match reach {
-                    Some(reach) => keep_near(strands, bulges, reach, found, &mut list),
-                    None => list.extend_from_slice(found),
-                }
-                sort_pairs(list, firsts[leaves.start] as usize..firsts[leaves.end] as usize)
+                (task * TASK..((task + 1) * TASK).min(num_leaves)).for_each(|p| compare.within(p, found));
+                compare.near(found)
             })
             .collect();
-        self.pairs.clear();
-        self.pairs.reserve(lists.iter().map(Vec::len).sum());
-        for list in &lists {
-            self.pairs.extend_from_slice(list);
+        let between: Vec<Vec<[u32; 2]>> = leaf_pairs
+            .par_chunks(TASK)
+            .map_init(Vec::new, |found, pairs| {
+                found.clear();
+                pairs.iter().for_each(|&[p, q]| compare.leaves(p as usize, q as usize, u32::MAX, found));
+                compare.near(found)
+            })
+            .collect();
+        lists.extend(between);
+        sort_pairs(&lists, strands.len(), &mut self.starts, &mut self.pairs);
+    }
+}
+
+/// What the segments of two leaves are compared by.
+struct Comparison<'a> {
+    strands: &'a Strands<'a>,
+    exclusion: &'a Exclusion,
+    seams: bool,
+    reach: Option<f64>,
+    firsts: &'a [u32],
+    blocks: &'a [Block],
+    far: &'a [u32],
+    bulges: &'a [f64],
+}
+
+impl Comparison<'_> {
+    /// Pairs within one leaf.
+    fn within(&self, p: usize, found: &mut Vec<[u32; 2]>) {
+        if self.firsts[p + 1] - 1 > self.far[self.firsts[p] as usize] {
+            // Bit 4c + d for lanes c < d.
+            self.leaves(p, p, 0b0000_1000_1100_1110, found);
         }
+    }
+
+    /// Pairs of overlapping boxes of two leaves that are not neighbours.
+    #[inline(always)]
+    fn leaves(&self, p: usize, q: usize, lanes: u32, found: &mut Vec<[u32; 2]>) {
+        let mut mask = self.blocks[p].overlaps_all(&self.blocks[q]) & lanes;
+        while mask != 0 {
+            let bit = mask.trailing_zeros();
+            mask &= mask - 1;
+            let (i, j) = (self.firsts[p] + bit / WIDTH as u32, self.firsts[q] + bit % WIDTH as u32);
+            let wanted = j > self.far[i as usize];
+            if wanted && (!self.seams || !self.exclusion.excluded_reduced(i as usize, j as usize)) {
+                found.push([i, j]);
+            }
+        }
+    }
+
+    /// Those whose capsules may be near enough.
+    fn near(&self, found: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        let mut list = Vec::with_capacity(found.len());
+        match self.reach {
+            Some(reach) => keep_near(self.strands, self.bulges, reach, found, &mut list),
+            None => list.extend_from_slice(found),
+        }
+        list
     }
 }
 
@@ -303,31 +340,32 @@ fn looseness(bvh: &Bvh) -> f64 {
     inner / leaves
 }
 
-/// Sorts pairs whose first index lies in `rows`: counting by the first, then each row by the second.
-fn sort_pairs(pairs: Vec<[u32; 2]>, rows: Range<usize>) -> Vec<[u32; 2]> {
-    let mut start = vec![0u32; rows.len() + 1];
-    for &[i, _] in &pairs {
-        start[i as usize - rows.start + 1] += 1;
+/// All pairs of the lists, sorted: counting by the first index (below `rows`), then each row by the second. `starts` is scratch.
+fn sort_pairs(lists: &[Vec<[u32; 2]>], rows: usize, starts: &mut Vec<u32>, sorted: &mut Vec<[u32; 2]>) {
+    starts.clear();
+    starts.resize(rows + 1, 0);
+    for &[i, _] in lists.iter().flatten() {
+        starts[i as usize + 1] += 1;
     }
-    for k in 1..start.len() {
-        start[k] += start[k - 1];
+    for k in 1..=rows {
+        starts[k] += starts[k - 1];
     }
-    let mut sorted = vec![[0; 2]; pairs.len()];
-    for &[i, j] in &pairs {
-        let place = &mut start[i as usize - rows.start];
+    // Every place is written below.
+    sorted.resize(starts[rows] as usize, [0; 2]);
+    for &[i, j] in lists.iter().flatten() {
+        let place = &mut starts[i as usize];
         sorted[*place as usize] = [i, j];
         *place += 1;
     }
-    // `start[k]` has become the end of row k.
+    // `starts[k]` has become the end of row k.
     let mut first = 0;
-    for &end in &start[..rows.len()] {
+    for &end in &starts[..rows] {
         let row = &mut sorted[first..end as usize];
         if row.len() > 1 {
             row.sort_unstable_by_key(|p| p[1]);
         }
         first = end as usize;
     }
-    sorted
 }
 
 impl Built {
@@ -336,6 +374,7 @@ impl Built {
         let allowed = 0.5 * margin * (1.0 - 1e-12);
         let near = |(then, now): (&Vec3, &Vec3)| then == now || (now - then).norm() <= allowed;
         let same_curves = self.curves.iter().copied().eq(curves_of(strands));
+        let same_curves = same_curves && self.radii.iter().eq(radii_of(strands));
         if self.range != range || self.margin != margin || !same_curves || !exclusion.covers(&self.reach) {
             return false;
         }
@@ -365,6 +404,8 @@ impl Built {
         }
         self.curves.clear();
         self.curves.extend(curves_of(strands));
+        self.radii.clear();
+        self.radii.extend(radii_of(strands));
         self.reach.clear();
         self.reach.extend_from_slice(exclusion.reduced_reach());
         (self.range, self.margin) = (range, margin);
@@ -372,7 +413,11 @@ impl Built {
 }
 
 fn curves_of<'a>(strands: &'a Strands) -> impl Iterator<Item = (usize, usize, bool, f64)> + 'a {
-    strands.curves.iter().map(|c| (c.first, c.count, c.closed, c.radius))
+    strands.curves.iter().map(|c| (c.first, c.count, c.closed, c.radius.largest()))
+}
+
+fn radii_of<'a>(strands: &'a Strands) -> impl Iterator<Item = &'a f64> + 'a {
+    strands.curves.iter().flat_map(|c| c.radius.list().unwrap_or_default())
 }
 
 /// Centre and half-size of everything, inflation included.
@@ -389,7 +434,7 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
             },
         )
         .fold(none, join);
-    let radius = strands.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
+    let radius = strands.largest_radius();
     // Halved first: the sum of two huge coordinates may overflow.
     let size = (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0);
     (lo * 0.5 + hi * 0.5, size)

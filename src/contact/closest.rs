@@ -2,12 +2,18 @@
 //!
 //! With D(u, v) = ½|a(u) − b(v)|² the square \[0, 1\]² of parameters is halved again and again. A box is dropped if its curves are provably
 //! out of range or if ∂D/∂u or ∂D/∂v keeps its sign there: the Bernstein coefficients of ∂D/∂u over the box are those of the
-//! point–curve quintics from each control point of b, so the test is exact up to rounding. A box on which D is provably
-//! convex (∂²D/∂u² · ∂²D/∂v² > (∂²D/∂u∂v)², by the same coefficients) holds at most one minimum; Newton finds it or leaves the
-//! box. What is neither dropped nor convex at the chosen resolution is a valley as flat as contact lines have them: the boxes
-//! that hang together give one minimum, marked `flat`, at the nearest point among them, provided the slope there is level.
-//! So every minimum lies in a box that was looked at. What is proved is the dropping; the descents (Newton in a convex box, downhill
-//! in a valley) are ordinary numerics, and several minima along one undecided valley of a pair are told as one, the deepest.
+//! point–curve quintics from each control point of b, so the test is exact up to rounding. What is neither dropped nor decided at the
+//! chosen resolution is a valley as flat as contact lines have them: the boxes that hang together give one minimum, marked `flat`, at the nearest
+//! level point found among them.
+//!
+//! **What is proved.** Boxes are looked at enlarged by β = 1e-9 on all sides ([`BORDER`]). On a box where the same coefficients show that every Hessian has its least
+//! eigenvalue above some m > 0, ∇D is strongly monotone: for a stationary point q and any p of the box (∇D(p))·(p − q) ≥ m |p − q|². So
+//! (i) there is at most one stationary point, and it is a minimum; (ii) it is within |∇D(p)|/m of any p; (iii) if p rests against the enlarged border
+//! with the slope there rising inward, only the components of ∇D(p) along the border count in (ii). The search ends in such a box only with
+//! a p for which that radius, the rounding of ∇D included, is below β/2: then the minimum is at p to that radius (told as such), or, in case (iii), lies
+//! outside the box proper. Otherwise the box is halved. Hence: *all minima outside the undecided valleys are told, each once, to 1e-9 of a segment's parameter, and nothing
+//! else*. (A minimum within β of the end of a segment is told at that end.) In an undecided valley the descents are ordinary numerics: one minimum is told for each,
+//! the deepest found, and that it is the only one is not claimed; a valley without a level point tells none.
 
 use super::capsule::distance_lower_bound;
 use super::curve::Cubic;
@@ -17,7 +23,7 @@ use crate::math::bernstein::derivative;
 
 /// A box is undecided at the latest when this many have been looked at.
 const MAX_BOXES: usize = 4096;
-/// Minima this far outside a box (in its segment's parameter) still count: rounding must not lose one on a border.
+/// β: boxes overlap by twice this (in their segment's parameter), so that rounding cannot lose a minimum on a border.
 const BORDER: f64 = 1e-9;
 /// Slope (cosine of the angle between tangent and connection) below which a valley counts as level.
 const LEVEL: f64 = 1e-7;
@@ -34,6 +40,13 @@ struct Closest {
 struct Cell {
     u: [f64; 2],
     v: [f64; 2],
+}
+
+impl Cell {
+    fn enlarged(&self) -> Self {
+        let wide = |r: [f64; 2]| [r[0] - BORDER, r[1] + BORDER];
+        Self { u: wide(self.u), v: wide(self.v) }
+    }
 }
 
 /// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks are not looked at), each handed to `push(u, v, flat)`.
@@ -54,7 +67,8 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, resolution: f64, m
     let mut looked_at = 0;
     while let Some(cell) = stack.pop() {
         looked_at += 1;
-        let (pa, pb) = (a.restrict(cell.u[0], cell.u[1]), b.restrict(cell.v[0], cell.v[1]));
+        let wide = cell.enlarged();
+        let (pa, pb) = (a.restrict(wide.u[0], wide.u[1]), b.restrict(wide.v[0], wide.v[1]));
         if distance_lower_bound(&pa, &pb) > reach {
             continue;
         }
@@ -62,8 +76,9 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, resolution: f64, m
         if along_u.one_sign() || along_v.one_sign() {
             continue;
         }
-        if convex(&pa, &pb, &along_u, &along_v) {
-            match newton(&a, &b, &cell) {
+        let convexity = convexity(&pa, &pb, &along_u, &along_v, &wide);
+        if convexity > 0.0 {
+            match newton(&a, &b, &wide, convexity) {
                 Newton::At(u, v) => {
                     if (a.point(u) - b.point(v)).norm() <= reach {
                         out.push(Closest { u, v, flat: false });
@@ -111,14 +126,20 @@ impl Slopes {
     }
 }
 
-fn convex(a: &Cubic, b: &Cubic, along_u: &Slopes, along_v: &Slopes) -> bool {
-    let (uu, vv) = (along_u.curvature(), along_v.curvature());
+/// Lower bound of the least eigenvalue of D's Hessian over a box, with respect to the parameters u, v of the whole segments; not positive if
+/// that cannot be shown.
+fn convexity(a: &Cubic, b: &Cubic, along_u: &Slopes, along_v: &Slopes, cell: &Cell) -> f64 {
+    let (du, dv) = (cell.u[1] - cell.u[0], cell.v[1] - cell.v[0]);
+    // Slopes are thirds, in the box's own parameters.
+    let (uu, vv) = (3.0 * along_u.curvature() / (du * du), 3.0 * along_v.curvature() / (dv * dv));
     if uu <= 0.0 || vv <= 0.0 {
-        return false;
+        return 0.0;
     }
     let (e, f) = (a.edges(), b.edges());
-    let mixed = e.iter().flat_map(|x| f.iter().map(move |y| 3.0 * x.dot(y).abs())).fold(0.0, f64::max);
-    uu * vv > mixed * mixed * (1.0 + 1e-10)
+    let mixed = 9.0 * e.iter().flat_map(|x| f.iter().map(move |y| x.dot(y).abs())).fold(0.0, f64::max) / (du * dv);
+    let det = uu * vv - mixed * mixed * (1.0 + 1e-10);
+    let trace = uu + vv;
+    2.0 * det / (trace + ((uu - vv) * (uu - vv) + 4.0 * mixed * mixed).sqrt())
 }
 
 enum Newton {
@@ -127,33 +148,49 @@ enum Newton {
     Unsure,
 }
 
-/// Minimum of D over a box (slightly enlarged) on which D is convex: Newton's steps, cut at the border.
-fn newton(a: &Cubic, b: &Cubic, cell: &Cell) -> Newton {
-    let clamp = |x: f64, range: [f64; 2]| x.clamp(range[0] - BORDER, range[1] + BORDER);
+/// The minimum of D over an (enlarged) box on which the least eigenvalue of D's Hessian is above `convexity`; see the module's head for what
+/// each answer proves.
+fn newton(a: &Cubic, b: &Cubic, cell: &Cell, convexity: f64) -> Newton {
+    let clamp = |x: f64, range: [f64; 2]| x.clamp(range[0], range[1]);
+    // Resting against the border: D rises inward.
+    let rests = |x: f64, range: [f64; 2], slope: f64| (x == range[0] && slope > 0.0) || (x == range[1] && slope < 0.0);
     let (mut u, mut v) = (0.5 * (cell.u[0] + cell.u[1]), 0.5 * (cell.v[0] + cell.v[1]));
-    let mut stuck = 0;
     for _ in 0..60 {
-        let (du, dv) = step(a, b, u, v);
+        let h = Derivatives::new(a, b, u, v);
+        let (gu, gv) = h.slope();
+        let held = (rests(u, cell.u, gu), rests(v, cell.v, gv));
+        let free = match held {
+            (false, false) => gu.hypot(gv),
+            (true, false) => gv.abs(),
+            (false, true) => gu.abs(),
+            (true, true) => 0.0,
+        };
+        // Coordinates are of order one: points carry a few ulp of it.
+        let rounding = 16.0 * f64::EPSILON * (1.0 + h.w.norm()) * (h.da.norm() + h.db.norm());
+        let (du, dv) = match held {
+            (false, false) => (-(h.vv * gu - h.uv * gv) / h.det(), -(h.uu * gv - h.uv * gu) / h.det()),
+            (true, false) => (0.0, -gv / h.vv),
+            (false, true) => (-gu / h.uu, 0.0),
+            (true, true) => (0.0, 0.0),
+        };
         let (nu, nv) = (clamp(u + du, cell.u), clamp(v + dv, cell.v));
         let moved = (nu - u).abs().max((nv - v).abs());
-        let cut = nu != u + du || nv != v + dv;
-        (u, v) = (nu, nv);
         if moved.is_nan() {
             return Newton::Unsure;
         }
-        if !cut && moved <= 4.0 * f64::EPSILON {
-            return Newton::At(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+        if moved <= 4.0 * f64::EPSILON {
+            let radius = (free + rounding) / convexity;
+            return if radius.is_nan() || radius > 0.5 * BORDER {
+                Newton::Unsure
+            } else if held.0 || held.1 {
+                Newton::Outside
+            } else {
+                Newton::At(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0))
+            };
         }
-        // Resting against the border while Newton still points far outside.
-        if cut && moved <= 4.0 * f64::EPSILON {
-            stuck += 1;
-            if stuck > 1 {
-                return Newton::Outside;
-            }
-        }
+        (u, v) = (nu, nv);
     }
-    let (du, dv) = step(a, b, u, v);
-    if du.abs().max(dv.abs()) < 1e-12 { Newton::At(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)) } else { Newton::Unsure }
+    Newton::Unsure
 }
 
 /// Difference of the points, and D's derivatives, at (u, v).

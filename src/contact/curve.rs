@@ -3,6 +3,7 @@
 //! c(u) = Σ B_i(u) b_i, u in \[0, 1\], B_i the cubic Bernstein polynomials. All lengths in one unit \[L\] of the caller's choice;
 //! nothing here has an absolute tolerance.
 
+use super::radius::Radius;
 use crate::error::InputError;
 use crate::math::Vec3;
 
@@ -170,7 +171,7 @@ pub struct CurveInfo {
     pub count: usize,
     /// Whether the last segment joins the first.
     pub closed: bool,
-    /// Contact radius \[L\], greater than 0.
+    /// Contact radius \[L\], greater than 0; the largest if it differs from segment to segment.
     pub radius: f64,
 }
 
@@ -198,6 +199,8 @@ pub struct CurveSet {
     pub curves: Vec<CurveInfo>,
     owner: Vec<u32>,
     arc_start: Vec<f64>,
+    /// Radius of each segment; empty if each curve has one.
+    radii: Vec<f64>,
 }
 
 impl CurveSet {
@@ -308,10 +311,32 @@ impl CurveSet {
         self.arc_start[segment] + u * self.lengths[segment]
     }
 
-    /// Contact radius \[L\] of the curve a segment belongs to.
+    /// Contact radius \[L\] of a segment.
     #[must_use]
     pub fn radius_of(&self, segment: usize) -> f64 {
-        self.curves[self.curve_of(segment)].radius
+        if self.radii.is_empty() { self.curves[self.curve_of(segment)].radius } else { self.radii[segment] }
+    }
+
+    /// Gives each segment a radius of its own \[L\]; see [`Radius`](super::Radius) for what that means.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the first radius that is not finite and positive, or if there are not as many as segments.
+    pub fn set_radii(&mut self, radii: &[f64]) -> Result<(), InputError> {
+        Radius::PerSegment(radii).check(self.len(), &|what| what.to_owned())?;
+        self.radii.clear();
+        self.radii.extend_from_slice(radii);
+        for curve in &mut self.curves {
+            curve.radius = Radius::PerSegment(&radii[curve.first..curve.first + curve.count]).largest();
+        }
+        Ok(())
+    }
+
+    /// Radius of one curve of this set.
+    pub(crate) fn radius_between(&self, curve: &CurveInfo) -> Radius<'_> {
+        match self.radii.get(curve.first..curve.first + curve.count) {
+            Some(radii) => Radius::PerSegment(radii),
+            None => Radius::Constant(curve.radius),
+        }
     }
 
     /// Overwrites the reference lengths.

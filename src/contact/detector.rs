@@ -1,5 +1,7 @@
 //! The detector: curves in, contact sites and zones out.
 
+use std::cell::Cell;
+
 use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
@@ -112,7 +114,8 @@ impl Detector {
     /// Energy, gradient and, if wanted, Hessian of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from each side),
     /// as one term per ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁
     /// counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] brings the gradient to its points. `stiffness` κ
-    /// \[F/L²\]. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle.
+    /// \[F/L²\]. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps by
+    /// the part of the step.
     ///
     /// # Errors
     /// As [`Detector::detect`].
@@ -216,10 +219,26 @@ impl Detector {
 
     /// All minima in range of one candidate pair.
     fn pair_minima(&self, strands: &Strands, i: usize, j: usize, out: &mut Vec<Minimum>) {
-        let reach = strands.radius_of(i) + strands.radius_of(j) + self.options.range;
+        let reach = strands.reach_of(i) + strands.reach_of(j) + self.options.range;
         if reach < 0.0 || self.exclusion.excluded(i, j) {
             return;
         }
+        let first = out.len();
+        self.minima_within(strands, i, j, reach, out);
+        if strands.varied() {
+            keep_from(out, first, |m| self.in_range(strands, m));
+        }
+    }
+
+    /// Whether a minimum is in range with the radii at its points.
+    fn in_range(&self, strands: &Strands, m: &Minimum) -> bool {
+        let (i, j) = (m.i as usize, m.j as usize);
+        let w = site::connection(strands, m);
+        norm(&w) <= strands.radius_at(i, m.u) + strands.radius_at(j, m.v) + self.options.range
+    }
+
+    /// All minima of a pair with distance at most `reach`.
+    fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
             // Two adjacent straight segments are nearest at their joint.
             if !adjacent(strands, i, j) {
@@ -237,14 +256,7 @@ impl Detector {
         });
         vertex_minima(strands, i, j, reach, false, out);
         vertex_minima(strands, j, i, reach, true, out);
-        let mut k = first;
-        while k < out.len() {
-            if self.neighbouring_points(strands, &out[k]) {
-                out.remove(k);
-            } else {
-                k += 1;
-            }
-        }
+        keep_from(out, first, |m| !self.neighbouring_points(strands, m));
     }
 
     /// Points too close along the curve, the same point of a joint included.
@@ -270,27 +282,28 @@ impl Detector {
                     continue;
                 }
                 let arc = |s: usize, u: f64| self.arc(strands, s, u);
-                interval::parts(strands, &arc, i, j, self.options.range, &mut parts);
-                interval::parts(strands, &arc, j, i, self.options.range, &mut parts);
+                let nearest = Cell::new(None);
+                interval::parts(strands, &arc, i, j, self.options.range, &nearest, &mut parts);
+                interval::parts(strands, &arc, j, i, self.options.range, &nearest, &mut parts);
             }
             parts
         };
-        let parts: Vec<Part> = self.broad.pairs().par_chunks(CHUNK).flat_map_iter(find).collect();
-        interval::join(parts, |curve| {
+        let far = strands.control_points().flatten().map(Vec3::amax).fold(0.0, f64::max);
+        let lists: Vec<Vec<Part>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        interval::join(&lists, strands.len(), |curve| {
             let c = &strands.curves[curve];
-            (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64
+            let mean = (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64;
+            // Far from the origin the coordinates' own rounding.
+            1e-9 * mean + 256.0 * f64::EPSILON * far
         })
     }
 
     /// The curves as a set of cubics, in the old buffers if their numbers have not changed.
     fn place(&mut self, strands: &Strands) -> Result<(), InputError> {
         let same = self.set.curves.len() == strands.curves.len()
-            && self
-                .set
-                .curves
-                .iter()
-                .zip(&strands.curves)
-                .all(|(c, s)| (c.first, c.count, c.closed, c.radius) == (s.first, s.count, s.closed, s.radius));
+            && self.set.curves.iter().zip(&strands.curves).all(|(c, s)| {
+                (c.first, c.count, c.closed, self.set.radius_between(c)) == (s.first, s.count, s.closed, s.radius)
+            });
         self.measure(strands);
         if same {
             let cubic = |(k, segment): (usize, &mut Cubic)| *segment = strands.cubic(k);
@@ -302,11 +315,27 @@ impl Detector {
             segments: (s.first..s.first + s.count).map(|k| strands.cubic(k)).collect(),
             lengths: self.lengths[s.first..s.first + s.count].to_vec(),
             closed: s.closed,
-            radius: s.radius,
+            radius: s.radius.largest(),
         };
         self.set = CurveSet::new(strands.curves.iter().map(input).collect())?;
+        if strands.varied() {
+            let radii: Vec<f64> = (0..strands.len()).map(|k| strands.radius_of(k)).collect();
+            self.set.set_radii(&radii)?;
+        }
         Ok(())
     }
+}
+
+/// Drops the minima from index `first` on that are not `wanted`.
+fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) -> bool) {
+    let mut kept = first;
+    for k in first..minima.len() {
+        if wanted(&minima[k]) {
+            minima[kept] = minima[k];
+            kept += 1;
+        }
+    }
+    minima.truncate(kept);
 }
 
 /// True if two segments share a joint.

@@ -1,8 +1,12 @@
 //! Curves as the caller has them, borrowed: points of polylines or cubic pieces, nothing copied.
 
 use super::curve::{Cubic, CurveSet};
+use super::radius::Radius;
 use crate::error::InputError;
 use crate::math::Vec3;
+
+/// Parameters this near an end of a segment are its joint.
+pub(crate) const JOINT: f64 = 1e-9;
 
 /// Where the centreline runs.
 #[derive(Clone, Copy, Debug)]
@@ -19,23 +23,23 @@ pub enum Shape<'a> {
 pub struct Curve<'a> {
     /// Where it runs.
     pub shape: Shape<'a>,
-    /// Contact radius \[L\], greater than 0.
-    pub radius: f64,
+    /// Contact radius \[L\], greater than 0: one number or one for each segment.
+    pub radius: Radius<'a>,
     /// Whether its end is joined to its start.
     pub closed: bool,
 }
 
 impl<'a> Curve<'a> {
-    /// Open polyline through `points`.
+    /// Open polyline through `points`; `radius` is a number or a borrowed list with one for each segment.
     #[must_use]
-    pub const fn polyline(points: &'a [Vec3], radius: f64) -> Self {
-        Self { shape: Shape::Polyline(points), radius, closed: false }
+    pub fn polyline(points: &'a [Vec3], radius: impl Into<Radius<'a>>) -> Self {
+        Self { shape: Shape::Polyline(points), radius: radius.into(), closed: false }
     }
 
     /// Open curve of cubic pieces.
     #[must_use]
-    pub const fn cubics(pieces: &'a [Cubic], radius: f64) -> Self {
-        Self { shape: Shape::Cubics(pieces), radius, closed: false }
+    pub fn cubics(pieces: &'a [Cubic], radius: impl Into<Radius<'a>>) -> Self {
+        Self { shape: Shape::Cubics(pieces), radius: radius.into(), closed: false }
     }
 
     /// The same curve with its end joined to its start.
@@ -55,11 +59,11 @@ impl<'a> Curve<'a> {
     /// Refuses everything that has no answer; `index` names the curve.
     fn check(&self, index: usize) -> Result<(), InputError> {
         let field = |what: &str| format!("curves[{index}].{what}");
-        InputError::positive(&field("radius"), self.radius)?;
         match self.shape {
-            Shape::Polyline(points) => check_points(points, self.closed, &field),
-            Shape::Cubics(pieces) => check_pieces(pieces, self.closed, &field),
+            Shape::Polyline(points) => check_points(points, self.closed, &field)?,
+            Shape::Cubics(pieces) => check_pieces(pieces, self.closed, &field)?,
         }
+        self.radius.check(self.num_segments(), &field)
     }
 }
 
@@ -129,7 +133,7 @@ pub(crate) fn upper(a: &Vec3, b: &Vec3) -> Vec3 {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strand<'a> {
     pub(crate) shape: Shape<'a>,
-    pub(crate) radius: f64,
+    pub(crate) radius: Radius<'a>,
     pub(crate) closed: bool,
     pub(crate) first: usize,
     pub(crate) count: usize,
@@ -142,6 +146,8 @@ pub(crate) struct Strands<'a> {
     /// Curve of each segment; empty if there is only one curve.
     owner: Vec<u32>,
     len: usize,
+    /// Some curve has a radius per segment.
+    varied: bool,
 }
 
 impl<'a> Strands<'a> {
@@ -169,14 +175,12 @@ impl<'a> Strands<'a> {
 
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self::join(
-            set.curves
-                .iter()
-                .map(|c| (Shape::Cubics(&set.segments[c.first..c.first + c.count]), c.radius, c.closed, c.count)),
-        )
+        Self::join(set.curves.iter().map(|c| {
+            (Shape::Cubics(&set.segments[c.first..c.first + c.count]), set.radius_between(c), c.closed, c.count)
+        }))
     }
 
-    fn join(parts: impl Iterator<Item = (Shape<'a>, f64, bool, usize)>) -> Self {
+    fn join(parts: impl Iterator<Item = (Shape<'a>, Radius<'a>, bool, usize)>) -> Self {
         let mut len = 0;
         let curves: Vec<_> = parts
             .map(|(shape, radius, closed, count)| {
@@ -192,7 +196,8 @@ impl<'a> Strands<'a> {
                 owner.extend(std::iter::repeat_n(index as u32, curve.count));
             }
         }
-        Self { curves, owner, len }
+        let varied = curves.iter().any(|c| c.radius.list().is_some());
+        Self { curves, owner, len, varied }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -211,7 +216,41 @@ impl<'a> Strands<'a> {
 
     #[inline]
     pub(crate) fn radius_of(&self, segment: usize) -> f64 {
-        self.strand(segment).radius
+        let strand = self.strand(segment);
+        strand.radius.of(segment - strand.first)
+    }
+
+    /// Largest radius at any point of the segment, its joints included.
+    #[inline]
+    pub(crate) fn reach_of(&self, segment: usize) -> f64 {
+        let own = self.radius_of(segment);
+        if !self.varied {
+            return own;
+        }
+        let beside = [self.prev(segment), self.next(segment)];
+        beside.into_iter().flatten().fold(own, |r, other| r.max(self.radius_of(other)))
+    }
+
+    /// Radius at a parameter: the larger at a joint.
+    pub(crate) fn radius_at(&self, segment: usize, u: f64) -> f64 {
+        let own = self.radius_of(segment);
+        let beside = match u {
+            _ if !self.varied => None,
+            u if u < JOINT => self.prev(segment),
+            u if u > 1.0 - JOINT => self.next(segment),
+            _ => None,
+        };
+        beside.map_or(own, |other| own.max(self.radius_of(other)))
+    }
+
+    /// Whether some curve has a radius per segment.
+    pub(crate) fn varied(&self) -> bool {
+        self.varied
+    }
+
+    /// Largest radius of all.
+    pub(crate) fn largest_radius(&self) -> f64 {
+        self.curves.iter().map(|c| c.radius.largest()).fold(0.0, f64::max)
     }
 
     /// Start and end of a segment.

@@ -4,6 +4,8 @@
 //! within range of it is one interval, its ends roots of quadratics. Cubics go through [`Pair::pieces`](super::zone::Pair::pieces). The intervals of
 //! pairs of segments are then joined where both they and their partner intervals touch.
 
+use std::cell::Cell;
+
 use super::capsule::segment_distance;
 use super::curve::angle;
 use super::input::Strands;
@@ -30,6 +32,8 @@ pub struct Zone {
 /// Part of a zone on one pair of segments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
+    /// Segment (of all curves) the part lies on.
+    pub(crate) segment: u32,
     pub(crate) curve: u32,
     pub(crate) partner: u32,
     pub(crate) arc: [f64; 2],
@@ -37,13 +41,15 @@ pub(crate) struct Part {
     pub(crate) gap: f64,
 }
 
-/// Parts of segment `i` within range of segment `j`: both radii + `range` \[L\].
+/// Parts of segment `i` within range of segment `j`: both radii + `range` \[L\]. `nearest` keeps the distance of two straight segments for the call
+/// with i and j exchanged.
 pub(crate) fn parts(
     strands: &Strands,
     arc: &impl Fn(usize, f64) -> f64,
     i: usize,
     j: usize,
     range: f64,
+    nearest: &Cell<Option<f64>>,
     out: &mut Vec<Part>,
 ) {
     let radii = strands.radius_of(i) + strands.radius_of(j);
@@ -54,6 +60,7 @@ pub(crate) fn parts(
     let mut push = |u: [f64; 2], v: [f64; 2], gap: f64| {
         let (t0, t1) = (arc(j, v[0]), arc(j, v[1]));
         out.push(Part {
+            segment: i as u32,
             curve: strands.curve_of(i) as u32,
             partner: strands.curve_of(j) as u32,
             arc: u.map(|u| arc(i, u)),
@@ -61,15 +68,22 @@ pub(crate) fn parts(
             gap,
         });
     };
+    // A neighbour of j takes over beyond the joint unless it is thinner.
+    let thick = |k: &usize| strands.radius_of(*k) >= strands.radius_of(j);
     if strands.is_straight(i) && strands.is_straight(j) {
         let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
         let chord = |k: usize| {
             let (start, end) = strands.ends(k);
             end - start
         };
-        let corners = [strands.prev(j).map(chord), strands.next(j).map(chord)];
-        let gap = segment_distance(&a0, &a1, &b0, &b1) - radii;
-        straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap));
+        let corners = [strands.prev(j).filter(thick).map(chord), strands.next(j).filter(thick).map(chord)];
+        // Needed only where there is an interval, and the same from both sides.
+        let gap = || {
+            let distance = nearest.get().unwrap_or_else(|| segment_distance(&a0, &a1, &b0, &b1));
+            nearest.set(Some(distance));
+            distance - radii
+        };
+        straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap()));
         return;
     }
     let (slave, master) = (strands.cubic(i), strands.cubic(j));
@@ -80,8 +94,8 @@ pub(crate) fn parts(
     let pair = Pair {
         slave: &slave,
         master: &master,
-        open_start: corner(strands.prev(j), Some(j)),
-        open_end: corner(Some(j), strands.next(j)),
+        open_start: corner(strands.prev(j).filter(thick), Some(j)),
+        open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
     };
     let mut pieces = Vec::new();
@@ -92,7 +106,7 @@ pub(crate) fn parts(
 }
 
 /// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest points, in at most three
-/// intervals, ascending. `corners`: the directions of the segments before and after e; where a point is nearest to such a joint, it counts only if it is nearest to it
+/// intervals, ascending. `corners`: the directions of the segments before and after e, if they reach as far; where a point is nearest to such a joint, it counts only if it is nearest to it
 /// as seen from the neighbour too (otherwise the neighbour has a nearer point and its own interval).
 fn straight_intervals(
     d: &Vec3,
@@ -103,7 +117,9 @@ fn straight_intervals(
     mut push: impl FnMut([f64; 2], [f64; 2]),
 ) {
     // In units of the reach, against over- and underflow of squares.
-    let (d, e, r) = (d / reach, e / reach, r / reach);
+    let unit = 1.0 / reach;
+    let (d, e, r) =
+        if unit.is_finite() && unit > 0.0 { (d * unit, e * unit, r * unit) } else { (d / reach, e / reach, r / reach) };
     let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
     let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
     // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows of u.
@@ -168,23 +184,17 @@ fn unit_chord(x: &Vec3, y: &Vec3) -> Option<[f64; 2]> {
     (left >= 0.0).then_some([middle - half, middle + half])
 }
 
-/// Joins parts into zones: those of the same two curves that touch on both sides (to 1e-9 of `size(curve)`, a length \[L\]). Zones come out ordered by curve,
+/// Joins parts into zones: those of the same two curves that touch on both sides (to `tolerance(curve)` \[L\]). Zones come out ordered by curve,
 /// partner and start.
-pub(crate) fn join(mut parts: Vec<Part>, size: impl Fn(usize) -> f64) -> Vec<Zone> {
+pub(crate) fn join(lists: &[Vec<Part>], num_segments: usize, tolerance: impl Fn(usize) -> f64) -> Vec<Zone> {
     let key = |p: &Part| (p.curve, p.partner);
-    parts.sort_by(|p, q| {
-        key(p)
-            .cmp(&key(q))
-            .then(p.arc[0].total_cmp(&q.arc[0]))
-            .then(p.partner_arc[0].total_cmp(&q.partner_arc[0]))
-            .then(p.arc[1].total_cmp(&q.arc[1]))
-    });
+    let parts = in_order(lists, num_segments);
     let mut groups = Groups((0..parts.len() as u32).collect());
     // Parts that reach as far as the present start.
     let mut active: Vec<usize> = Vec::new();
     for k in 0..parts.len() {
         let part = &parts[k];
-        let (tol, tol_partner) = (1e-9 * size(part.curve as usize), 1e-9 * size(part.partner as usize));
+        let (tol, tol_partner) = (tolerance(part.curve as usize), tolerance(part.partner as usize));
         active.retain(|&m| key(&parts[m]) == key(part) && parts[m].arc[1] + tol >= part.arc[0]);
         for &m in &active {
             let (p, q) = (parts[m].partner_arc, part.partner_arc);
@@ -209,6 +219,45 @@ pub(crate) fn join(mut parts: Vec<Part>, size: impl Fn(usize) -> f64) -> Vec<Zon
         zone.gap = zone.gap.min(part.gap);
     }
     zones
+}
+
+/// All parts ordered by curve, partner, start, partner's start, end. Sorted by counting the segments they lie on, which is the order along the
+/// curves but for ties at joints and several parts of one segment.
+fn in_order(lists: &[Vec<Part>], num_segments: usize) -> Vec<Part> {
+    let mut place = vec![0u32; num_segments + 1];
+    for part in lists.iter().flatten() {
+        place[part.segment as usize + 1] += 1;
+    }
+    for k in 1..=num_segments {
+        place[k] += place[k - 1];
+    }
+    let Some(any) = lists.iter().flatten().next() else { return Vec::new() };
+    let mut parts = vec![*any; place[num_segments] as usize];
+    for part in lists.iter().flatten() {
+        let next = &mut place[part.segment as usize];
+        parts[*next as usize] = *part;
+        *next += 1;
+    }
+    let along = |p: &Part, q: &Part| {
+        p.arc[0]
+            .total_cmp(&q.arc[0])
+            .then(p.partner_arc[0].total_cmp(&q.partner_arc[0]))
+            .then(p.arc[1].total_cmp(&q.arc[1]))
+    };
+    // By insertion: nothing is far from its place.
+    for k in 1..parts.len() {
+        let mut m = k;
+        while m > 0 && parts[m].curve == parts[m - 1].curve && along(&parts[m], &parts[m - 1]).is_lt() {
+            parts.swap(m, m - 1);
+            m -= 1;
+        }
+    }
+    for curve in parts.chunk_by_mut(|p, q| p.curve == q.curve) {
+        if curve.iter().any(|p| p.partner != curve[0].partner) {
+            curve.sort_by_key(|p| p.partner);
+        }
+    }
+    parts
 }
 
 /// Union and find, smallest index as root.

@@ -29,6 +29,7 @@ pub mod law;
 mod options;
 mod pair_filter;
 pub mod projection;
+mod radius;
 mod site;
 #[doc(hidden)]
 pub mod stages;
@@ -39,4 +40,5 @@ pub use detector::{Contacts, Detector, detect};
 pub use input::{Curve, Shape};
 pub use interval::Zone;
 pub use options::{Neighbours, Options};
+pub use radius::Radius;
 pub use site::{Site, SiteKind};

@@ -119,7 +119,7 @@ fn larger(x: f32, y: f32) -> f32 {
 /// Appends to `out`, in order, the pairs whose capsules are not provably farther apart than both radii + `reach` \[L\]. `bulges` holds the
 /// capsule radius of each segment, or nothing if all are straight.
 pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[[u32; 2]], out: &mut Vec<[u32; 2]>) {
-    let radius = strands.curves.iter().map(|c| c.radius).fold(0.0, f64::max);
+    let radius = strands.largest_radius();
     let unit = 1.0 / radius;
     // f32 holds fourth powers of sizes within 1e±8 radii; pairs beyond get no limit and are kept, as are all in units nobody uses.
     let usual = 1e-7..1e7;
@@ -135,7 +135,7 @@ pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[
         batch.r.set(l, &r, unit);
         batch.pairs[l] = [i, j];
         let bulge = if bulges.is_empty() { 0.0 } else { bulges[a] + bulges[b] };
-        let limit = (strands.radius_of(a) + strands.radius_of(b) + reach + bulge) * unit;
+        let limit = (strands.reach_of(a) + strands.reach_of(b) + reach + bulge) * unit;
         let size = d.amax().max(e.amax()).max(r.amax()) * unit;
         let fits = sane && usual.contains(&size) && limit < 1e7;
         batch.limit[l] = if fits { (limit as f32).next_up() } else { f32::INFINITY };

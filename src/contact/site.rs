@@ -6,7 +6,7 @@
 //! local minimum of a pair of polylines is found and none is invented.
 
 use super::detector::norm;
-use super::input::Strands;
+use super::input::{JOINT, Strands};
 use crate::math::Vec3;
 
 /// Where on its curves a site lies.
@@ -37,7 +37,7 @@ pub struct Site {
     pub u_b: f64,
     /// Arc length \[L\] from the start of that curve.
     pub arc_b: f64,
-    /// Distance of the points minus both radii \[L\]; negative is overlap.
+    /// Distance of the points minus both radii \[L\] (at a joint the larger of its segments'); negative is overlap.
     pub gap: f64,
     /// Unit vector from a to b; zero if the points coincide.
     pub normal: Vec3,
@@ -155,12 +155,17 @@ pub(crate) fn dress(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &
         segment_b: j - strand_b.first,
         u_b: v,
         arc_b: arc(j, v),
-        gap: distance - (strand_a.radius + strand_b.radius),
+        gap: distance - (strands.radius_at(i, u) + strands.radius_at(j, v)),
         normal: if distance > 0.0 { scaled.normalize() } else { Vec3::zeros() },
         angle: crossing_angle(&da, &db),
         kind: if open(i, u) || open(j, v) { SiteKind::End } else { SiteKind::Interior },
         flat: found.flat,
     }
+}
+
+/// From the first point of a minimum to the second.
+pub(crate) fn connection(strands: &Strands, m: &Minimum) -> Vec3 {
+    point_and_tangent(strands, m.j as usize, m.v).0 - point_and_tangent(strands, m.i as usize, m.u).0
 }
 
 /// Angle between two lines in \[0, π/2\].
@@ -204,7 +209,7 @@ pub(crate) fn put_in_order(
     for group in minima.chunk_by_mut(|a, b| a.i == b.i) {
         group.sort_by(|a, b| a.u.total_cmp(&b.u).then(a.j.cmp(&b.j)).then(a.v.total_cmp(&b.v)));
     }
-    let on_joint = |t: f64| !(1e-9..=1.0 - 1e-9).contains(&t);
+    let on_joint = |t: f64| !(JOINT..=1.0 - JOINT).contains(&t);
     let twin = |a: &Minimum, b: &Minimum| {
         let close = |s: u32, u: f64, t: u32, v: f64| {
             let (s, t) = (s as usize, t as usize);

@@ -1,0 +1,82 @@
+//! Contact radius of a curve: one number, or one for each segment.
+
+use crate::error::InputError;
+
+/// Contact radius of a curve \[L\], greater than 0.
+///
+/// A radius per segment is constant along the segment and steps at joints, where the larger of the two counts; the contact distance of two
+/// points is the sum of their radii. Sites stay minima of the *distance of the centrelines*: a shoulder, where a thick segment ends beside another
+/// strand, is no site unless the distance has a minimum there; the zones and the smallest clearance see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Radius<'a> {
+    /// The same all along.
+    Constant(f64),
+    /// One for each segment, in order.
+    PerSegment(&'a [f64]),
+}
+
+impl From<f64> for Radius<'_> {
+    fn from(radius: f64) -> Self {
+        Self::Constant(radius)
+    }
+}
+
+impl<'a> From<&'a [f64]> for Radius<'a> {
+    fn from(radii: &'a [f64]) -> Self {
+        Self::PerSegment(radii)
+    }
+}
+
+impl<'a> From<&'a Vec<f64>> for Radius<'a> {
+    fn from(radii: &'a Vec<f64>) -> Self {
+        Self::PerSegment(radii)
+    }
+}
+
+impl<'a, const N: usize> From<&'a [f64; N]> for Radius<'a> {
+    fn from(radii: &'a [f64; N]) -> Self {
+        Self::PerSegment(radii)
+    }
+}
+
+impl<'a> Radius<'a> {
+    /// Of the k-th segment.
+    #[inline]
+    pub(crate) fn of(&self, k: usize) -> f64 {
+        match self {
+            Self::Constant(radius) => *radius,
+            Self::PerSegment(radii) => radii[k],
+        }
+    }
+
+    /// The largest.
+    pub(crate) fn largest(&self) -> f64 {
+        match self {
+            Self::Constant(radius) => *radius,
+            Self::PerSegment(radii) => radii.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// The radii if they were given one by one.
+    pub(crate) fn list(&self) -> Option<&'a [f64]> {
+        match *self {
+            Self::Constant(_) => None,
+            Self::PerSegment(radii) => Some(radii),
+        }
+    }
+
+    /// Refuses another number than `count` of radii, and radii that are not finite and positive.
+    pub(crate) fn check(&self, count: usize, field: &dyn Fn(&str) -> String) -> Result<(), InputError> {
+        match self {
+            Self::Constant(radius) => InputError::positive(&field("radius"), *radius),
+            Self::PerSegment(radii) if radii.len() != count => {
+                let allowed = "as many as segments";
+                Err(InputError::Count { field: field("radius"), value: radii.len(), allowed })
+            }
+            Self::PerSegment(radii) => match radii.iter().position(|r| !(r.is_finite() && *r > 0.0)) {
+                Some(k) => InputError::positive(&field(&format!("radius[{k}]")), radii[k]),
+                None => Ok(()),
+            },
+        }
+    }
+}
