@@ -22,8 +22,8 @@ use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Drive, Options, Progress, Solver, Status};
 
 fn to(solver: &mut Solver, ramp: Ramp) -> Observation {
-    let report = solver.step_to(&[ramp]).unwrap();
-    assert_eq!(report.status, Status::Converged);
+    let report = solver.step_to(&[ramp.clone()]).unwrap();
+    assert_eq!(report.status, Status::Converged, "{ramp:?}: {}", common::history(&report));
     let progress =
         Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
     observe(&progress)
@@ -109,7 +109,7 @@ fn ring_under_pressure_touches_itself() {
 #[test]
 fn ring_under_pressure_goes_from_a_point_to_a_line() {
     let found = [1e-3, 2e-3, 3e-3].map(|diameter| {
-        let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, 0.5 * diameter);
+        let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, 0.5 * diameter);
         let oval = |k: i32| TAU * f64::from(k) / 48.0;
         let points = (0..48).map(|k| Vec3::new(1.02 * oval(k).cos(), 0.98 * oval(k).sin(), 0.0)).collect();
         let mut rod = Rod::new("ring", &Shape::Points(points), true, section, 96, 3, Natural::Straight).unwrap();
@@ -125,9 +125,9 @@ fn ring_under_pressure_goes_from_a_point_to_a_line() {
         }
         let mut states: Vec<[f64; 2]> = Vec::new();
         for p in [9.0, 9.4, 9.8, 10.1, 10.25] {
-            solver.engine_mut().set_contact_law(penalty(1e4)).unwrap();
+            solver.engine_mut().set_contact_law(penalty(1e6)).unwrap();
             to(&mut solver, Ramp::Pressure { rod: 0, to: p });
-            for kappa in (5..=13).map(|d| 10f64.powi(d)) {
+            for kappa in (7..=13).map(|d| 10f64.powi(d)) {
                 solver.engine_mut().set_contact_law(penalty(kappa)).unwrap();
                 assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
             }
