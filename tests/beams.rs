@@ -194,10 +194,8 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
     let model = Model { rods, supports, contact: Contact { law: penalty(1e7) }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
     for depth in [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6] {
-        let ramps = [0, last].map(|node| Ramp::Displacement {
-            node: NodeRef { rod: 1, node },
-            to: Vec3::z() * -(0.5 * RADIUS + depth),
-        });
+        let ramps = [0, last]
+            .map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to: Vec3::z() * -(0.5 * RADIUS + depth) });
         solver.engine_mut().set_contact_law(penalty(1e7)).unwrap();
         to(&mut solver, &ramps);
         for decade in 8..=13 {
@@ -224,7 +222,13 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
         let end = solver.engine().positions(0)[last].x;
         verify(name, &format!("end of the beam at δ/L = {depth}"), end, 0.5 - 2.0 * shortening, 1e-6);
         let clamp = seen.reactions.iter().find(|r| r.rod == 0 && r.node == 0).unwrap();
-        verify(name, &format!("moment at the guide, δ/L = {depth}"), clamp.moment[1].abs(), curvature, 3e-6 * curvature);
+        verify(
+            name,
+            &format!("moment at the guide, δ/L = {depth}"),
+            clamp.moment[1].abs(),
+            curvature,
+            3e-6 * curvature,
+        );
         let balance: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[2]).sum();
         verify(name, &format!("vertical balance at δ/L = {depth}"), -balance, seen.total_contact_force, 1e-6 * force);
     }
@@ -291,9 +295,21 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         let q = factor * first;
         let lift_off = (36.0 * gap / q).powf(0.25);
         let exact = q * (1.0 - 2.0 * lift_off) + 2.0 * q * lift_off / 3.0;
-        verify("parallel beams", &format!("resultant along the line, {factor} q₁"), seen.total_contact_force, exact, 1e-5 * exact);
+        verify(
+            "parallel beams",
+            &format!("resultant along the line, {factor} q₁"),
+            seen.total_contact_force,
+            exact,
+            1e-5 * exact,
+        );
         let clamp = seen.reactions.iter().find(|r| r.rod == 0 && r.node == 0).unwrap().force[1].abs();
         let end_force = q * lift_off - clamp;
-        verify("parallel beams", &format!("end force qℓ/3, {factor} q₁"), end_force, q * lift_off / 3.0, 1e-4 * q * lift_off);
+        verify(
+            "parallel beams",
+            &format!("end force qℓ/3, {factor} q₁"),
+            end_force,
+            q * lift_off / 3.0,
+            1e-4 * q * lift_off,
+        );
     }
 }

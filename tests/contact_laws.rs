@@ -40,7 +40,8 @@ fn augmented(kappa: f64) -> ContactLaw {
 
 fn beam(name: &str, start: Vec3, direction: Vec3, elements: usize) -> Rod {
     let section = Section::isotropic(1.0, 1.0, 1e2, 1e8, RADIUS);
-    Rod::new(name, &Shape::Line { start, direction, length: 1.0 }, false, section, elements, 3, Natural::Straight).unwrap()
+    Rod::new(name, &Shape::Line { start, direction, length: 1.0 }, false, section, elements, 3, Natural::Straight)
+        .unwrap()
 }
 
 fn model(rods: Vec<Rod>, law: ContactLaw) -> Model {
@@ -135,7 +136,13 @@ fn penalty_errors_along_a_line_fall_with_the_first_power() {
     }
     let name = "penalty, parallel beams";
     for row in &rows[1..] {
-        verify(name, &format!("penetration in the middle, κ = {:e}", row[0]), row[1], LOAD / row[0], 0.01 * LOAD / row[0]);
+        verify(
+            name,
+            &format!("penetration in the middle, κ = {:e}", row[0]),
+            row[1],
+            LOAD / row[0],
+            0.01 * LOAD / row[0],
+        );
     }
     verify(name, "exponent of the penetration in the middle", slope(&rows[1..], |r| r[1]), -1.0, 0.01);
     verify(name, "exponent of the penetration at the ends", slope(&rows[1..], |r| r[2]), -0.75, 0.02);

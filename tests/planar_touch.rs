@@ -117,8 +117,7 @@ fn ring_under_pressure_goes_from_a_point_to_a_line() {
         rod.length = TAU;
         rod.positions.iter_mut().for_each(|r| *r *= scale);
         let penalty = |kappa: f64| ContactLaw::Penalty { stiffness: kappa * (0.5 * diameter).powi(4) };
-        let model =
-            Model { rods: vec![rod], planar: true, contact: Contact { law: penalty(1e4) }, ..Model::default() };
+        let model = Model { rods: vec![rod], planar: true, contact: Contact { law: penalty(1e4) }, ..Model::default() };
         let mut solver = Solver::new(model, Options::default()).unwrap();
         for p in [3.3, 3.6, 4.0, 4.4, 4.8, 5.1, 5.3, 6.0, 7.0, 8.0] {
             to(&mut solver, Ramp::Pressure { rod: 0, to: p });

@@ -24,6 +24,11 @@
 //!   curvature of the rods there is extrapolated from the elements left and right, so that what the spread force does to it between
 //!   them (∝ κ^(−1/3)) does not enter.
 
+//! What limits the later events is the mesh at the two outer points, whose forces lie inside elements: the gap in the middle is so
+//! small that their local compliance (∝ h³, whatever their place in the element makes of it) moves ΔLk by 1e-4 to 4e-4. Writhe at
+//! two → three and three → line with D/L = .03: 1.66830, 1.71202 (192 elements), 1.66811, 1.71163 (256),
+//! 1.66818, 1.71182 (320); reference 1.66818, 1.71196.
+
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
 mod common;
@@ -234,9 +239,9 @@ fn first_contact_and_split_of_the_thick_ring() {
 }
 
 #[test]
-#[ignore = "slow: minutes, 256 elements and small steps"]
-fn all_events_of_the_thick_ring() {
-    run(&thick(std::env::var("N").map_or(256, |n| n.parse().unwrap())), 2..4);
+#[ignore = "slow: minutes; three points → line still misses 1e-4 (by 4e-5) with 320 elements, see the module's doc"]
+fn late_events_of_the_thick_ring() {
+    run(&thick(320), 2..4);
 }
 
 #[test]

@@ -133,7 +133,7 @@ fn twisted(solver: &mut Solver, turns: f64) -> Ply {
 
 #[test]
 fn inside_of_a_plectoneme_has_its_closed_forms() {
-    for (alpha, turns) in [(0.35, 3.0), (0.5, 4.0), (0.65, 5.0)] {
+    for (alpha, turns) in [(0.35, 3.0), (0.5, 4.0)] {
         let torque_of = |a: f64| 2.0 * a.sin().powi(3) * a.cos() / (2.0 * a).cos();
         let mut solver = pair(alpha, turns, 0.25, -0.9 * torque_of(alpha));
         // the torque is brought to zero by secants

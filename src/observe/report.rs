@@ -33,9 +33,8 @@ pub struct SiteReport {
     pub rod_b: usize,
     /// Arc length interval on strand b \[L\].
     pub arc_b: [f64; 2],
-    /// "line" where the mean of both intervals is longer than 4 (6B/κ)^¼, twice what the contact law (of stiffness κ) can spread a
-    /// single force over, "point" otherwise. Two points between which the gap stays below the law's overlap (peak pressure over κ)
-    /// are not told from one contact: both widths are the resolution of this report, and shrink as κ is raised.
+    /// "line" where the mean of both intervals is longer than the contact distance ε_a + ε_b, "point" otherwise: a contact
+    /// shorter than the rods are thick is isolated, its length says how stiff the contact law is.
     pub kind: &'static str,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,

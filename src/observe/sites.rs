@@ -2,17 +2,11 @@
 //! a reader would count as one contact.
 //!
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
-//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *contact*. Its force
+//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its force
 //!    is the sum over all its zones, because each view carries half of it.
-//! 3. Neighbouring contacts between which the strands stay closer than the law resolves are one *site*: between them the gap does
-//!    not exceed the larger of their overlaps c − g, which is the peak pressure over the contact stiffness. A line whose force
-//!    sits at its ends, or that the mesh breaks up between nodes, is whole again; two points with a real gap between them stay two.
-//! 4. A single force cannot be spread over more than about 2 (6B/κ)^¼: that far a strand on which it acts has bent away by the
-//!    overlap. Sites longer than twice that are *lines*, all others *points*.
 
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::detect::{PairTerm, ZonePiece};
-use crate::math::Vec3;
 
 use super::report::SiteReport;
 
@@ -20,11 +14,6 @@ use super::report::SiteReport;
 const TOL_ARC: f64 = 1e-6;
 /// … and on the other strand to how well a foot is known where the distance hardly changes along it.
 const TOL_FOOT: f64 = 1e-2;
-/// Contacts further from each other than this along the strand, in contact distances, are not joined.
-const NEAREST: f64 = 4.0;
-/// Where the gap between two contacts is looked at.
-const SAMPLES: u32 = 12;
-const FOOT_ITERATIONS: usize = 6;
 
 /// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,8 +25,6 @@ struct Zone {
     /// Feet of the ends of `arc_a`; descending where the strands run against each other.
     arc_b: [f64; 2],
     load: Load,
-    /// Largest overlap c − g, the peak pressure over the contact stiffness \[L\].
-    overlap: f64,
     gap: f64,
     /// Crossing angle where the gap is smallest, degrees.
     angle: f64,
@@ -75,25 +62,11 @@ impl Load {
     }
 }
 
-/// What the contact law resolves.
-pub(super) struct Law<'a> {
-    /// Offsets c at both ends of a segment \[L\].
-    pub offset: &'a dyn Fn(usize) -> [f64; 2],
-    /// Length beyond which a contact is a line \[L\].
-    pub longest_point: f64,
-}
-
-impl Law<'_> {
-    fn offset(&self, segment: usize) -> [f64; 2] {
-        (self.offset)(segment)
-    }
-}
-
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
-pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize], law: &Law) -> Vec<SiteReport> {
-    let zones = zones(set, terms, law);
+pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize]) -> Vec<SiteReport> {
+    let zones = zones(set, terms);
     let mut sites: Vec<SiteReport> =
-        joined(set, &zones, views(set, &zones)).iter().map(|members| site(set, &zones, members, rods, law)).collect();
+        views(set, &zones).iter().map(|members| site(set, &zones, members, rods)).collect();
     sites.sort_by(|x, y| {
         let key = |s: &SiteReport| (s.rod_a, s.rod_b);
         key(x).cmp(&key(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
@@ -132,13 +105,9 @@ fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
     start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
 }
 
-fn pieces(set: &CurveSet, terms: &[PairTerm], law: &Law) -> Vec<Zone> {
+fn pieces(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
     let mut pieces: Vec<Zone> = Vec::new();
     for term in terms {
-        let overlap = |u: f64| {
-            let [start, end] = law.offset(term.slave);
-            start + (end - start) * u
-        };
         for zone in &term.zones {
             let nearest = zone.piece.nearest;
             let (_, tangent_a, _) = set.segments[term.slave].derivatives(nearest.u);
@@ -151,7 +120,6 @@ fn pieces(set: &CurveSet, terms: &[PairTerm], law: &Law) -> Vec<Zone> {
                 curve_b: set.curve_of(term.master),
                 arc_b: zone.piece.v.map(|v| set.arc_length(term.master, v)),
                 load: load(zone, [start, end]),
-                overlap: overlap(nearest.u) - zone.min_gap,
                 gap: zone.min_gap,
                 angle: crossing.min(180.0 - crossing),
             });
@@ -175,8 +143,8 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
 }
 
 /// Joins pieces that follow each other; sorted.
-fn zones(set: &CurveSet, terms: &[PairTerm], law: &Law) -> Vec<Zone> {
-    let pieces = pieces(set, terms, law);
+fn zones(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
+    let pieces = pieces(set, terms);
     let next = successors(set, &pieces);
     let mut follows = vec![false; pieces.len()];
     next.iter().flatten().for_each(|&j| follows[j] = true);
@@ -203,7 +171,6 @@ fn zones(set: &CurveSet, terms: &[PairTerm], law: &Law) -> Vec<Zone> {
 }
 
 fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
-    zone.overlap = zone.overlap.max(piece.overlap);
     zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
     let start = near(piece.arc_b[0], zone.arc_b[1], period(set, zone.curve_b));
@@ -266,122 +233,6 @@ fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
     groups
 }
 
-/// Joins contacts between which the strands stay closer than the law resolves.
-fn joined(set: &CurveSet, zones: &[Zone], groups: Vec<Vec<(usize, bool)>>) -> Vec<Vec<(usize, bool)>> {
-    let mut root: Vec<usize> = (0..groups.len()).collect();
-    let mut flipped = vec![false; groups.len()];
-    // every zone in the order along its strand, with its group and the side of the group that it is seen from
-    let owners = groups.iter().enumerate().flat_map(|(g, members)| members.iter().map(move |&(z, side)| (z, g, side)));
-    let mut places: Vec<(usize, usize, bool)> = owners.collect();
-    places.sort_by(|x, y| {
-        let (x, y) = (&zones[x.0], &zones[y.0]);
-        x.curve_a.cmp(&y.curve_a).then(x.arc_a[0].total_cmp(&y.arc_a[0]))
-    });
-    for (i, &(zone, group, side)) in places.iter().enumerate() {
-        let here = &zones[zone];
-        let class = places.partition_point(|p| zones[p.0].curve_a < here.curve_a);
-        let end = places.partition_point(|p| zones[p.0].curve_a <= here.curve_a);
-        let (count, place) = (end - class, i - class);
-        let period = period(set, here.curve_a);
-        for step in 1..count {
-            if place + step >= count && period.is_none() {
-                break;
-            }
-            let shift = if place + step >= count { period.unwrap_or(0.0) } else { 0.0 };
-            let (other, its_group, its_side) = places[class + (place + step) % count];
-            if zones[other].arc_a[0] + shift - here.arc_a[1] > NEAREST * contact_distance(set, here) {
-                break;
-            }
-            if its_group == group || zones[other].curve_b != here.curve_b || !unresolved(set, here, &zones[other], shift) {
-                continue;
-            }
-            let (mut x, mut y) = (find(&root, group), find(&root, its_group));
-            if x == y {
-                continue;
-            }
-            // sides as seen from the roots
-            let differ = (side ^ flipped_to_root(&root, &flipped, group)) != (its_side ^ flipped_to_root(&root, &flipped, its_group));
-            if y < x {
-                std::mem::swap(&mut x, &mut y);
-            }
-            root[y] = x;
-            flipped[y] = differ;
-        }
-    }
-    let mut all: Vec<Vec<(usize, bool)>> = vec![Vec::new(); groups.len()];
-    for (g, members) in groups.into_iter().enumerate() {
-        let flip = flipped_to_root(&root, &flipped, g);
-        all[find(&root, g)].extend(members.into_iter().map(|(zone, side)| (zone, side ^ flip)));
-    }
-    all.retain(|members| !members.is_empty());
-    all
-}
-
-fn find(root: &[usize], mut group: usize) -> usize {
-    while root[group] != group {
-        group = root[group];
-    }
-    group
-}
-
-/// Whether the sides of a group are those of its root the other way round.
-fn flipped_to_root(root: &[usize], flipped: &[bool], mut group: usize) -> bool {
-    let mut flip = false;
-    while root[group] != group {
-        flip ^= flipped[group];
-        group = root[group];
-    }
-    flip
-}
-
-/// Whether the gap between two zones of the same strands, the second `shift` further, nowhere exceeds their overlap.
-fn unresolved(set: &CurveSet, x: &Zone, y: &Zone, shift: f64) -> bool {
-    let period_b = period(set, x.curve_b);
-    let start_b = near(y.arc_b[0], x.arc_b[1], period_b);
-    let reach = y.arc_a[0] + shift - x.arc_a[1];
-    if (start_b - x.arc_b[1]).abs() > 2.0 * reach + TOL_FOOT * contact_distance(set, x) {
-        return false;
-    }
-    let allowed = x.overlap.max(y.overlap) + contact_distance(set, x);
-    (1..SAMPLES).all(|k| {
-        let t = f64::from(k) / f64::from(SAMPLES);
-        let (segment, u) = locate(set, x.curve_a, x.arc_a[1] + t * reach);
-        let point = set.segments[segment].point(u);
-        distance_near(set, x.curve_b, &point, x.arc_b[1] + t * (start_b - x.arc_b[1])) <= allowed
-    })
-}
-
-/// Segment and parameter at an arc length, whole periods aside.
-fn locate(set: &CurveSet, curve: usize, arc: f64) -> (usize, f64) {
-    let info = &set.curves[curve];
-    let arc = period(set, curve).map_or(arc, |p| arc.rem_euclid(p));
-    let (mut low, mut high) = (info.first, info.first + info.count - 1);
-    while low < high {
-        let middle = (low + high).div_ceil(2);
-        if set.arc_length(middle, 0.0) <= arc {
-            low = middle;
-        } else {
-            high = middle - 1;
-        }
-    }
-    let start = set.arc_length(low, 0.0);
-    (low, ((arc - start) / (set.arc_length(low, 1.0) - start)).clamp(0.0, 1.0))
-}
-
-/// Distance from `point` to a curve at its foot near arc length `arc`.
-fn distance_near(set: &CurveSet, curve: usize, point: &Vec3, mut arc: f64) -> f64 {
-    for _ in 0..FOOT_ITERATIONS {
-        let (segment, u) = locate(set, curve, arc);
-        let (c, d, dd) = set.segments[segment].derivatives(u);
-        let slope = (c - point).dot(&d);
-        let curvature = d.norm_squared() + (c - point).dot(&dd).max(-0.5 * d.norm_squared());
-        let scale = set.arc_length(segment, 1.0) - set.arc_length(segment, 0.0);
-        arc -= (slope / curvature).clamp(-1.0, 1.0) * scale;
-    }
-    let (segment, u) = locate(set, curve, arc);
-    (set.segments[segment].point(u) - point).norm()
-}
-
 /// Zones that see the same contact from the other strand.
 fn counterparts<'a>(set: &'a CurveSet, zones: &'a [Zone], index: usize) -> impl Iterator<Item = usize> + 'a {
     let zone = &zones[index];
@@ -425,7 +276,7 @@ fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2],
     }
 }
 
-fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize], law: &Law) -> SiteReport {
+fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize]) -> SiteReport {
     let seen_from = |flipped: bool| members.iter().filter(move |m| m.1 == flipped).map(|m| zones[m.0]);
     let first = &zones[members[0].0];
     let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), period(set, first.curve_a));
@@ -445,7 +296,7 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
         })
     };
     let (load_a, load_b) = (total(false, period(set, first.curve_a)), total(true, period_b));
-    let is_line = 0.5 * (width_a + width_b) > law.longest_point;
+    let is_line = 0.5 * (width_a + width_b) > contact_distance(set, first);
     let center = |load: &Load, feet: [f64; 2], period: Option<f64>| {
         let center = if load.force > 0.0 { load.center } else { 0.5 * (feet[0] + feet[1]) };
         period.map_or(center, |p| center.rem_euclid(p))

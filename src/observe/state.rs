@@ -10,7 +10,7 @@ use crate::solve::{Engine, Progress};
 
 use super::link::link_numbers;
 use super::report::{Energies, GapReport, Observation, Reaction, RodLink};
-use super::sites::{Law, sites};
+use super::sites::sites;
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -26,12 +26,7 @@ const TOL_GAP: f64 = 1e-10;
 pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());
-    let sites = engine.contact.as_ref().map_or_else(Vec::new, |side| {
-        // twice the width over which the law can spread a single force
-        let longest_point = 4.0 * (6.0 * engine.scales.bending / side.law.stiffness).powf(0.25);
-        let law = Law { offset: &|segment| side.offset(segment), longest_point };
-        sites(&side.set, &residual.terms, &side.rods, &law)
-    });
+    let sites = engine.contact.as_ref().map_or_else(Vec::new, |side| sites(&side.set, &residual.terms, &side.rods));
     Observation {
         stage: progress.stage,
         step: progress.step,

@@ -65,9 +65,7 @@ pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: Point
                 }
             }
             let sigma = point.spread / length;
-            let mend = moments(from, &[-sigma, sigma], |x| {
-                side * x - 0.5 * ((x - sigma).abs() + (x + sigma).abs())
-            });
+            let mend = moments(from, &[-sigma, sigma], |x| side * x - 0.5 * ((x - sigma).abs() + (x + sigma).abs()));
             for k in 0..2 {
                 tangents.push(d3[k]);
                 bends.push(bend[k] + point.force * (mend[k] * length / (2.0 * data.section.bending[0])));

@@ -1,8 +1,6 @@
 use super::*;
 use crate::contact::detect::{LawParameters, Want, evaluate};
-
-/// No offsets; lines are what is longer than the contact distance.
-const HARD: Law = Law { offset: &|_| [0.0; 2], longest_point: 1.0 };
+use crate::math::Vec3;
 
 /// Two straight rods of radius 0.5 in segments of length 1, `b` at height `height`, turned by `degrees` about z.
 fn straight(degrees: f64, height: f64) -> CurveSet {
@@ -25,7 +23,7 @@ fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
     let terms =
         evaluate(set, &all_pairs(set), LawParameters { stiffness, geometric: 1.0 }, &|_| [0.0; 2], Want::Gradient);
-    sites(set, &terms, &[3, 7], &HARD)
+    sites(set, &terms, &[3, 7])
 }
 
 /// Rods crossing at right angles at height 1 − δ: gap(s) = √(h² + s²) − 1 from either strand, so the zone is
@@ -74,7 +72,7 @@ fn a_rod_along_itself_is_one_line() {
     let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
     let terms =
         evaluate(&set, &facing, LawParameters { stiffness: 100.0, geometric: 1.0 }, &|_| [0.0; 2], Want::Gradient);
-    let sites = sites(&set, &terms, &[0], &HARD);
+    let sites = sites(&set, &terms, &[0]);
     assert_eq!(sites.len(), 1, "{sites:?}");
     let site = &sites[0];
     let expected = [[1.0, 7.0], [9.99, 15.99]];
