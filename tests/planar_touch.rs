@@ -22,7 +22,7 @@ use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Drive, Options, Progress, Solver, Status};
 
 fn to(solver: &mut Solver, ramp: Ramp) -> Observation {
-    let report = solver.step_to(&[ramp.clone()]).unwrap();
+    let report = solver.step_to(std::slice::from_ref(&ramp)).unwrap();
     assert_eq!(report.status, Status::Converged, "{ramp:?}: {}", common::history(&report));
     let progress =
         Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
