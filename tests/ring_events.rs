@@ -24,6 +24,7 @@
 //!   curvature of the rods there is extrapolated from the elements left and right, so that what the spread force does to it between
 //!   them (∝ κ^(−1/3)) does not enter.
 
+//!
 //! What limits the later events is the mesh at the two outer points, whose forces lie inside elements: the gap in the middle is so
 //! small that their local compliance (∝ h³, whatever their place in the element makes of it) moves ΔLk by 1e-4 to 4e-4. Writhe at
 //! two → three and three → line with D/L = .03: 1.66830, 1.71202 (192 elements), 1.66811, 1.71163 (256),
@@ -140,7 +141,7 @@ fn event(states: &[(f64, Numbers)]) -> Numbers {
 }
 
 /// The site at the middle of the contact region: arcs nearest to `arc` on strand a.
-fn middle<'a>(seen: &'a Observation, arc: f64) -> &'a SiteReport {
+fn middle(seen: &Observation, arc: f64) -> &SiteReport {
     let off = |s: &SiteReport| {
         let d = s.center[0] - arc;
         (d - d.round()).abs().min((d - 0.5 - (d - 0.5).round()).abs())
