@@ -6,12 +6,16 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
+mod common;
+
+use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
+use common::verify;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
-use supercoil::scene::{LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Progress, Solver, Status};
+use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
+use supercoil::solve::{Drive, Options, Progress, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -32,7 +36,7 @@ fn clamped(rods: Vec<Rod>) -> Model {
 
 fn to(solver: &mut Solver, ramps: &[Ramp]) -> Observation {
     let report = solver.step_to(ramps).unwrap();
-    assert_eq!(report.status, Status::Converged);
+    assert_eq!(report.status, Status::Converged, "{ramps:?}: {}", common::history(&report));
     let progress =
         Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
     observe(&progress)
@@ -125,5 +129,198 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
         );
         assert!((seen.total_contact_force / exact - 1.0).abs() < 1e-2);
         assert!((from - lift_off).abs() < 0.02 && (1.0 - until - lift_off).abs() < 0.02);
+    }
+}
+
+/// A quarter of a beam that is guided at both ends and loaded in the middle by F: a cantilever of length L/4 with the dead end load
+/// P = F/2, B θ'' = −P cos θ, θ(0) = 0, θ'(L/4) = 0. Returns end deflection ∫sin θ, shortening ∫(1 − cos θ) and θ'(0).
+fn elastica_quarter(force: f64) -> [f64; 3] {
+    let (steps, length, load) = (4000, 0.25, 0.5 * force);
+    let h = length / f64::from(steps);
+    let shoot = |start: f64| {
+        let slope = |y: &[f64; 4]| [y[1], -load * y[0].cos(), y[0].sin(), 1.0 - y[0].cos()];
+        let mut y = [0.0, start, 0.0, 0.0];
+        for _ in 0..steps {
+            let moved = |k: &[f64; 4], t: f64| -> [f64; 4] { std::array::from_fn(|i| y[i] + t * k[i]) };
+            let k1 = slope(&y);
+            let k2 = slope(&moved(&k1, 0.5 * h));
+            let k3 = slope(&moved(&k2, 0.5 * h));
+            let k4 = slope(&moved(&k3, h));
+            y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        }
+        y
+    };
+    let (mut low, mut high) = (0.0, load * length);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if shoot(middle)[1] < 0.0 { &mut low } else { &mut high }) = middle;
+    }
+    let end = shoot(low);
+    [end[2], end[3], low]
+}
+
+/// Two beams that cross at right angles, their ends guided (free to slide along the beam, not to turn), pressed into each other by 60 %
+/// of their length. Each is a planar elastica under a force in the middle: four cantilevers of a quarter of its length.
+///
+/// ```text
+///      ──╮               ╭──   ends of the upper beam lowered by δ beyond touch
+///         ╲             ╱
+///          ╰────(o)────╯
+///               ╱ ╲            (o): the lower beam, seen end on, itself bent down by the same amount
+/// ```
+///
+/// Reference: shooting in this test, Runge–Kutta of fourth order, 4000 steps.
+#[test]
+fn crossed_beams_at_large_displacement_are_elasticas() {
+    let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, RADIUS);
+    let guided = |name: &str, direction: Vec3, z: f64| {
+        let shape = Shape::Line { start: Vec3::z() * z - direction * 0.5, direction, length: 1.0 };
+        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+    };
+    let rods = vec![guided("lower", Vec3::x(), 0.0), guided("upper", Vec3::y(), 2.5 * RADIUS)];
+    let last = rods[0].num_nodes() - 1;
+    let mut supports = Vec::new();
+    for rod in 0..2 {
+        let along: [bool; 3] = std::array::from_fn(|k| k == rod);
+        for node in [0, last] {
+            let node = NodeRef { rod, node };
+            supports.push(Support { node, position: along.map(|x| !x), rotation: [true; 3] });
+        }
+        // by symmetry the middle does not slide; nothing else would hold it
+        let node = NodeRef { rod, node: last / 2 };
+        supports.push(Support { node, position: along, rotation: [false; 3] });
+    }
+    let penalty = |kappa: f64| ContactLaw::Penalty { stiffness: kappa * RADIUS.powi(4) };
+    let model = Model { rods, supports, contact: Contact { law: penalty(1e7) }, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    // a step that moves the ends by five diameters at once does not converge
+    let mut lowered = 0.0;
+    for depth in [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6] {
+        solver.engine_mut().set_contact_law(penalty(1e7)).unwrap();
+        let parts = f64::ceil((depth - lowered) / 0.02);
+        for part in 1..=parts as u32 {
+            let by = lowered + (depth - lowered) * f64::from(part) / parts;
+            let ramps = [0, last].map(|node| Ramp::Displacement {
+                node: NodeRef { rod: 1, node },
+                to: Vec3::z() * -(0.5 * RADIUS + by),
+            });
+            to(&mut solver, &ramps);
+        }
+        lowered = depth;
+        for decade in 8..=13 {
+            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
+            assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
+        }
+        let seen = to(&mut solver, &[]);
+        // secant on the force
+        let (mut force, mut step) = (96.0 * depth, 9.6 * depth);
+        let miss = |force: f64| 4.0 * elastica_quarter(force)[0] - depth;
+        let mut last_miss = miss(force - step);
+        for _ in 0..20 {
+            let now = miss(force);
+            step *= -now / (now - last_miss);
+            last_miss = now;
+            force += step;
+            if step.abs() < 1e-12 * force {
+                break;
+            }
+        }
+        let [_, shortening, curvature] = elastica_quarter(force);
+        let name = "crossed beams, guided ends";
+        // what the supports carry: the site's ∫p adds up magnitudes, whose directions differ by the width of the zone over D
+        let [below, above] =
+            [0, 1].map(|rod| -> f64 { seen.reactions.iter().filter(|r| r.rod == rod).map(|r| r.force[2]).sum() });
+        verify(name, &format!("force at δ/L = {depth}"), -above, force, 3e-6 * force);
+        verify(name, &format!("vertical balance at δ/L = {depth}"), below, -above, 1e-7 * force);
+        let end = solver.engine().positions(0)[last].x;
+        verify(name, &format!("end of the beam at δ/L = {depth}"), end, 0.5 - 2.0 * shortening, 1e-6);
+        let clamp = seen.reactions.iter().find(|r| r.rod == 0 && r.node == 0).unwrap();
+        verify(
+            name,
+            &format!("moment at the guide, δ/L = {depth}"),
+            clamp.moment[1].abs(),
+            curvature,
+            3e-6 * curvature,
+        );
+    }
+}
+
+/// Parallel beams, the load at which the point opens into a line, and what the supports carry beyond.
+///
+/// ```text
+///  ↓ ↓ ↓ ↓ ↓ ↓ ↓ ↓ ↓ ↓ ↓ q
+///  ▌‾‾\_____________/‾‾▐      a line L − 2ℓ with pressure q, forces qℓ/3 at its ends; a clamp carries qℓ − qℓ/3
+///  ▌__/‾‾‾‾‾‾‾‾‾‾‾‾‾\__▐
+///  ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ q
+/// ```
+///
+/// Exact for small displacements: point → line at 3 q₁ (the curvature in the middle vanishes), lift-off length ℓ = (36 B g/q)^¼.
+/// The beams are soft along (EA = 100 B/L²), so that the gap of 1e-4 L costs no tension, and stiff in shear.
+#[test]
+fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
+    let gap = 1e-4;
+    let first = 192.0 * gap;
+    let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
+    let beam = |name: &str, y: f64, elements: usize| {
+        let shape = Shape::Line { start: Vec3::y() * y, direction: Vec3::x(), length: 1.0 };
+        Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+    };
+    let penalty = |kappa: f64| ContactLaw::Penalty { stiffness: kappa * RADIUS.powi(4) };
+    let pair = |elements: usize| {
+        let mut model = clamped(vec![beam("lower", 0.0, elements), beam("upper", 2.0 * RADIUS + gap, elements)]);
+        model.planar = true;
+        model.contact = Contact { law: penalty(1e6) };
+        model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+        Solver::new(model, Options::default()).unwrap()
+    };
+    let at = |solver: &mut Solver, factor: f64, top: i32| {
+        solver.engine_mut().set_contact_law(penalty(1e6)).unwrap();
+        to(solver, &[Ramp::Load { to: factor * first }]);
+        for decade in 7..=top {
+            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
+            to(solver, &[]);
+        }
+        to(solver, &[])
+    };
+    let mut solver = pair(16);
+    let (mut bent, mut factors) = (Vec::new(), Vec::new());
+    for factor in [2.2, 2.6, 2.9] {
+        let seen = at(&mut solver, factor, 13);
+        assert_eq!(seen.sites.len(), 1);
+        let site = &seen.sites[0];
+        let point = PointForce { force: -Vec3::y() * site.force, spread: site.spread[0] };
+        bent.push(tangent_and_curvature(&solver, 0, site.center[0], point).1.y);
+        factors.push(factor);
+        verify(
+            "parallel beams",
+            &format!("force at the point, {factor} q₁"),
+            site.force,
+            0.5 * factor * first - 96.0 * gap,
+            1e-6 * first,
+        );
+    }
+    verify("parallel beams", "q/q₁, point → line", interpolate_to_zero(&bent, &factors), 3.0, 1e-5);
+    let mut solver = pair(96);
+    for factor in [6.0, 12.0, 24.0] {
+        let seen = at(&mut solver, factor, 9);
+        let q = factor * first;
+        let lift_off = (36.0 * gap / q).powf(0.25);
+        let exact = q * (1.0 - 2.0 * lift_off) + 2.0 * q * lift_off / 3.0;
+        verify(
+            "parallel beams",
+            &format!("resultant along the line, {factor} q₁"),
+            seen.total_contact_force,
+            exact,
+            1e-5 * exact,
+        );
+        let clamp = seen.reactions.iter().find(|r| r.rod == 0 && r.node == 0).unwrap().force[1].abs();
+        let end_force = q * lift_off - clamp;
+        verify(
+            "parallel beams",
+            &format!("end force qℓ/3, {factor} q₁"),
+            end_force,
+            q * lift_off / 3.0,
+            1e-4 * q * lift_off,
+        );
     }
 }

@@ -33,6 +33,8 @@ pub struct ZonePiece {
     pub min_gap: f64,
     /// ½∫p ds \[F\]: this strand's half of the contact force.
     pub half_force: f64,
+    /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: where in the piece the force sits.
+    pub half_moments: [f64; 2],
 }
 
 /// Contribution of one ordered pair (slave, master) that is in contact.
@@ -151,13 +153,15 @@ fn pair_term(
     let length = set.lengths[slave];
     let contact_distance = set.radius_of(slave) + set.radius_of(master);
     for piece in pieces {
-        let half_force = integrate(&mut term, pair, piece, length, contact_distance, law);
-        term.zones.push(ZonePiece { piece: *piece, min_gap: piece.nearest.distance - contact_distance, half_force });
+        let [half_force, first, second] = integrate(&mut term, pair, piece, length, contact_distance, law);
+        let min_gap = piece.nearest.distance - contact_distance;
+        term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
     }
     term
 }
 
-/// Integrates one piece; long pieces are divided so that each part is shorter than the contact distance.
+/// Integrates one piece and returns ½∫p uᵏ ds for k = 0, 1, 2; long pieces are divided so that each part is shorter than the
+/// contact distance.
 fn integrate(
     term: &mut PairTerm,
     pair: &Pair,
@@ -165,21 +169,24 @@ fn integrate(
     length: f64,
     contact_distance: f64,
     law: LawParameters,
-) -> f64 {
+) -> [f64; 3] {
     let rule = gauss(POINTS_PER_PIECE);
     let width = piece.u[1] - piece.u[0];
     let parts = (width * length / contact_distance).ceil().clamp(1.0, 64.0);
-    let mut force = 0.0;
+    let mut moments = [0.0; 3];
     for part in 0..parts as usize {
         for (&x, &w) in rule.points.iter().zip(rule.weights) {
             let fraction = (part as f64 + x) / parts;
             let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
             let sample = pair.sample(piece.u[0] + width * fraction, guess, piece.kind);
             let weight = 0.5 * w * width * length / parts;
-            force += weight * add_sample(term, pair, piece.kind, &sample, weight, law);
+            let force = weight * add_sample(term, pair, piece.kind, &sample, weight, law);
+            moments[0] += force;
+            moments[1] += force * sample.u;
+            moments[2] += force * sample.u * sample.u;
         }
     }
-    force
+    moments
 }
 
 fn bernstein_weights(u: f64) -> [f64; 4] {

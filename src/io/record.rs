@@ -270,6 +270,8 @@ mod tests {
             kind: "point",
             gap: 0.0,
             force: 1.0,
+            center: [0.0, 3.05],
+            spread: [0.05, 0.02],
             angle: 90.0,
         };
         for step in 0..100 {

@@ -40,6 +40,11 @@ pub struct SiteReport {
     pub gap: f64,
     /// Contact force: integral of the pressure over the zone \[F\].
     pub force: f64,
+    /// Where the force sits on strands a and b: arc length weighted with the pressure \[L\].
+    pub center: [f64; 2],
+    /// Standard deviation of the pressure's distribution about `center` on strands a and b \[L\]: half the distance of two equal
+    /// forces, length/√12 of a uniform line, below the width of the contact law's layer for a point.
+    pub spread: [f64; 2],
     /// Crossing angle of the tangents where the gap is smallest, degrees in 0..=90.
     pub angle: f64,
 }

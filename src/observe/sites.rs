@@ -6,7 +6,7 @@
 //!    is the sum over all its zones, because each view carries half of it.
 
 use crate::contact::curve::{CurveSet, angle};
-use crate::contact::detect::PairTerm;
+use crate::contact::detect::{PairTerm, ZonePiece};
 
 use super::report::SiteReport;
 
@@ -24,10 +24,42 @@ struct Zone {
     curve_b: usize,
     /// Feet of the ends of `arc_a`; descending where the strands run against each other.
     arc_b: [f64; 2],
-    half_force: f64,
+    load: Load,
     gap: f64,
     /// Crossing angle where the gap is smallest, degrees.
     angle: f64,
+}
+
+/// A force distributed along a strand.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Load {
+    /// Resultant \[F\].
+    force: f64,
+    /// Mean arc length, on the same branch as the zone's `arc_a` \[L\].
+    center: f64,
+    /// ∫p (s − center)² ds \[F·L²\].
+    inertia: f64,
+}
+
+impl Load {
+    /// Together with `other`, whose arc lengths are `shift` short.
+    fn with(self, other: Self, shift: f64) -> Self {
+        let force = self.force + other.force;
+        if force <= 0.0 {
+            return self;
+        }
+        let lever = other.center + shift - self.center;
+        let share = other.force / force;
+        Self {
+            force,
+            center: self.center + share * lever,
+            inertia: self.inertia + other.inertia + self.force * share * lever * lever,
+        }
+    }
+
+    fn spread(&self) -> f64 {
+        if self.force > 0.0 { (self.inertia / self.force).max(0.0).sqrt() } else { 0.0 }
+    }
 }
 
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
@@ -81,12 +113,13 @@ fn pieces(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
             let (_, tangent_a, _) = set.segments[term.slave].derivatives(nearest.u);
             let (_, tangent_b, _) = set.segments[term.master].derivatives(nearest.v);
             let crossing = angle(&tangent_a, &tangent_b).to_degrees();
+            let [start, end] = zone.piece.u.map(|u| set.arc_length(term.slave, u));
             pieces.push(Zone {
                 curve_a: set.curve_of(term.slave),
-                arc_a: zone.piece.u.map(|u| set.arc_length(term.slave, u)),
+                arc_a: [start, end],
                 curve_b: set.curve_of(term.master),
                 arc_b: zone.piece.v.map(|v| set.arc_length(term.master, v)),
-                half_force: zone.half_force,
+                load: load(zone, [start, end]),
                 gap: zone.min_gap,
                 angle: crossing.min(180.0 - crossing),
             });
@@ -94,6 +127,19 @@ fn pieces(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
     }
     pieces.sort_by(order);
     pieces
+}
+
+/// The force on the slave side of a piece that spans `arc`.
+fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
+    let (force, [first, second]) = (zone.half_force, zone.half_moments);
+    if force <= 0.0 {
+        return Load { center: 0.5 * (arc[0] + arc[1]), ..Load::default() };
+    }
+    let u = zone.piece.u;
+    let scale = (arc[1] - arc[0]) / (u[1] - u[0]);
+    let mean = first / force;
+    let inertia = (second - mean * first).max(0.0) * scale * scale;
+    Load { force, center: arc[0] + (mean - u[0]) * scale, inertia }
 }
 
 /// Joins pieces that follow each other; sorted.
@@ -125,10 +171,10 @@ fn zones(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
 }
 
 fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
+    zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
     let start = near(piece.arc_b[0], zone.arc_b[1], period(set, zone.curve_b));
     zone.arc_b[1] = start + piece.arc_b[1] - piece.arc_b[0];
-    zone.half_force += piece.half_force;
     if piece.gap < zone.gap {
         (zone.gap, zone.angle) = (piece.gap, piece.angle);
     }
@@ -243,9 +289,20 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
     };
     let all = || members.iter().map(|m| &zones[m.0]);
     let nearest = all().fold(first, |best, z| if z.gap < best.gap { z } else { best });
+    let total = |flipped: bool, period: Option<f64>| {
+        seen_from(flipped).map(|z| z.load).fold(Load::default(), |sum, load| {
+            let shift = if sum.force > 0.0 { near(load.center, sum.center, period) - load.center } else { 0.0 };
+            sum.with(load, shift)
+        })
+    };
+    let (load_a, load_b) = (total(false, period(set, first.curve_a)), total(true, period_b));
     let is_line = 0.5 * (width_a + width_b) > contact_distance(set, first);
-    let a = (rods[first.curve_a], arc_a);
-    let b = (rods[first.curve_b], arc_b);
+    let center = |load: &Load, feet: [f64; 2], period: Option<f64>| {
+        let center = if load.force > 0.0 { load.center } else { 0.5 * (feet[0] + feet[1]) };
+        period.map_or(center, |p| center.rem_euclid(p))
+    };
+    let a = (rods[first.curve_a], arc_a, center(&load_a, first.arc_a, period(set, first.curve_a)), load_a.spread());
+    let b = (rods[first.curve_b], arc_b, center(&load_b, first.arc_b, period_b), load_b.spread());
     let (a, b) = if (b.0, b.1[0]) < (a.0, a.1[0]) { (b, a) } else { (a, b) };
     SiteReport {
         rod_a: a.0,
@@ -254,7 +311,9 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
         arc_b: b.1,
         kind: if is_line { "line" } else { "point" },
         gap: nearest.gap,
-        force: all().map(|z| z.half_force).sum(),
+        force: load_a.force + load_b.force,
+        center: [a.2, b.2],
+        spread: [a.3, b.3],
         angle: nearest.angle,
     }
 }

@@ -3,6 +3,8 @@
 #![allow(dead_code)] // every test file uses its part
 #![allow(clippy::print_stdout, clippy::unwrap_used, clippy::expect_used)] // helpers of tests
 
+pub mod curvature;
+
 use supercoil::math::quaternion::to_array;
 use supercoil::math::shape_functions::Table;
 use supercoil::math::{Quat, Vec3};

@@ -1,0 +1,113 @@
+//! Curvature of a rod where a concentrated contact force makes its slope jump, and interpolation of states to an event.
+
+use supercoil::math::quadrature::gauss;
+use supercoil::math::quaternion::{spin, to_array};
+use supercoil::math::shape_functions::Table;
+use supercoil::math::{Quat, Vec3};
+use supercoil::nalgebra::{Quaternion, SMatrix, UnitQuaternion};
+use supercoil::rod::element::{ElementNodes, raw_strains};
+use supercoil::solve::Solver;
+
+/// Concentrated force on a strand: resultant and standard deviation of its distribution along the strand.
+#[derive(Debug, Clone, Copy)]
+pub struct PointForce {
+    /// Resultant \[F\].
+    pub force: Vec3,
+    /// \[L\].
+    pub spread: f64,
+}
+
+/// Elements on either side whose moments are used: polynomials of degree 2 × CELLS − 1.
+const CELLS: usize = 3;
+
+/// Tangent d3 and curvature vector d3' \[1/L\] that a rod would have at an arc length if the contact force there were concentrated;
+/// the mean of what the elements on either side say.
+///
+/// A force F at s₀ gives the curvature a kink, F|s − s₀|/2B. The contact law smears it, and the elements know only as much of it as
+/// their strains can hold: correct are, in every element, the mean and the first moment of the curvature (their virtual displacements
+/// are a parabola and a cubic, on which the contact centreline agrees with the elements'). From these, the smeared kink's own
+/// are taken off, and the kink's branch of the side in question put on; the polynomial of degree five that has the moments so found in
+/// three elements of that side is evaluated at s₀.
+pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: PointForce) -> (Vec3, Vec3) {
+    let engine = solver.engine();
+    let data = &engine.model().rods[rod];
+    let (order, elements) = (data.order, data.num_elements);
+    let table = Table::new(order);
+    let (positions, frames) = (engine.positions(rod), engine.frames(rod));
+    let length = data.length / elements as f64;
+    let boundary = (arc / length).round();
+    let seam = spin(engine.state().seams[rod]);
+    let (mut tangent, mut curvature) = (Vec3::zeros(), Vec3::zeros());
+    for side in [-1.0, 1.0] {
+        let mut system = SMatrix::<f64, { 2 * CELLS }, { 2 * CELLS }>::zeros();
+        let (mut tangents, mut bends) = (Vec::new(), Vec::new());
+        for cell in 0..CELLS {
+            // in element lengths from `arc`
+            let from = boundary - arc / length + if side < 0.0 { -1.0 - cell as f64 } else { cell as f64 };
+            let element = (from + arc / length).round().rem_euclid(elements as f64) as usize;
+            let mut nodes = ElementNodes::default();
+            for a in 0..=order {
+                let place = element * order + a;
+                let (over, node) = (place >= positions.len(), place % positions.len());
+                nodes.r[a] = positions[node].into();
+                nodes.q[a] = to_array(&if over { frames[node] * seam } else { frames[node] });
+            }
+            nodes.align_signs(order + 1);
+            let strains = raw_strains(&table, &nodes, length);
+            let (mut d3, mut bend) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
+            for g in 0..order {
+                let q: [f64; 4] = std::array::from_fn(|k| (0..=order).map(|a| table.n[g][a] * nodes.q[a][k]).sum());
+                let frame: Quat = UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]));
+                let kappa = Vec3::new(strains[g][3], strains[g][4], strains[g][5]);
+                for (k, weight) in [1.0, 2.0 * table.rule.points[g] - 1.0].into_iter().enumerate() {
+                    d3[k] += frame * Vec3::z() * (weight * table.rule.weights[g]);
+                    bend[k] += frame * kappa.cross(&Vec3::z()) * (weight * table.rule.weights[g]);
+                }
+            }
+            let sigma = point.spread / length;
+            let mend = moments(from, &[-sigma, sigma], |x| side * x - 0.5 * ((x - sigma).abs() + (x + sigma).abs()));
+            for k in 0..2 {
+                tangents.push(d3[k]);
+                bends.push(bend[k] + point.force * (mend[k] * length / (2.0 * data.section.bending[0])));
+                for power in 0..2 * CELLS {
+                    system[(2 * cell + k, power)] = moments(from, &[], |x| x.powi(power as i32))[k];
+                }
+            }
+        }
+        let inverse = system.try_inverse().unwrap();
+        for k in 0..2 * CELLS {
+            tangent += tangents[k] * (0.5 * inverse[(0, k)]);
+            curvature += bends[k] * (0.5 * inverse[(0, k)]);
+        }
+    }
+    (tangent.normalize(), curvature)
+}
+
+/// ∫f dξ and ∫f (2ξ − 1) dξ over the unit cell that starts at `from`, for a function smooth between `kinks`.
+fn moments(from: f64, kinks: &[f64], f: impl Fn(f64) -> f64) -> [f64; 2] {
+    let mut cuts = vec![from, from + 1.0];
+    cuts.extend(kinks.iter().filter(|&&x| x > from && x < from + 1.0));
+    cuts.sort_by(f64::total_cmp);
+    let rule = gauss(5);
+    let mut sum = [0.0; 2];
+    for piece in cuts.windows(2) {
+        for (&t, &w) in rule.points.iter().zip(rule.weights) {
+            let x = piece[0] + (piece[1] - piece[0]) * t;
+            let value = f(x) * w * (piece[1] - piece[0]);
+            sum[0] += value;
+            sum[1] += value * (2.0 * (x - from) - 1.0);
+        }
+    }
+    sum
+}
+
+/// Value at x = 0 of the polynomial through all (x, y) (Neville).
+pub fn interpolate_to_zero(x: &[f64], y: &[f64]) -> f64 {
+    let mut y = y.to_vec();
+    for k in 1..x.len() {
+        for i in 0..x.len() - k {
+            y[i] = (x[i + k] * y[i] - x[i] * y[i + 1]) / (x[i + k] - x[i]);
+        }
+    }
+    y[0]
+}

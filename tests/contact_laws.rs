@@ -1,0 +1,197 @@
+//! What the two contact laws cost in accuracy: the penalty's error against its stiffness, the augmented Lagrangian's freedom from it.
+//!
+//! * Point: two clamped beams of length L = 1, B = 1, crossing at right angles, pressed into each other by δ = .01 L. In an overlap
+//!   c two round rods share a zone of length ∝ √c, so F ∝ κ c^{3/2}: penetration and error of the force fall as κ^(−2/3).
+//! * Line: two parallel clamped beams pushed together along most of their length by a line load q (see `beams`). In the middle the
+//!   penetration is q/κ; at the ends of the line the end force qℓ/3 spreads over (B/κ)^¼, so it falls as κ^(−3/4) only.
+//!
+//! ```text
+//!        ‖               ▌‾‾╲___________╱‾‾▐
+//!   ═════╬═════          ▌__╱‾‾‾‾‾‾‾‾‾‾‾╲__▐
+//!        ‖
+//! ```
+//!
+//! The augmented Lagrangian is asked for a penetration of 1e-9 contact distances. What is left of κ in its resultants is the width over
+//! which a point is spread, second order in it.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
+
+mod common;
+
+use common::{fitted_order, history, verify};
+use supercoil::math::Vec3;
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
+use supercoil::solve::{Drive, Options, Progress, Solver, Status, StepReport};
+
+const RADIUS: f64 = 0.01;
+const RADIUS_4: f64 = RADIUS * RADIUS * RADIUS * RADIUS;
+
+fn penalty(kappa: f64) -> ContactLaw {
+    ContactLaw::Penalty { stiffness: kappa * RADIUS_4 }
+}
+
+/// To 1e-9 contact distances.
+fn augmented(kappa: f64) -> ContactLaw {
+    ContactLaw::AugmentedLagrangian { stiffness: kappa * RADIUS_4, tol_penetration: 2e-9 }
+}
+
+fn beam(name: &str, start: Vec3, direction: Vec3, elements: usize) -> Rod {
+    let section = Section::isotropic(1.0, 1.0, 1e2, 1e8, RADIUS);
+    Rod::new(name, &Shape::Line { start, direction, length: 1.0 }, false, section, elements, 3, Natural::Straight)
+        .unwrap()
+}
+
+fn model(rods: Vec<Rod>, law: ContactLaw) -> Model {
+    let supports = rods.iter().enumerate();
+    let supports = supports
+        .flat_map(|(rod, r)| [0, r.num_nodes() - 1].map(|node| Support::clamp(NodeRef { rod, node })))
+        .collect();
+    Model { rods, supports, contact: Contact { law }, ..Model::default() }
+}
+
+fn see(solver: &Solver, report: &StepReport) -> Observation {
+    assert_eq!(report.status, Status::Converged, "{}", history(report));
+    observe(&Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+}
+
+fn crossed(law: ContactLaw) -> (Solver, [Ramp; 2]) {
+    let lower = beam("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x(), 16);
+    let upper = beam("upper", Vec3::new(0.0, -0.5, 2.5 * RADIUS), Vec3::y(), 16);
+    let last = upper.num_nodes() - 1;
+    let to = Vec3::z() * -(0.5 * RADIUS + 0.01);
+    let ramps = [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to });
+    (Solver::new(model(vec![lower, upper], law), Options::default()).unwrap(), ramps)
+}
+
+const GAP: f64 = 1e-4;
+const LOAD: f64 = 12.0 * 192.0 * GAP;
+
+fn parallel(law: ContactLaw) -> (Solver, [Ramp; 1]) {
+    let rods = vec![
+        beam("lower", Vec3::zeros(), Vec3::x(), 96),
+        beam("upper", Vec3::y() * (2.0 * RADIUS + GAP), Vec3::x(), 96),
+    ];
+    let mut model = Model { planar: true, ..model(rods, law) };
+    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    (Solver::new(model, Options::default()).unwrap(), [Ramp::Load { to: LOAD }])
+}
+
+/// Penetration and force over decades of the penalty.
+fn decades(case: (Solver, impl AsRef<[Ramp]>), range: std::ops::RangeInclusive<i32>) -> Vec<[f64; 3]> {
+    let (mut solver, ramps) = case;
+    let mut report = solver.step_to(ramps.as_ref()).unwrap();
+    let mut rows = Vec::new();
+    for decade in range {
+        solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
+        report = solver.settle(&Drive::default());
+        let seen = see(&solver, &report);
+        println!(
+            "κ 1e{decade}: penetration/D {:.4e}, force {:.12}, {} iterations",
+            0.5 * report.penetration,
+            seen.total_contact_force,
+            report.iterations
+        );
+        rows.push([10f64.powi(decade), 0.5 * report.penetration, seen.total_contact_force]);
+    }
+    let _ = report;
+    rows
+}
+
+fn slope(rows: &[[f64; 3]], value: impl Fn(&[f64; 3]) -> f64) -> f64 {
+    fitted_order(&rows.iter().map(|r| r[0]).collect::<Vec<_>>(), &rows.iter().map(value).collect::<Vec<_>>())
+}
+
+#[test]
+fn penalty_errors_at_a_point_fall_with_two_thirds_of_a_power() {
+    let rows = decades(crossed(penalty(1e6)), 7..=14);
+    let hard = rows[rows.len() - 1][2];
+    let rows = &rows[..rows.len() - 3];
+    verify("penalty, crossed beams", "exponent of the penetration", slope(rows, |r| r[1]), -2.0 / 3.0, 0.01);
+    verify("penalty, crossed beams", "exponent of the force's error", slope(rows, |r| hard - r[2]), -2.0 / 3.0, 0.02);
+}
+
+#[test]
+fn penalty_errors_along_a_line_fall_with_the_first_power() {
+    let (mut solver, ramps) = parallel(penalty(1e5));
+    let _ = solver.step_to(&ramps).unwrap();
+    let mut rows = Vec::new();
+    for decade in 6..=9 {
+        let kappa = 10f64.powi(decade);
+        solver.engine_mut().set_contact_law(penalty(kappa)).unwrap();
+        let report = solver.settle(&Drive::default());
+        let seen = see(&solver, &report);
+        let middle = [0, 1].map(|rod| solver.engine().positions(rod)[144]);
+        let depth = 2.0 * RADIUS - (middle[1] - middle[0]).norm();
+        println!(
+            "κ 1e{decade}: penetration/D {:.4e}, in the middle {:.4e}, force {:.12}, {} iterations",
+            0.5 * report.penetration,
+            0.5 * depth / RADIUS,
+            seen.total_contact_force,
+            report.iterations
+        );
+        rows.push([kappa, depth, report.penetration]);
+    }
+    let name = "penalty, parallel beams";
+    for row in &rows[1..] {
+        verify(
+            name,
+            &format!("penetration in the middle, κ = {:e}", row[0]),
+            row[1],
+            LOAD / row[0],
+            0.01 * LOAD / row[0],
+        );
+    }
+    verify(name, "exponent of the penetration in the middle", slope(&rows[1..], |r| r[1]), -1.0, 0.01);
+    verify(name, "exponent of the penetration at the ends", slope(&rows[1..], |r| r[2]), -0.75, 0.02);
+}
+
+/// Augmented Lagrangians of all stiffnesses, each from the penalty state of the same stiffness: outer loops, inner iterations, penetration,
+/// and what the supports of rod 1 carry, whose change from κ = 10^`decades`\[0\] on and from 10^`decades`\[1\] on is verified.
+fn augmented_over(name: &str, case: (Solver, impl AsRef<[Ramp]>), decades: [i32; 3], tolerances: [f64; 2]) {
+    let (mut solver, ramps) = case;
+    let _ = solver.step_to(ramps.as_ref()).unwrap();
+    let mut resultants = Vec::new();
+    for decade in decades[0]..=decades[2] {
+        let kappa = 10f64.powi(decade);
+        solver.engine_mut().set_contact_law(penalty(kappa)).unwrap();
+        let report = solver.settle(&Drive::default());
+        assert_eq!(report.status, Status::Converged, "{}", history(&report));
+        solver.engine_mut().set_contact_law(augmented(kappa)).unwrap();
+        let report = solver.settle(&Drive::default());
+        let seen = see(&solver, &report);
+        let carried: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[1] + r.force[2]).sum();
+        println!(
+            "κ 1e{decade}: penetration/D {:.1e}, supports {carried:.12}, ∫p {:.12}, outer {}, inner {}, softened {}",
+            0.5 * report.penetration,
+            seen.total_contact_force,
+            report.augmentations,
+            report.iterations,
+            report.softening
+        );
+        assert!(report.penetration <= 2e-9);
+        resultants.push(carried);
+    }
+    let last = resultants[resultants.len() - 1];
+    for (from, tolerance) in decades.into_iter().zip(tolerances) {
+        let rest = &resultants[(from - decades[0]) as usize..];
+        let worst = rest.iter().map(|f| (f / last - 1.0).abs()).fold(0.0, f64::max);
+        verify(name, &format!("change of the resultant, κ = 1e{from} … 1e{}", decades[2]), worst, 0.0, tolerance);
+    }
+}
+
+#[test]
+fn augmented_resultant_of_a_point_does_not_depend_on_the_stiffness() {
+    let case = crossed(penalty(1e6));
+    augmented_over("augmented Lagrangian, crossed beams", case, [6, 8, 12], [3e-5, 1e-6]);
+}
+
+/// Along a line the offsets, one per window of a contact distance D = .02, converge well only where the layer (B/κ)^¼ of the law is
+/// longer than the spacing of the nodes (.0035) and shorter than the window: two decades here, not six.
+#[test]
+fn augmented_resultant_of_a_line_does_not_depend_on_the_stiffness() {
+    let case = parallel(penalty(1e5));
+    augmented_over("augmented Lagrangian, parallel beams", case, [8, 8, 9], [1e-4; 2]);
+}
