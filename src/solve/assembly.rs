@@ -206,7 +206,7 @@ impl Engine {
     }
 
     /// Increment of the element's own nodes.
-    fn local_increment(&self, element: &Element, increment: &[f64]) -> [f64; MAX_DOF] {
+    pub(super) fn local_increment(&self, element: &Element, increment: &[f64]) -> [f64; MAX_DOF] {
         let count = self.model.rods[element.rod].order + 1;
         let mut local = [0.0; MAX_DOF];
         for a in 0..count {
@@ -254,7 +254,7 @@ impl Engine {
         (stresses, out)
     }
 
-    fn start_residual(&self) -> Residual {
+    pub(super) fn start_residual(&self) -> Residual {
         let n = 6 * self.num_nodes();
         Residual {
             gradient: vec![0.0; n],
@@ -264,7 +264,7 @@ impl Engine {
         }
     }
 
-    fn element_output(&self, e: usize, state: &State, predicted: Option<&[Six; 3]>, want: Want) -> ElementOutput {
+    pub(super) fn element_output(&self, e: usize, state: &State, predicted: Option<&[Six; 3]>, want: Want) -> ElementOutput {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let mut out = ElementOutput::default();
@@ -275,7 +275,7 @@ impl Engine {
         out
     }
 
-    fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {
+    pub(super) fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {
         let frame: Quat = state.seam_frame(rod, self.first_node[rod]);
         frame * Vec3::z()
     }
@@ -380,7 +380,7 @@ impl Engine {
     }
 
     /// Dead forces and moments, line loads, pressure.
-    fn add_loads(&self, state: &State, out: &mut Residual, mut tangent: Option<(&Pattern, &mut Tangent)>) {
+    pub(super) fn add_loads(&self, state: &State, out: &mut Residual, mut tangent: Option<(&Pattern, &mut Tangent)>) {
         let factor = state.load_factor;
         for load in &self.model.loads {
             let node = self.first_node[load.node.rod] + load.node.node;
@@ -519,7 +519,7 @@ fn add_load(out: &mut Residual, unknown: usize, force: f64) {
     out.magnitude[unknown] += force.abs();
 }
 
-fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: usize) -> f64 {
+pub(super) fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: usize) -> f64 {
     if row / 6 <= col / 6 { tangent[row][col] } else { tangent[col][row] }
 }
 

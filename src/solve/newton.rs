@@ -216,6 +216,14 @@ impl Workspace {
         }
     }
 
+    /// Response of all unknowns to forces by the last factorisation, moments' skew part included, neutral parts taken out.
+    pub(crate) fn respond(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
+        let mut response = self.solve_last(engine, forces);
+        self.add_moment_skew(engine, &mut response);
+        self.neutral.remove(&mut response);
+        response
+    }
+
     /// Factorises tangent + shift × mass; number of negative eigenvalues, `None` if a pivot vanished.
     pub(crate) fn factorise(&mut self, engine: &Engine, shift: f64) -> Option<usize> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return None };
@@ -301,7 +309,7 @@ struct Border {
 
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
 /// are neutral but for rounding and discretisation.
-const NEUTRAL_SHIFT: f64 = 1e-7;
+pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 
 fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; 6 * engine.num_nodes()];

@@ -1,0 +1,158 @@
+//! Where between two neighbouring points of a path something happens: a limit point, a branch point, the target.
+
+use crate::error::SolveError;
+use crate::solve::continuation::PointKind;
+use crate::solve::continuation::corrector::{Plane, Point, Tracer};
+
+/// Trials per location.
+const MAX_TRIALS: usize = 60;
+/// Branch points located between two points of a path before the rest is left unlocated.
+const MAX_CROSSINGS: usize = 8;
+
+/// What changes sign.
+#[derive(Debug, Clone, Copy)]
+enum Test {
+    /// The parameter's rate along the path: limit points.
+    Slope,
+    /// The parameter less its target.
+    Target(f64),
+    /// The critical eigenvalue; the number of unstable directions decides on the side.
+    Critical,
+}
+
+/// One end of the interval: distance from the base, the tested function if known, the point there.
+#[derive(Debug, Clone)]
+struct End {
+    distance: f64,
+    value: Option<f64>,
+    point: Point,
+}
+
+/// Something found on the way.
+pub(super) struct Event {
+    pub(super) kind: PointKind,
+    pub(super) point: Point,
+    pub(super) distance: f64,
+}
+
+impl Tracer<'_> {
+    /// The point at `distance` from `base` along its tangent.
+    pub(super) fn ahead(&mut self, base: &Point, distance: f64) -> Result<Option<Point>, SolveError> {
+        self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
+    }
+
+    /// Limit and branch points between `base` and `next`, `distance` ahead of it, in their order.
+    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Vec<Event> {
+        let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
+        let (first, last) = (end(base, 0.0), end(next, distance));
+        let inertia_tells = self.solver.engine.is_conservative();
+        let mut events = Vec::new();
+        if base.tangent.parameter * next.tangent.parameter >= 0.0 {
+            if inertia_tells {
+                self.crossings(base, first, last, tol, &mut events);
+            }
+            return events;
+        }
+        let [before, found, after] = self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
+        let turns = before.point.num_unstable != after.point.num_unstable || !inertia_tells;
+        // without a change of inertia the path turns back where it crosses another: a branch point seen from the branch
+        let kind = if turns { PointKind::Limit } else { PointKind::Branch { multiplicity: 1 } };
+        let at = found.distance;
+        let apart = |event: &Event| (event.distance - at).abs() > 100.0 * tol;
+        if inertia_tells {
+            self.crossings(base, first, before, tol, &mut events);
+            events.retain(apart);
+        }
+        events.push(Event { kind, point: found.point, distance: at });
+        if inertia_tells {
+            let mut rest = Vec::new();
+            self.crossings(base, after, last, tol, &mut rest);
+            rest.retain(apart);
+            events.append(&mut rest);
+        }
+        events
+    }
+
+    /// Where the parameter passes `target` between `base` and the point `distance` ahead.
+    pub(super) fn target_point(
+        &mut self,
+        base: &Point,
+        next: &Point,
+        distance: f64,
+        target: f64,
+        tol: f64,
+    ) -> (Point, f64) {
+        let first = End { distance: 0.0, value: Some(base.value - target), point: base.clone() };
+        let last = End { distance, value: Some(next.value - target), point: next.clone() };
+        let [_, found, _] = self.root(base, Test::Target(target), [first, last], tol);
+        (found.point, found.distance)
+    }
+
+    /// Branch points: changes of the number of unstable directions.
+    fn crossings(&mut self, base: &Point, mut from: End, to: End, tol: f64, events: &mut Vec<Event>) {
+        for _ in 0..MAX_CROSSINGS {
+            if from.point.num_unstable == to.point.num_unstable {
+                return;
+            }
+            from.value = None;
+            let [before, found, after] = self.root(base, Test::Critical, [from, to.clone()], tol);
+            let multiplicity = before.point.num_unstable.abs_diff(after.point.num_unstable);
+            events.push(Event {
+                kind: PointKind::Branch { multiplicity },
+                point: found.point,
+                distance: found.distance,
+            });
+            from = after;
+        }
+    }
+
+    /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function is not yet
+    /// known. Returns the last ends and the best point. Ends early at what is known if a trial does not converge.
+    fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> [End; 3] {
+        let [mut low, mut high] = ends;
+        if matches!(test, Test::Slope) {
+            low.value = Some(low.point.tangent.parameter);
+            high.value = Some(high.point.tangent.parameter);
+        }
+        let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
+        let mut last_side = 0;
+        for _ in 0..MAX_TRIALS {
+            let middle = 0.5 * (low.distance + high.distance);
+            let distance = match (low.value, high.value) {
+                (Some(a), Some(b)) if a * b < 0.0 => {
+                    low.distance + (high.distance - low.distance) * (a / (a - b)).clamp(1e-3, 1.0 - 1e-3)
+                }
+                _ => middle,
+            };
+            let moved = (distance - best.distance).abs();
+            let Ok(Some(point)) = self.ahead(base, distance) else { break };
+            let value = match test {
+                Test::Slope => point.tangent.parameter,
+                Test::Target(target) => point.value - target,
+                Test::Critical => self.critical_eigenvalue(),
+            };
+            let belongs_low = match test {
+                Test::Critical => point.num_unstable == low.point.num_unstable,
+                _ => low.value.is_some_and(|v| v * value > 0.0),
+            };
+            best = End { distance, value: Some(value), point };
+            if belongs_low {
+                low = best.clone();
+                if last_side == -1 {
+                    high.value = high.value.map(|v| 0.5 * v);
+                }
+                last_side = -1;
+            } else {
+                high = best.clone();
+                if last_side == 1 {
+                    low.value = low.value.map(|v| 0.5 * v);
+                }
+                last_side = 1;
+            }
+            if moved <= tol || high.distance - low.distance <= tol {
+                break;
+            }
+        }
+        [low, best, high]
+    }
+}
