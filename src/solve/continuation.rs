@@ -97,7 +97,7 @@ pub enum PointKind {
     Limit,
     /// Other paths cross.
     Branch {
-        /// Eigenvalues that pass zero at once.
+        /// Eigenvalues that pass zero at once; 0 where one touches zero and turns back, as at the root of a branch when it is run through.
         multiplicity: usize,
     },
     /// The parameter has come to the ramp's target; the path ends.
@@ -222,7 +222,7 @@ impl Solver {
         options.check()?;
         self.engine.model.check_stages(&[Stage { ramps: vec![ramp.clone()], steps: 1 }])?;
         let parameter = Parameter::new(self, ramp)?;
-        let mut tracer = Tracer { solver: self, parameter: parameter.clone(), iterations: 0 };
+        let mut tracer = Tracer { solver: self, parameter: parameter.clone(), iterations: 0, neutral: 0.0 };
         let mut reporter = Reporter { observer, points: 0, started: Instant::now() };
         let mut report = FollowReport {
             end: PathEnd::NoStart,

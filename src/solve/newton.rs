@@ -248,6 +248,17 @@ impl Workspace {
         Some(negative - usize::from(negative > 0 && compliance < 0.0))
     }
 
+    /// Size of what rounding makes of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units in the last place of
+    /// the largest eigenvalue.
+    pub(crate) fn rounding_of_eigenvalues(&self, engine: &Engine) -> f64 {
+        let Some(pattern) = &self.pattern else { return 0.0 };
+        let quotient = |(i, mass): (usize, &f64)| {
+            let diagonal = pattern.equation(i / 6, i % 6).map(|eq| self.tangent.values[pattern.diagonal(eq)]);
+            diagonal.map_or(0.0, |d| d.abs() / mass)
+        };
+        4.0 * f64::EPSILON * engine.masses.iter().enumerate().map(quotient).fold(0.0, f64::max)
+    }
+
     /// Product of the assembled tangent with an increment (supported unknowns give and take nothing).
     pub(crate) fn multiply(&self, engine: &Engine, x: &[f64]) -> Vec<f64> {
         let Some(pattern) = &self.pattern else { return Vec::new() };

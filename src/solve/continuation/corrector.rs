@@ -14,9 +14,12 @@ use crate::solve::state::State;
 const MAX_ITERATIONS: usize = 20;
 /// Steps cut by the passage bound in a row before a point is given up.
 const MAX_CUT: usize = 3;
-/// Relative residual that rounding leaves: where it is reached, increments that no longer shrink are noise along a critical direction.
-const ROUNDING: f64 = 1e-11;
-/// Largest increment that may be such noise, in units of [`increment_size`].
+/// Near a branch point rounding makes increments along the critical direction that never shrink. Rest is then told by the relative
+/// residual: below this, and in [`STALLED`] iterations in a row no longer [`SHRINKING`] below the least so far ...
+const ROUNDING: f64 = 1e-8;
+const SHRINKING: f64 = 0.3;
+const STALLED: usize = 2;
+/// ... with increments no larger than this, in units of [`increment_size`].
 const LARGEST_NOISE: f64 = 1e-4;
 /// Inverse iterations for the critical eigenvalue.
 const CRITICAL_ROUNDS: usize = 12;
@@ -70,6 +73,8 @@ pub(super) struct Tracer<'a> {
     pub(super) parameter: Parameter,
     /// Newton iterations so far, failed points included.
     pub(super) iterations: usize,
+    /// Eigenvalues above minus this count as neutral, in units of B/L⁴.
+    pub(super) neutral: f64,
 }
 
 impl Tracer<'_> {
@@ -172,7 +177,7 @@ impl Tracer<'_> {
     ) -> Result<bool, SolveError> {
         let tol = self.solver.options.newton.tol_increment;
         let mut step = first.clone();
-        let (mut cut_in_a_row, mut last) = (0, f64::INFINITY);
+        let (mut cut_in_a_row, mut stalled, mut least) = (0, 0, f64::INFINITY);
         for iteration in 0..=MAX_ITERATIONS {
             let size = increment_size(&self.solver.engine, &step.field)
                 .max(step.parameter.abs() / self.parameter.range());
@@ -200,11 +205,13 @@ impl Tracer<'_> {
             self.iterations += 1;
             point.iterations += 1;
             let residual = solver.workspace.linearise(&solver.engine, &point.state, &stress, &self.parameter.drive());
-            let balanced = relative_residual(&solver.engine, &residual) <= ROUNDING;
-            if iteration > 1 && balanced && size <= LARGEST_NOISE && size >= 0.25 * last {
+            let size_of_residual = relative_residual(&solver.engine, &residual);
+            let stalls = size_of_residual <= ROUNDING && size_of_residual > SHRINKING * least && size <= LARGEST_NOISE;
+            stalled = if stalls { stalled + 1 } else { 0 };
+            least = least.min(size_of_residual);
+            if stalled >= STALLED {
                 return Ok(true);
             }
-            last = size;
             if solver.workspace.factorise(&solver.engine, 0.0).is_none() {
                 return Ok(false);
             }
@@ -291,22 +298,22 @@ impl Tracer<'_> {
         let solver = &mut *self.solver;
         let stress = solver.engine.actual_stress(state);
         solver.workspace.linearise(&solver.engine, state, &stress, &self.parameter.drive());
-        let shift = NEUTRAL_SHIFT;
+        self.neutral = solver.workspace.rounding_of_eigenvalues(&solver.engine).max(NEUTRAL_SHIFT);
+        let shift = self.neutral;
         solver.workspace.factorise(&solver.engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
 
     /// The eigenvalue of the tangent nearest to zero, in units of B/L⁴, at the point analysed last; the workspace keeps its vector.
     pub(super) fn critical_eigenvalue(&mut self) -> f64 {
         let solver = &mut *self.solver;
-        solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - NEUTRAL_SHIFT
+        solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - self.neutral
     }
 
     /// Unit critical direction at a branch point in which the solver stands, normal to the path through it.
     pub(super) fn branching_direction(&mut self, value: f64) -> Result<Option<Motion>, SolveError> {
         let bare = self.bare(value);
         self.enter(&bare)?;
-        let ahead = Motion { field: vec![0.0; 6 * self.solver.engine.num_nodes()], parameter: 1.0 };
-        let Some(point) = self.analyse(bare, &ahead)? else { return Ok(None) };
+        self.linearise_there(&bare.state)?;
         self.solver.workspace.softest.clear();
         for _ in 0..5 {
             self.critical_eigenvalue();
@@ -315,8 +322,15 @@ impl Tracer<'_> {
         // one more inverse iteration, which takes the neutral motions out
         let force: Vec<f64> = solver.workspace.softest.iter().zip(&solver.engine.masses).map(|(x, m)| x * m).collect();
         let mut critical = Motion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
-        let part = self.dot(&critical, &point.tangent);
-        critical.subtract(&point.tangent, part);
+        // the path's own direction: at the branch point rounding decides over its critical part, which is taken out
+        let stress = self.solver.engine.actual_stress(&bare.state);
+        let mut along = self.response_to_parameter(&bare.state, &stress);
+        let part = self.dot(&along, &critical) / self.dot(&critical, &critical);
+        along.subtract(&critical, part);
+        if let Some(along) = self.normalise(along) {
+            let part = self.dot(&critical, &along);
+            critical.subtract(&along, part);
+        }
         Ok(self.normalise(critical))
     }
 }

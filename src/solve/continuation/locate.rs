@@ -28,6 +28,14 @@ struct End {
     point: Point,
 }
 
+/// A zero: the last ends, the best point, and the numbers of unstable directions on either side.
+struct Found {
+    before: End,
+    best: End,
+    after: End,
+    counts: [usize; 2],
+}
+
 /// Something found on the way.
 pub(super) struct Event {
     pub(super) kind: PointKind,
@@ -53,10 +61,11 @@ impl Tracer<'_> {
             }
             return events;
         }
-        let [before, found, after] = self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
+        let Found { before, best: found, after, .. } =
+            self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
         let turns = before.point.num_unstable != after.point.num_unstable || !inertia_tells;
         // without a change of inertia the path turns back where it crosses another: a branch point seen from the branch
-        let kind = if turns { PointKind::Limit } else { PointKind::Branch { multiplicity: 1 } };
+        let kind = if turns { PointKind::Limit } else { PointKind::Branch { multiplicity: 0 } };
         let at = found.distance;
         let apart = |event: &Event| (event.distance - at).abs() > 100.0 * tol;
         if inertia_tells {
@@ -84,7 +93,7 @@ impl Tracer<'_> {
     ) -> (Point, f64) {
         let first = End { distance: 0.0, value: Some(base.value - target), point: base.clone() };
         let last = End { distance, value: Some(next.value - target), point: next.clone() };
-        let [_, found, _] = self.root(base, Test::Target(target), [first, last], tol);
+        let found = self.root(base, Test::Target(target), [first, last], tol).best;
         (found.point, found.distance)
     }
 
@@ -95,27 +104,28 @@ impl Tracer<'_> {
                 return;
             }
             from.value = None;
-            let [before, found, after] = self.root(base, Test::Critical, [from, to.clone()], tol);
-            let multiplicity = before.point.num_unstable.abs_diff(after.point.num_unstable);
-            events.push(Event {
-                kind: PointKind::Branch { multiplicity },
-                point: found.point,
-                distance: found.distance,
-            });
-            from = after;
+            let found = self.root(base, Test::Critical, [from, to.clone()], tol);
+            let kind = PointKind::Branch { multiplicity: found.counts[0].abs_diff(found.counts[1]) };
+            let End { distance, mut point, .. } = found.best;
+            // at the point itself rounding decides over the tangent's part along the critical direction
+            point.tangent = found.before.point.tangent;
+            events.push(Event { kind, point, distance });
+            from = found.after;
+            from.point.num_unstable = found.counts[1];
         }
     }
 
     /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function is not yet
-    /// known. Returns the last ends and the best point. Ends early at what is known if a trial does not converge.
-    fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> [End; 3] {
+    /// known. Ends early at what is known if a trial does not converge.
+    fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> Found {
         let [mut low, mut high] = ends;
         if matches!(test, Test::Slope) {
             low.value = Some(low.point.tangent.parameter);
             high.value = Some(high.point.tangent.parameter);
         }
         let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
-        let mut last_side = 0;
+        let (mut last_side, mut seen) = (0, false);
+        let mut counts = [low.point.num_unstable, high.point.num_unstable];
         for _ in 0..MAX_TRIALS {
             let middle = 0.5 * (low.distance + high.distance);
             let distance = match (low.value, high.value) {
@@ -131,19 +141,29 @@ impl Tracer<'_> {
                 Test::Target(target) => point.value - target,
                 Test::Critical => self.critical_eigenvalue(),
             };
+            // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to pass, its sign decides
+            let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.neutral);
+            let passes = clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
             let belongs_low = match test {
-                Test::Critical => point.num_unstable == low.point.num_unstable,
+                Test::Critical if !(seen || passes) => point.num_unstable == low.point.num_unstable,
                 _ => low.value.is_some_and(|v| v * value > 0.0),
             };
+            seen |= passes;
             best = End { distance, value: Some(value), point };
             if belongs_low {
                 low = best.clone();
+                if !seen {
+                    counts[0] = low.point.num_unstable;
+                }
                 if last_side == -1 {
                     high.value = high.value.map(|v| 0.5 * v);
                 }
                 last_side = -1;
             } else {
                 high = best.clone();
+                if !seen {
+                    counts[1] = high.point.num_unstable;
+                }
                 if last_side == 1 {
                     low.value = low.value.map(|v| 0.5 * v);
                 }
@@ -153,6 +173,6 @@ impl Tracer<'_> {
                 break;
             }
         }
-        [low, best, high]
+        Found { before: low, best, after: high, counts }
     }
 }
