@@ -9,7 +9,7 @@ use crate::math::shape_functions::lagrange;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementOutput, MAX_DOF, Six, Want, evaluate};
 use crate::solve::coupling::{NodalGradient, NodalTangent, SegmentFrame, nodal_gradient, nodal_tangent};
-use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic};
+use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic, give_to_masters};
 use crate::solve::state::{Drive, State};
 use crate::sparse::Pattern;
 
@@ -90,6 +90,7 @@ impl Engine {
             }
             self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
             self.add_loads(state, &mut out, None);
+            self.join(&mut out);
             out
         })
     }
@@ -132,6 +133,8 @@ impl Engine {
                 Some((pattern, prescribed.as_deref(), tangent)),
             );
             self.add_loads(state, &mut out, Some((pattern, tangent)));
+            self.join(&mut out);
+            give_to_masters(&mut tangent.drive, &self.master);
             out
         })
     }
@@ -148,7 +151,7 @@ impl Engine {
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })
         });
-        Pattern::new(&self.free, elements.chain(contacts))
+        Pattern::joined(&self.free, &self.master, elements.chain(contacts))
     }
 
     /// Runs in the engine's own pool, if it has one.
@@ -252,6 +255,11 @@ impl Engine {
             }
         });
         (stresses, out)
+    }
+
+    fn join(&self, out: &mut Residual) {
+        give_to_masters(&mut out.gradient, &self.master);
+        give_to_masters(&mut out.magnitude, &self.master);
     }
 
     pub(super) fn start_residual(&self) -> Residual {

@@ -256,7 +256,8 @@ impl Workspace {
             let diagonal = pattern.equation(i / 6, i % 6).map(|eq| self.tangent.values[pattern.diagonal(eq)]);
             diagonal.map_or(0.0, |d| d.abs() / mass)
         };
-        4.0 * f64::EPSILON * engine.masses.iter().enumerate().map(quotient).fold(0.0, f64::max)
+        let own = |(i, _): &(usize, &f64)| engine.master[i / 6] == i / 6;
+        4.0 * f64::EPSILON * engine.masses.iter().enumerate().filter(own).map(quotient).fold(0.0, f64::max)
     }
 
     /// Product of the assembled tangent with an increment (supported unknowns give and take nothing).
@@ -291,7 +292,7 @@ impl Workspace {
         for node in 0..engine.num_nodes() {
             for k in 0..6 {
                 if let Some(eq) = pattern.equation(node, k) {
-                    rhs[eq] = rhs_nodes[6 * node + k];
+                    rhs[eq] += rhs_nodes[6 * node + k];
                 }
             }
         }
