@@ -9,6 +9,9 @@ const MAX_TRIALS: usize = 60;
 /// Branch points located between two points of a path before the rest is left unlocated.
 const MAX_CROSSINGS: usize = 8;
 
+/// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
+const NEAR: f64 = 0.02;
+
 /// What changes sign.
 #[derive(Debug, Clone, Copy)]
 enum Test {
@@ -43,6 +46,12 @@ pub(super) struct Event {
     pub(super) distance: f64,
 }
 
+impl Event {
+    fn multiplicity(&self) -> usize {
+        if let PointKind::Branch { multiplicity } = self.kind { multiplicity } else { 0 }
+    }
+}
+
 impl Tracer<'_> {
     /// The point at `distance` from `base` along its tangent.
     pub(super) fn ahead(&mut self, base: &Point, distance: f64) -> Result<Option<Point>, SolveError> {
@@ -61,24 +70,23 @@ impl Tracer<'_> {
             }
             return events;
         }
+        let net = base.num_unstable.abs_diff(next.num_unstable);
         let Found { before, best: found, after, .. } =
             self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
-        let turns = before.point.num_unstable != after.point.num_unstable || !inertia_tells;
-        // without a change of inertia the path turns back where it crosses another: a branch point seen from the branch
-        let kind = if turns { PointKind::Limit } else { PointKind::Branch { multiplicity: 0 } };
         let at = found.distance;
-        let apart = |event: &Event| (event.distance - at).abs() > 100.0 * tol;
         if inertia_tells {
             self.crossings(base, first, before, tol, &mut events);
-            events.retain(apart);
+            self.crossings(base, after, last, tol, &mut events);
+            // where the eigenvalue only touches zero rounding makes it cross there and back
+            let near = (NEAR * distance).max(100.0 * tol);
+            events.retain(|event| (event.distance - at).abs() > near);
         }
+        let elsewhere: usize = events.iter().map(Event::multiplicity).sum();
+        // the path turns: at a limit point one eigenvalue passes zero; if none does, other paths cross there
+        let passes = (net + elsewhere) % 2 == 1 || !inertia_tells;
+        let kind = if passes { PointKind::Limit } else { PointKind::Branch { multiplicity: 0 } };
         events.push(Event { kind, point: found.point, distance: at });
-        if inertia_tells {
-            let mut rest = Vec::new();
-            self.crossings(base, after, last, tol, &mut rest);
-            rest.retain(apart);
-            events.append(&mut rest);
-        }
+        events.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         events
     }
 
