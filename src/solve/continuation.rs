@@ -346,3 +346,6 @@ fn begin(
     tracer.enter(&crossing)?;
     Ok(None)
 }
+
+#[cfg(test)]
+mod tests;
