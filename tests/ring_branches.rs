@@ -31,7 +31,13 @@ fn ring_at_the_root(ratio: f64, rigid: f64) -> Solver {
     let model = Model { contact: Contact::NONE, rods: vec![rod], ..Model::default() };
     let mut solver = Solver::new(model, any_equilibrium()).unwrap();
     let root = to_branch_point(&mut solver, &RAMP);
-    verify(&format!("twisted ring, C/B = {ratio}"), "ΔLk at the branch point", root, 3f64.sqrt() / ratio, 100.0 / rigid);
+    verify(
+        &format!("twisted ring, C/B = {ratio}"),
+        "ΔLk at the branch point",
+        root,
+        3f64.sqrt() / ratio,
+        100.0 / rigid,
+    );
     solver
 }
 

@@ -272,7 +272,13 @@ impl Engine {
         }
     }
 
-    pub(super) fn element_output(&self, e: usize, state: &State, predicted: Option<&[Six; 3]>, want: Want) -> ElementOutput {
+    pub(super) fn element_output(
+        &self,
+        e: usize,
+        state: &State,
+        predicted: Option<&[Six; 3]>,
+        want: Want,
+    ) -> ElementOutput {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let mut out = ElementOutput::default();

@@ -107,7 +107,7 @@ pub enum PointKind {
 /// A point of a path, as the observer sees it.
 #[derive(Debug)]
 pub struct PathPoint<'a> {
-    /// The state, for [`observe`](https://docs.rs/supercoil) and the like; `step` counts the points, `fraction` is the parameter's way from
+    /// The state, for `observe::observe` and the like; `step` counts the points, `fraction` is the parameter's way from
     /// start to target (below 0 and beyond 1 where the path goes there).
     pub progress: Progress<'a>,
     /// What kind of point.
@@ -224,13 +224,8 @@ impl Solver {
         let parameter = Parameter::new(self, ramp)?;
         let mut tracer = Tracer { solver: self, parameter: parameter.clone(), iterations: 0, neutral: 0.0 };
         let mut reporter = Reporter { observer, points: 0, started: Instant::now() };
-        let mut report = FollowReport {
-            end: PathEnd::NoStart,
-            value: parameter.start,
-            num_points: 0,
-            iterations: 0,
-            error: None,
-        };
+        let mut report =
+            FollowReport { end: PathEnd::NoStart, value: parameter.start, num_points: 0, iterations: 0, error: None };
         match trace(&mut tracer, options, &mut reporter, &mut report) {
             Ok(end) => report.end = end,
             Err(error) => {

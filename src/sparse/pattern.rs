@@ -54,10 +54,8 @@ impl Pattern {
             local.push(map);
         }
         first.push(count);
-        let mut blocks: Vec<(u32, u32)> = pairs
-            .map(|(a, b)| (master[a], master[b]))
-            .map(|(a, b)| (a.max(b) as u32, a.min(b) as u32))
-            .collect();
+        let mut blocks: Vec<(u32, u32)> =
+            pairs.map(|(a, b)| (master[a], master[b])).map(|(a, b)| (a.max(b) as u32, a.min(b) as u32)).collect();
         blocks.extend((0..num_nodes as u32).map(|a| (a, a)));
         blocks.sort_unstable();
         blocks.dedup();

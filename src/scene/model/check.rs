@@ -191,7 +191,8 @@ impl Model {
         }
         let touches = |rod: &Rod| rod.section.contact_radius > 0.0 && self.contact.law.is_on();
         if touches(a) && touches(b) {
-            let reason = "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
+            let reason =
+                "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
             return Err(inconsistent(field, reason));
         }
         self.check_supported(joint.a.rod, &format!("{field} joins it to a rod"))

@@ -146,12 +146,7 @@ impl Tracer<'_> {
 
     /// The point of the path in a plane, from `base` with `first` as the first step; `None` if Newton does not converge. The tangent
     /// is oriented along `first`, or along the normal where the first step is nothing.
-    pub(super) fn correct(
-        &mut self,
-        base: &Point,
-        first: &Motion,
-        plane: &Plane,
-    ) -> Result<Option<Point>, SolveError> {
+    pub(super) fn correct(&mut self, base: &Point, first: &Motion, plane: &Plane) -> Result<Option<Point>, SolveError> {
         self.enter(base)?;
         let mut point = Point { iterations: 0, augmentations: 0, penetration: 0.0, ..base.clone() };
         let mut moved = Motion { field: vec![0.0; first.field.len()], parameter: 0.0 };
@@ -179,8 +174,8 @@ impl Tracer<'_> {
         let mut step = first.clone();
         let (mut cut_in_a_row, mut stalled, mut least) = (0, 0, f64::INFINITY);
         for iteration in 0..=MAX_ITERATIONS {
-            let size = increment_size(&self.solver.engine, &step.field)
-                .max(step.parameter.abs() / self.parameter.range());
+            let size =
+                increment_size(&self.solver.engine, &step.field).max(step.parameter.abs() / self.parameter.range());
             if !size.is_finite() {
                 return Ok(false);
             }

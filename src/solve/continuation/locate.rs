@@ -71,8 +71,7 @@ impl Tracer<'_> {
             return events;
         }
         let net = base.num_unstable.abs_diff(next.num_unstable);
-        let Found { before, best: found, after, .. } =
-            self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
+        let Found { before, best: found, after, .. } = self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
         let at = found.distance;
         if inertia_tells {
             self.crossings(base, first, before, tol, &mut events);
@@ -151,7 +150,8 @@ impl Tracer<'_> {
             };
             // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to pass, its sign decides
             let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.neutral);
-            let passes = clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
+            let passes =
+                clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
             let belongs_low = match test {
                 Test::Critical if !(seen || passes) => point.num_unstable == low.point.num_unstable,
                 _ => low.value.is_some_and(|v| v * value > 0.0),

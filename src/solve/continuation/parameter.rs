@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::rod::element::{Six, predicted_stress};
 use crate::rod::element::Want;
+use crate::rod::element::{Six, predicted_stress};
 use crate::scene::Ramp;
 use crate::solve::assembly::symmetric;
 use crate::solve::engine::Engine;

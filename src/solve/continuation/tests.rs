@@ -103,9 +103,8 @@ fn predicted_stress_knows_of_the_seam() {
 #[test]
 fn bad_input_is_refused() {
     let mut observer = |_: &PathPoint| ControlFlow::Continue(());
-    let mut follow = |ramp: Ramp, options: FollowOptions| {
-        open_rod().follow(&ramp, &options, &mut observer).unwrap_err().to_string()
-    };
+    let mut follow =
+        |ramp: Ramp, options: FollowOptions| open_rod().follow(&ramp, &options, &mut observer).unwrap_err().to_string();
     let load = |to: f64| Ramp::Load { to };
     assert!(follow(load(0.0), FollowOptions::default()).contains("ramp.to"));
     assert!(follow(load(f64::NAN), FollowOptions::default()).contains("load"));
