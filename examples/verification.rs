@@ -14,7 +14,7 @@ const INTRODUCTION: &str = "# Verification\n\n\
     Written by `cargo run --example verification` from the rows that the tests print; do not edit. Every row is asserted by the test \
     that heads its table (`cargo test --test NAME -- --nocapture`): |measured − reference| ≤ tolerance. The header of each test \
     file gives set-up, parameters and source.\n\n\
-    Rows on orders of convergence are fitted slopes. Errors are rounded up to one digit, so that a rerun on another machine gives the same file \
+    Rows on orders of convergence are fitted slopes. Errors are rounded up to a power of ten and numbers cut near it, so that a rerun gives the same file \
     as long as nothing has changed but the last bits.\n";
 
 fn main() -> ExitCode {

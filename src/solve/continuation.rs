@@ -208,7 +208,12 @@ impl Solver {
     /// Ends where the parameter comes to the ramp's target, or as the options or the observer say. The observer sees
     /// the start, every point, and between them every limit and branch point located; it may stop there to switch branches by a second call.
     ///
-    /// Contact is enforced at every point under the present law. [`Options::leave_unstable`](crate::solve::Options) has no say here. Where loads have no potential
+    /// Contact is enforced at every point under the present law. Where hard contact begins or ends a path has a corner; one so sharp that the
+    /// parameter turns back there (a ring that first touches itself past its fold) is not gone round yet: the path ends with [`PathEnd::StepTooSmall`].
+    ///
+    /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness: about 1e-6 of the
+    /// parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it is stationary there.
+    /// [`Options::leave_unstable`](crate::solve::Options) has no say here. Where loads have no potential
     /// (fixed-axis moments in space) inertia tells nothing and only limit points are reported.
     ///
     /// # Errors
