@@ -89,7 +89,7 @@
 //! * [`rod`]: sections, shapes, elements
 //! * [`sparse`]: sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
-//! * [`solve`]: load stepping, Newton, stability
+//! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: what there is to know of a state
 //! * [`io`]: VTK, CSV, pictures, the record of a run
 //! * [`dna`]: constants and molecules

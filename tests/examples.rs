@@ -9,6 +9,8 @@ use supercoil::solve::Status;
 mod crossed_beams;
 #[path = "../examples/elastica.rs"]
 mod elastica;
+#[path = "../examples/lee_frame.rs"]
+mod lee_frame;
 #[path = "../examples/ring_pressure.rs"]
 mod ring_pressure;
 
@@ -18,6 +20,15 @@ fn crossed_beams_press_as_linear_theory_says() {
     let summary = crossed_beams::run(0.005).unwrap();
     assert_eq!(summary.status, Status::Converged);
     assert!((summary.force / summary.exact - 1.0).abs() < 1e-3, "{} {}", summary.force, summary.exact);
+}
+
+/// The frame's first limit load, and that it snaps back through zero.
+#[test]
+fn lees_frame_has_two_limit_points() {
+    let summary = lee_frame::run(30.0).unwrap();
+    assert_eq!(summary.end, supercoil::solve::PathEnd::Target);
+    let loads: Vec<f64> = summary.limits.iter().map(|limit| limit.1).collect();
+    assert!(loads.len() == 2 && (loads[0] / 18.546_558_74 - 1.0).abs() < 1e-7 && loads[1] < 0.0, "{loads:?}");
 }
 
 /// The neck closes at one point, symmetric about the middle of the wire.

@@ -82,7 +82,7 @@ fn min_gap(engine: &Engine) -> Option<GapReport> {
 fn reactions(engine: &Engine, residual: &Residual) -> Vec<Reaction> {
     let nodes: BTreeSet<NodeRef> = engine.model().supports.iter().map(|support| support.node).collect();
     let reaction = |node: NodeRef| {
-        let first = 6 * (engine.first_node[node.rod] + node.node);
+        let first = 6 * engine.master[engine.first_node[node.rod] + node.node];
         let gradient = &residual.gradient[first..first + 6];
         let (position, rotation) = engine.model().fixed(node);
         Reaction {

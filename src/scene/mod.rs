@@ -5,4 +5,4 @@ pub mod file;
 pub mod model;
 
 pub use file::Scene;
-pub use model::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};

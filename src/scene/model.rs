@@ -41,6 +41,18 @@ impl Support {
     }
 }
 
+/// Joins two nodes rigidly: they share position and rotation for good. The frames may differ, so that rods meet at any angle (the
+/// corner of a frame, a tee, a branching cable); several joints at one place join all the nodes there.
+///
+/// The nodes must coincide at the start. Rods that are joined cannot both take part in contact yet: at the joint they would touch for ever.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Joint {
+    /// One node.
+    pub a: NodeRef,
+    /// The other.
+    pub b: NodeRef,
+}
+
 /// Dead force \[F\] and dead (fixed-axis) moment \[F·L\] at a node, in the global axes.
 ///
 /// Multiplied by the load factor of the running stage, see [`Ramp::Load`].
@@ -185,6 +197,8 @@ pub struct Model {
     pub rods: Vec<Rod>,
     /// Supports; several may act on one node.
     pub supports: Vec<Support>,
+    /// Rigid connections between nodes.
+    pub joints: Vec<Joint>,
     /// Dead nodal loads at load factor 1.
     pub loads: Vec<NodeLoad>,
     /// Dead line loads at load factor 1.
@@ -196,14 +210,51 @@ pub struct Model {
 }
 
 impl Model {
-    /// Position and rotation components fixed at a node by all its supports together (all out-of-plane components too in
+    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together (all out-of-plane components too in
     /// a planar model).
     pub fn fixed(&self, node: NodeRef) -> ([bool; 3], [bool; 3]) {
         let start = ([false, false, self.planar], [self.planar, self.planar, false]);
-        let here = self.supports.iter().filter(|support| support.node == node);
+        let joined = self.joined_nodes(node);
+        let here = self.supports.iter().filter(|support| joined.contains(&support.node));
         here.fold(start, |(position, rotation), support| {
             let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
             (either(position, support.position), either(rotation, support.rotation))
         })
+    }
+
+    /// The node and all nodes that joints connect it to.
+    pub fn joined_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
+        let mut found = vec![node];
+        let mut next = 0;
+        while next < found.len() {
+            let here = found[next];
+            for joint in &self.joints {
+                let other = if joint.a == here { joint.b } else { joint.a };
+                if (joint.a == here || joint.b == here) && !found.contains(&other) {
+                    found.push(other);
+                }
+            }
+            next += 1;
+        }
+        found
+    }
+
+    /// The rod and all rods that joints connect it to.
+    pub(crate) fn joined_rods(&self, rod: usize) -> Vec<usize> {
+        let mut found = vec![rod];
+        let mut next = 0;
+        while next < found.len() {
+            let here = found[next];
+            for joint in &self.joints {
+                let (a, b) = (joint.a.rod, joint.b.rod);
+                for other in [a, b] {
+                    if (a == here || b == here) && !found.contains(&other) {
+                        found.push(other);
+                    }
+                }
+            }
+            next += 1;
+        }
+        found
     }
 }

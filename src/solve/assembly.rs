@@ -9,7 +9,7 @@ use crate::math::shape_functions::lagrange;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementOutput, MAX_DOF, Six, Want, evaluate};
 use crate::solve::coupling::{NodalGradient, NodalTangent, SegmentFrame, nodal_gradient, nodal_tangent};
-use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic};
+use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic, give_to_masters};
 use crate::solve::state::{Drive, State};
 use crate::sparse::Pattern;
 
@@ -90,6 +90,7 @@ impl Engine {
             }
             self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
             self.add_loads(state, &mut out, None);
+            self.join(&mut out);
             out
         })
     }
@@ -132,6 +133,8 @@ impl Engine {
                 Some((pattern, prescribed.as_deref(), tangent)),
             );
             self.add_loads(state, &mut out, Some((pattern, tangent)));
+            self.join(&mut out);
+            give_to_masters(&mut tangent.drive, &self.master);
             out
         })
     }
@@ -148,7 +151,7 @@ impl Engine {
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })
         });
-        Pattern::new(&self.free, elements.chain(contacts))
+        Pattern::joined(&self.free, &self.master, elements.chain(contacts))
     }
 
     /// Runs in the engine's own pool, if it has one.
@@ -206,7 +209,7 @@ impl Engine {
     }
 
     /// Increment of the element's own nodes.
-    fn local_increment(&self, element: &Element, increment: &[f64]) -> [f64; MAX_DOF] {
+    pub(super) fn local_increment(&self, element: &Element, increment: &[f64]) -> [f64; MAX_DOF] {
         let count = self.model.rods[element.rod].order + 1;
         let mut local = [0.0; MAX_DOF];
         for a in 0..count {
@@ -254,7 +257,12 @@ impl Engine {
         (stresses, out)
     }
 
-    fn start_residual(&self) -> Residual {
+    fn join(&self, out: &mut Residual) {
+        give_to_masters(&mut out.gradient, &self.master);
+        give_to_masters(&mut out.magnitude, &self.master);
+    }
+
+    pub(super) fn start_residual(&self) -> Residual {
         let n = 6 * self.num_nodes();
         Residual {
             gradient: vec![0.0; n],
@@ -264,7 +272,13 @@ impl Engine {
         }
     }
 
-    fn element_output(&self, e: usize, state: &State, predicted: Option<&[Six; 3]>, want: Want) -> ElementOutput {
+    pub(super) fn element_output(
+        &self,
+        e: usize,
+        state: &State,
+        predicted: Option<&[Six; 3]>,
+        want: Want,
+    ) -> ElementOutput {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let mut out = ElementOutput::default();
@@ -275,7 +289,7 @@ impl Engine {
         out
     }
 
-    fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {
+    pub(super) fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {
         let frame: Quat = state.seam_frame(rod, self.first_node[rod]);
         frame * Vec3::z()
     }
@@ -380,7 +394,7 @@ impl Engine {
     }
 
     /// Dead forces and moments, line loads, pressure.
-    fn add_loads(&self, state: &State, out: &mut Residual, mut tangent: Option<(&Pattern, &mut Tangent)>) {
+    pub(super) fn add_loads(&self, state: &State, out: &mut Residual, mut tangent: Option<(&Pattern, &mut Tangent)>) {
         let factor = state.load_factor;
         for load in &self.model.loads {
             let node = self.first_node[load.node.rod] + load.node.node;
@@ -519,7 +533,7 @@ fn add_load(out: &mut Residual, unknown: usize, force: f64) {
     out.magnitude[unknown] += force.abs();
 }
 
-fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: usize) -> f64 {
+pub(super) fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: usize) -> f64 {
     if row / 6 <= col / 6 { tangent[row][col] } else { tangent[col][row] }
 }
 

@@ -10,7 +10,7 @@ use crate::math::shape_functions::Table;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, Six, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
-use crate::scene::{ContactLaw, Model};
+use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::state::State;
 
 /// One element: where its nodes are and which rod it belongs to.
@@ -116,6 +116,9 @@ pub struct Engine {
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
     pub(crate) reference: Vec<Reference>,
     pub(crate) free: Vec<[bool; 6]>,
+    /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no mass, and
+    /// their share of the gradient is the master's.
+    pub(crate) master: Vec<usize>,
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
     pub(crate) scales: Scales,
@@ -163,7 +166,8 @@ impl Engine {
             first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
         }
         let num_nodes = first_node[model.rods.len()];
-        let free = free_unknowns(&model, &first_node, num_nodes);
+        let master = masters(&model, &first_node, num_nodes);
+        let free = free_unknowns(&model, &first_node, &master);
         let state = State {
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
             frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
@@ -185,13 +189,14 @@ impl Engine {
         let mut engine = Self {
             tables: [Table::new(1), Table::new(2), Table::new(3)],
             material: model.rods.iter().map(|r| stiffness(&r.section)).collect(),
-            masses: masses(&model, &scales),
+            masses: masses(&model, &scales, &master),
             reference: Vec::new(),
             contact: None,
             model,
             first_node,
             elements,
             free,
+            master,
             state,
             scales,
             pool,
@@ -356,15 +361,30 @@ pub(crate) fn contact_cubic(state: &State, [a, b]: [usize; 2], length: f64) -> C
     Cubic::from_hermite(state.positions[a], d3(a) * length, state.positions[b], d3(b) * length)
 }
 
-fn free_unknowns(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<[bool; 6]> {
+fn masters(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<usize> {
+    let index = |n: &NodeRef| first_node[n.rod] + n.node;
+    let mut master: Vec<usize> = (0..num_nodes).collect();
+    for joint in &model.joints {
+        for node in [joint.a, joint.b] {
+            let first = model.joined_nodes(node).iter().map(index).min();
+            master[index(&node)] = first.unwrap_or(index(&node));
+        }
+    }
+    master
+}
+
+fn free_unknowns(model: &Model, first_node: &[usize], master: &[usize]) -> Vec<[bool; 6]> {
     let all = if model.planar { [true, true, false, false, false, true] } else { [true; 6] };
-    let mut free = vec![all; num_nodes];
+    let mut free = vec![all; master.len()];
     for support in &model.supports {
-        let flags = &mut free[first_node[support.node.rod] + support.node.node];
+        let flags = &mut free[master[first_node[support.node.rod] + support.node.node]];
         for k in 0..3 {
             flags[k] &= !support.position[k];
             flags[k + 3] &= !support.rotation[k];
         }
+    }
+    for (_, flags) in free.iter_mut().enumerate().filter(|(node, _)| master[*node] != *node) {
+        *flags = [false; 6];
     }
     free
 }
@@ -394,7 +414,7 @@ fn scales(model: &Model) -> Scales {
     }
 }
 
-fn masses(model: &Model, scales: &Scales) -> Vec<f64> {
+fn masses(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
     let unit = scales.bending / scales.length.powi(4);
     let lever_sq = scales.lever * scales.lever;
     let of_rod = |rod: &Rod| {
@@ -402,5 +422,17 @@ fn masses(model: &Model, scales: &Scales) -> Vec<f64> {
         let rotation = position * lever_sq;
         [position, position, position, rotation, rotation, rotation].repeat(rod.num_nodes())
     };
-    model.rods.iter().flat_map(of_rod).collect()
+    let mut all: Vec<f64> = model.rods.iter().flat_map(of_rod).collect();
+    give_to_masters(&mut all, master);
+    all
+}
+
+/// Moves what joined nodes hold (six numbers each) to their masters.
+pub(crate) fn give_to_masters(values: &mut [f64], master: &[usize]) {
+    for (node, &to) in master.iter().enumerate().filter(|(node, to)| node != *to) {
+        for k in 0..6 {
+            let share = std::mem::take(&mut values[6 * node + k]);
+            values[6 * to + k] += share;
+        }
+    }
 }

@@ -1,9 +1,10 @@
 //! Finds equilibria, from the outside in: [`path`] (load stepping), `predictor` (where it is heading), [`settle`] (one state brought to rest: contact enforced,
 //! unstable states left), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), [`step_bound`]
-//! (no strand passes another), [`stability`] (the way out of unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem
+//! (no strand passes another), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem
 //! assembled), [`state`] (the configuration and how it moves), [`fields`] (what it looks like along the rods).
 
 pub mod assembly;
+pub mod continuation;
 mod coupling;
 pub mod engine;
 pub mod fields;
@@ -20,6 +21,7 @@ pub mod step_bound;
 
 use crate::error::InputError;
 
+pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
 pub use fields::NodalFields;
 pub use newton::NewtonOptions;

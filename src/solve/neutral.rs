@@ -23,9 +23,11 @@ const DEPENDENT: f64 = 1e-3;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
-    engine.free[engine.first_node[rod]..engine.first_node[rod + 1]]
-        .iter()
-        .all(|f| f.iter().filter(|x| **x).count() == wanted)
+    let joined = engine.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod);
+    !joined
+        && engine.free[engine.first_node[rod]..engine.first_node[rod + 1]]
+            .iter()
+            .all(|f| f.iter().filter(|x| **x).count() == wanted)
 }
 
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs nothing.

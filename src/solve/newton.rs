@@ -214,6 +214,14 @@ impl Workspace {
         }
     }
 
+    /// Response of all unknowns to forces by the last factorisation, moments' skew part included, neutral parts taken out.
+    pub(crate) fn respond(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
+        let mut response = self.solve_last(engine, forces);
+        self.add_moment_skew(engine, &mut response);
+        self.neutral.remove(&mut response);
+        response
+    }
+
     /// Factorises tangent + shift × mass; number of negative eigenvalues, `None` if a pivot vanished.
     pub(crate) fn factorise(&mut self, engine: &Engine, shift: f64) -> Option<usize> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return None };
@@ -236,6 +244,18 @@ impl Workspace {
         self.border = Some(Border { constraint, response, compliance });
         // inertia of the tangent on the motions that do not slide (Haynsworth)
         Some(negative - usize::from(negative > 0 && compliance < 0.0))
+    }
+
+    /// Size of what rounding makes of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units in the last place of
+    /// the largest eigenvalue.
+    pub(crate) fn rounding_of_eigenvalues(&self, engine: &Engine) -> f64 {
+        let Some(pattern) = &self.pattern else { return 0.0 };
+        let quotient = |(i, mass): (usize, &f64)| {
+            let diagonal = pattern.equation(i / 6, i % 6).map(|eq| self.tangent.values[pattern.diagonal(eq)]);
+            diagonal.map_or(0.0, |d| d.abs() / mass)
+        };
+        let own = |(i, _): &(usize, &f64)| engine.master[i / 6] == i / 6;
+        4.0 * f64::EPSILON * engine.masses.iter().enumerate().filter(own).map(quotient).fold(0.0, f64::max)
     }
 
     /// Product of the assembled tangent with an increment (supported unknowns give and take nothing).
@@ -270,7 +290,7 @@ impl Workspace {
         for node in 0..engine.num_nodes() {
             for k in 0..6 {
                 if let Some(eq) = pattern.equation(node, k) {
-                    rhs[eq] = rhs_nodes[6 * node + k];
+                    rhs[eq] += rhs_nodes[6 * node + k];
                 }
             }
         }
@@ -299,7 +319,7 @@ struct Border {
 
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
 /// are neutral but for rounding and discretisation.
-const NEUTRAL_SHIFT: f64 = 1e-7;
+pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 
 fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; 6 * engine.num_nodes()];

@@ -54,8 +54,8 @@ pub struct Solver {
     /// Stages by which the contact law is softer than asked for in the present state.
     pub(crate) stages_left: i32,
     /// Turns and displacements prescribed so far, per node.
-    turned: BTreeMap<usize, f64>,
-    displaced: BTreeMap<usize, Vec3>,
+    pub(super) turned: BTreeMap<usize, f64>,
+    pub(super) displaced: BTreeMap<usize, Vec3>,
 }
 
 /// Target of one step in terms of the engine.

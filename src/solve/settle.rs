@@ -27,7 +27,7 @@ const HARDENING_ITERATIONS: usize = 100;
 const SOFT_AUGMENTATIONS: usize = 4;
 const TOL_SOFT: f64 = 1e-3;
 /// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
-const TOL_OPENING: f64 = 1e-6;
+pub(super) const TOL_OPENING: f64 = 1e-6;
 
 /// How a run or a step ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,15 +98,15 @@ pub(crate) struct Snapshot {
 
 /// How far the contact conditions are from met, by nodes and in all.
 #[derive(Debug, Default)]
-struct ContactErrors {
+pub(super) struct ContactErrors {
     /// Smallest gap near each node (window of one contact distance along its zone) \[L\]; infinite where nothing is in reach.
-    gaps: Vec<f64>,
+    pub(super) gaps: Vec<f64>,
     /// Whether a zone lies in a segment that meets at the node.
     touched: Vec<bool>,
     /// Worst penetration over the smallest contact radius.
-    penetration: f64,
+    pub(super) penetration: f64,
     /// Worst gap that an offset holds open over the smallest contact radius.
-    opening: f64,
+    pub(super) opening: f64,
 }
 
 impl Solver {
@@ -309,7 +309,7 @@ impl Solver {
     }
 
     /// How far the contact conditions are from met.
-    fn contact_errors(&self) -> ContactErrors {
+    pub(super) fn contact_errors(&self) -> ContactErrors {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let residual = self.engine.residual(&self.engine.state);
         let mut gaps = vec![f64::INFINITY; side.offsets.len()];
@@ -330,7 +330,7 @@ impl Solver {
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero.
-    fn augment(&mut self, gaps: &[f64]) {
+    pub(super) fn augment(&mut self, gaps: &[f64]) {
         let Some(side) = &mut self.engine.contact else { return };
         for (offset, gap) in side.offsets.iter_mut().zip(gaps) {
             *offset = if gap.is_finite() { (*offset - gap).max(0.0) } else { 0.0 };

@@ -13,6 +13,8 @@ pub struct Pattern {
     first: Vec<u32>,
     /// Per node: local unknown → position among its free unknowns, or `NONE`.
     local: Vec<[u8; 6]>,
+    /// The node whose unknowns a node shares; itself unless joined.
+    master: Vec<u32>,
     col_ptr: Vec<u32>,
     row_idx: Vec<u32>,
     /// Per node b: range in `neighbours`.
@@ -25,12 +27,23 @@ impl Pattern {
     /// Pattern of nodes with the given free unknowns, coupled in the given node pairs (any order, duplicates allowed;
     /// the diagonal is always present).
     pub fn new(free: &[[bool; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+        let master: Vec<usize> = (0..free.len()).collect();
+        Self::joined(free, &master, pairs)
+    }
+
+    /// As [`Pattern::new`] with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b is joined to. Of
+    /// joined nodes only the master's `free` counts; equations and blocks of the others are the master's.
+    pub fn joined(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let num_nodes = free.len();
         let mut first = Vec::with_capacity(num_nodes + 1);
         let mut local = Vec::with_capacity(num_nodes);
         let mut count = 0u32;
-        for flags in free {
+        for (node, flags) in free.iter().enumerate() {
             first.push(count);
+            if master[node] != node {
+                local.push([NONE; 6]);
+                continue;
+            }
             let mut map = [NONE; 6];
             let mut here = 0u8;
             for (slot, _) in map.iter_mut().zip(flags).filter(|(_, is_free)| **is_free) {
@@ -41,11 +54,13 @@ impl Pattern {
             local.push(map);
         }
         first.push(count);
-        let mut blocks: Vec<(u32, u32)> = pairs.map(|(a, b)| (a.max(b) as u32, a.min(b) as u32)).collect();
+        let mut blocks: Vec<(u32, u32)> =
+            pairs.map(|(a, b)| (master[a], master[b])).map(|(a, b)| (a.max(b) as u32, a.min(b) as u32)).collect();
         blocks.extend((0..num_nodes as u32).map(|a| (a, a)));
         blocks.sort_unstable();
         blocks.dedup();
-        let mut pattern = Self { first, local, ..Self::default() };
+        let master = master.iter().map(|&m| m as u32).collect();
+        let mut pattern = Self { first, local, master, ..Self::default() };
         pattern.fill(num_nodes, &blocks);
         pattern
     }
@@ -99,6 +114,7 @@ impl Pattern {
     /// Equation of unknown `k` (0..3 position, 3..6 rotation) of a node, `None` if eliminated.
     #[inline]
     pub fn equation(&self, node: usize, k: usize) -> Option<usize> {
+        let node = self.master[node] as usize;
         match self.local[node][k] {
             NONE => None,
             position => Some(self.first[node] as usize + position as usize),
@@ -114,7 +130,12 @@ impl Pattern {
     /// For `a == b` the block is a contribution to the symmetric diagonal block: its upper part is used.
     /// Pairs not in the pattern are a programming error.
     pub fn add_block(&self, values: &mut [f64], a: usize, b: usize, entry: impl Fn(usize, usize) -> f64) {
-        if a > b {
+        let joined = a != b && self.master[a] == self.master[b];
+        let (a, b) = (self.master[a] as usize, self.master[b] as usize);
+        if joined {
+            // a coupling of two nodes that move as one acts on both sides of the diagonal
+            self.add_ordered(values, a, b, |i, j| entry(i, j) + entry(j, i));
+        } else if a > b {
             self.add_ordered(values, b, a, |i, j| entry(j, i));
         } else {
             self.add_ordered(values, a, b, entry);
@@ -165,6 +186,42 @@ impl Pattern {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Nodes 1 and 3 of a chain 0 1 2, 3 4 are one: the reduced matrix is Tᵀ A T of the full one, T the joining map.
+    #[test]
+    fn joined_nodes_share_their_equations() {
+        let free = [[true, true, false, false, false, true]; 5];
+        let pairs = [(0, 1), (1, 2), (3, 4), (1, 3), (3, 2)];
+        let full = Pattern::new(&free, pairs.into_iter());
+        let joined = Pattern::joined(&free, &[0, 1, 2, 1, 4], pairs.into_iter());
+        assert_eq!((full.num_equations(), joined.num_equations()), (15, 12));
+        let (mut a, mut b) = (vec![0.0; full.num_entries()], vec![0.0; joined.num_entries()]);
+        for (n, (p, q)) in pairs.into_iter().enumerate() {
+            let off = |i: usize, j: usize| (1 + n * 36 + 6 * i + j) as f64;
+            let on = |i: usize, j: usize| (3 + n + i * j + (i + j) * (i + j)) as f64;
+            for (pattern, values) in [(&full, &mut a), (&joined, &mut b)] {
+                pattern.add_block(values, p, q, off);
+                pattern.add_block(values, p, p, on);
+                pattern.add_block(values, q, q, on);
+            }
+        }
+        let x: Vec<f64> = (0..12).map(|i| (1.0 + i as f64).sin()).collect();
+        let (mut expanded, mut reduced) = (vec![0.0; 15], vec![0.0; 12]);
+        for node in 0..5 {
+            for k in [0, 1, 5] {
+                expanded[full.equation(node, k).unwrap()] = x[joined.equation(node, k).unwrap()];
+            }
+        }
+        let y = full.multiply(&a, &expanded);
+        for node in 0..5 {
+            for k in [0, 1, 5] {
+                reduced[joined.equation(node, k).unwrap()] += y[full.equation(node, k).unwrap()];
+            }
+        }
+        for (ours, exact) in joined.multiply(&b, &x).iter().zip(&reduced) {
+            assert!((ours - exact).abs() < 1e-12 * exact.abs().max(1.0), "{ours} {exact}");
+        }
+    }
 
     #[test]
     fn blocks_land_where_a_dense_matrix_has_them() {

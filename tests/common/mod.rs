@@ -5,13 +5,15 @@
 
 pub mod curvature;
 
+use std::ops::ControlFlow;
+
 use supercoil::math::quaternion::to_array;
 use supercoil::math::shape_functions::Table;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::element::{ElementNodes, Six, raw_strains, stiffness};
 use supercoil::rod::{Natural, Rod, Section};
-use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Support};
-use supercoil::solve::{Options, Solver, StepReport};
+use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
+use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Solver, StepReport};
 
 /// Prints a row of the verification table (seen with `--nocapture`) and asserts |measured − reference| ≤ tolerance.
 pub fn verify(case: &str, quantity: &str, measured: f64, reference: f64, tolerance: f64) {
@@ -134,4 +136,21 @@ pub fn history(report: &StepReport) -> String {
 /// Numbers in short scientific form, for messages.
 pub fn sci(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!("{x:.2e}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Follows a ramp from the present state to the first branch point and stays there; the parameter there.
+pub fn to_branch_point(solver: &mut Solver, ramp: &Ramp) -> f64 {
+    let report = solver.follow(ramp, &FollowOptions::default(), &mut |point| match point.kind {
+        PointKind::Branch { .. } => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    });
+    let report = report.unwrap();
+    assert_eq!(report.end, PathEnd::Stopped, "no branch point before {}", report.value);
+    report.value
+}
+
+/// A line on a point of a path, for messages.
+pub fn path_point(point: &PathPoint) -> String {
+    let (unstable, iterations) = (point.num_unstable(), point.progress.report.iterations);
+    format!("{:?} {:.9} arc {:.3} unstable {unstable} iterations {iterations}", point.kind, point.value, point.arc)
 }

@@ -11,6 +11,8 @@ const TOL_RANK: f64 = 1e-9;
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
+/// Joined nodes may be this far apart, relative to the length of the longer rod.
+const TOL_JOINT: f64 = 1e-9;
 
 impl Model {
     /// Refuses a model that is not a well-posed problem, naming the field, what was found and what is allowed.
@@ -41,6 +43,7 @@ impl Model {
             finite(&format!("{field}.force"), &load.force)?;
         }
         self.check_contact()?;
+        self.joints.iter().enumerate().try_for_each(|(i, joint)| self.check_joint(&format!("joints[{i}]"), joint))?;
         if self.planar {
             self.check_planar()?;
         }
@@ -96,6 +99,7 @@ impl Model {
                 self.check_node(&field, node)?;
                 InputError::check(&format!("{field}.turns"), to, true, "a finite number of turns")?;
                 self.check_axis(&field, &axis)?;
+                self.check_not_joined(&field, node)?;
                 let held = self.fixed(node).1 == [true; 3];
                 let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
                 self.require(held, &field, node.rod, reason)?;
@@ -105,6 +109,7 @@ impl Model {
                 let field = format!("{stage}.displacement");
                 self.check_node(&field, node)?;
                 finite(&format!("{field}.to"), &to)?;
+                self.check_not_joined(&field, node)?;
                 let fixed = self.fixed(node).0;
                 let held = (0..3).all(|k| to[k] == 0.0 || fixed[k]) && !(self.planar && to.z != 0.0);
                 let reason =
@@ -135,6 +140,11 @@ impl Model {
         }
     }
 
+    fn check_not_joined(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
+        let alone = self.joined_nodes(node).len() == 1;
+        self.require(alone, field, node.rod, "is joined to another rod at this node: joints cannot be moved")
+    }
+
     fn check_axis(&self, field: &str, axis: &Vec3) -> Result<(), InputError> {
         let (size, in_plane) = (axis.amax(), axis.xy().amax());
         let allowed = if self.planar { "along z in a planar scene" } else { "finite and not zero" };
@@ -162,6 +172,30 @@ impl Model {
         }
         let allowed = "the index of a node of the rod (elements × order of them, one more if open)";
         Err(InputError::Count { field: format!("{field}.node"), value: node.node, allowed })
+    }
+
+    fn check_joint(&self, field: &str, joint: &super::Joint) -> Result<(), InputError> {
+        let nodes = [joint.a, joint.b];
+        nodes.iter().try_for_each(|&node| self.check_node(field, node))?;
+        let [a, b] = nodes.map(|node| &self.rods[node.rod]);
+        let apart = (a.positions[joint.a.node] - b.positions[joint.b.node]).norm();
+        if apart > TOL_JOINT * a.length.max(b.length) {
+            return Err(inconsistent(field, &format!("joins nodes that are {apart} apart: they must coincide")));
+        }
+        if joint.a.rod == joint.b.rod {
+            let between = joint.a.node.abs_diff(joint.b.node);
+            let around = if a.closed { a.num_nodes() - between } else { between };
+            if between.min(around) <= a.order {
+                return Err(inconsistent(field, "joins nodes of one element"));
+            }
+        }
+        let touches = |rod: &Rod| rod.section.contact_radius > 0.0 && self.contact.law.is_on();
+        if touches(a) && touches(b) {
+            let reason =
+                "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
+            return Err(inconsistent(field, reason));
+        }
+        self.check_supported(joint.a.rod, &format!("{field} joins it to a rod"))
     }
 
     fn check_contact(&self) -> Result<(), InputError> {
@@ -260,8 +294,9 @@ impl Model {
             constrain(Vec3::zeros(), axes[0]);
             constrain(Vec3::zeros(), axes[1]);
         }
-        for support in self.supports.iter().filter(|support| support.node.rod == rod) {
-            let arm = (self.rods[rod].positions[support.node.node] - origin) / length;
+        let together = self.joined_rods(rod);
+        for support in self.supports.iter().filter(|support| together.contains(&support.node.rod)) {
+            let arm = (self.rods[support.node.rod].positions[support.node.node] - origin) / length;
             for k in 0..3 {
                 if support.position[k] {
                     constrain(axes[k], arm.cross(&axes[k]));

@@ -1,0 +1,186 @@
+//! Where between two neighbouring points of a path something happens: a limit point, a branch point, the target.
+
+use crate::error::SolveError;
+use crate::solve::continuation::PointKind;
+use crate::solve::continuation::corrector::{Plane, Point, Tracer};
+
+/// Trials per location.
+const MAX_TRIALS: usize = 60;
+/// Branch points located between two points of a path before the rest is left unlocated.
+const MAX_CROSSINGS: usize = 8;
+
+/// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
+const NEAR: f64 = 0.02;
+
+/// What changes sign.
+#[derive(Debug, Clone, Copy)]
+enum Test {
+    /// The parameter's rate along the path: limit points.
+    Slope,
+    /// The parameter less its target.
+    Target(f64),
+    /// The critical eigenvalue; the number of unstable directions decides on the side.
+    Critical,
+}
+
+/// One end of the interval: distance from the base, the tested function if known, the point there.
+#[derive(Debug, Clone)]
+struct End {
+    distance: f64,
+    value: Option<f64>,
+    point: Point,
+}
+
+/// A zero: the last ends, the best point, and the numbers of unstable directions on either side.
+struct Found {
+    before: End,
+    best: End,
+    after: End,
+    counts: [usize; 2],
+}
+
+/// Something found on the way.
+pub(super) struct Event {
+    pub(super) kind: PointKind,
+    pub(super) point: Point,
+    pub(super) distance: f64,
+}
+
+impl Event {
+    fn multiplicity(&self) -> usize {
+        if let PointKind::Branch { multiplicity } = self.kind { multiplicity } else { 0 }
+    }
+}
+
+impl Tracer<'_> {
+    /// The point at `distance` from `base` along its tangent.
+    pub(super) fn ahead(&mut self, base: &Point, distance: f64) -> Result<Option<Point>, SolveError> {
+        self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
+    }
+
+    /// Limit and branch points between `base` and `next`, `distance` ahead of it, in their order.
+    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Vec<Event> {
+        let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
+        let (first, last) = (end(base, 0.0), end(next, distance));
+        let inertia_tells = self.solver.engine.is_conservative();
+        let mut events = Vec::new();
+        if base.tangent.parameter * next.tangent.parameter >= 0.0 {
+            if inertia_tells {
+                self.crossings(base, first, last, tol, &mut events);
+            }
+            return events;
+        }
+        let net = base.num_unstable.abs_diff(next.num_unstable);
+        let Found { before, best: found, after, .. } = self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
+        let at = found.distance;
+        if inertia_tells {
+            self.crossings(base, first, before, tol, &mut events);
+            self.crossings(base, after, last, tol, &mut events);
+            // where the eigenvalue only touches zero rounding makes it cross there and back
+            let near = (NEAR * distance).max(100.0 * tol);
+            events.retain(|event| (event.distance - at).abs() > near);
+        }
+        let elsewhere: usize = events.iter().map(Event::multiplicity).sum();
+        // the path turns: at a limit point one eigenvalue passes zero; if none does, other paths cross there
+        let passes = (net + elsewhere) % 2 == 1 || !inertia_tells;
+        let kind = if passes { PointKind::Limit } else { PointKind::Branch { multiplicity: 0 } };
+        events.push(Event { kind, point: found.point, distance: at });
+        events.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        events
+    }
+
+    /// Where the parameter passes `target` between `base` and the point `distance` ahead.
+    pub(super) fn target_point(
+        &mut self,
+        base: &Point,
+        next: &Point,
+        distance: f64,
+        target: f64,
+        tol: f64,
+    ) -> (Point, f64) {
+        let first = End { distance: 0.0, value: Some(base.value - target), point: base.clone() };
+        let last = End { distance, value: Some(next.value - target), point: next.clone() };
+        let found = self.root(base, Test::Target(target), [first, last], tol).best;
+        (found.point, found.distance)
+    }
+
+    /// Branch points: changes of the number of unstable directions.
+    fn crossings(&mut self, base: &Point, mut from: End, to: End, tol: f64, events: &mut Vec<Event>) {
+        for _ in 0..MAX_CROSSINGS {
+            if from.point.num_unstable == to.point.num_unstable {
+                return;
+            }
+            from.value = None;
+            let found = self.root(base, Test::Critical, [from, to.clone()], tol);
+            let kind = PointKind::Branch { multiplicity: found.counts[0].abs_diff(found.counts[1]) };
+            let End { distance, mut point, .. } = found.best;
+            // at the point itself rounding decides over the tangent's part along the critical direction
+            point.tangent = found.before.point.tangent;
+            events.push(Event { kind, point, distance });
+            from = found.after;
+            from.point.num_unstable = found.counts[1];
+        }
+    }
+
+    /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function is not yet
+    /// known. Ends early at what is known if a trial does not converge.
+    fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> Found {
+        let [mut low, mut high] = ends;
+        if matches!(test, Test::Slope) {
+            low.value = Some(low.point.tangent.parameter);
+            high.value = Some(high.point.tangent.parameter);
+        }
+        let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
+        let (mut last_side, mut seen) = (0, false);
+        let mut counts = [low.point.num_unstable, high.point.num_unstable];
+        for _ in 0..MAX_TRIALS {
+            let middle = 0.5 * (low.distance + high.distance);
+            let distance = match (low.value, high.value) {
+                (Some(a), Some(b)) if a * b < 0.0 => {
+                    low.distance + (high.distance - low.distance) * (a / (a - b)).clamp(1e-3, 1.0 - 1e-3)
+                }
+                _ => middle,
+            };
+            let moved = (distance - best.distance).abs();
+            let Ok(Some(point)) = self.ahead(base, distance) else { break };
+            let value = match test {
+                Test::Slope => point.tangent.parameter,
+                Test::Target(target) => point.value - target,
+                Test::Critical => self.critical_eigenvalue(),
+            };
+            // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to pass, its sign decides
+            let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.neutral);
+            let passes =
+                clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
+            let belongs_low = match test {
+                Test::Critical if !(seen || passes) => point.num_unstable == low.point.num_unstable,
+                _ => low.value.is_some_and(|v| v * value > 0.0),
+            };
+            seen |= passes;
+            best = End { distance, value: Some(value), point };
+            if belongs_low {
+                low = best.clone();
+                if !seen {
+                    counts[0] = low.point.num_unstable;
+                }
+                if last_side == -1 {
+                    high.value = high.value.map(|v| 0.5 * v);
+                }
+                last_side = -1;
+            } else {
+                high = best.clone();
+                if !seen {
+                    counts[1] = high.point.num_unstable;
+                }
+                if last_side == 1 {
+                    low.value = low.value.map(|v| 0.5 * v);
+                }
+                last_side = 1;
+            }
+            if moved <= tol || high.distance - low.distance <= tol {
+                break;
+            }
+        }
+        Found { before: low, best, after: high, counts }
+    }
+}
