@@ -6,4 +6,4 @@ pub mod report;
 mod sites;
 mod state;
 
-pub use state::observe;
+pub use state::{contact_sites, observe};
