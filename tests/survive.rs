@@ -89,27 +89,28 @@ fn assert_same(a: &Path, b: &Path) {
     assert!(last(a) > 1 && b.join(format!("step_{:04}.vtp", last(b) - 1)).exists());
 }
 
-/// The checkpoint after every step is put aside while the run goes on: each is what a kill during the step after would leave.
+/// Checkpoints are put aside while the run goes on: each is what a kill during the step after would leave.
 #[test]
-fn from_every_step_the_same_end() {
+fn from_any_step_the_same_end() {
     let dir = folder("every");
     let file = ring_file(&dir);
     let whole = dir.join("whole");
     let mut kept = Vec::new();
     let mut watch = |step: &supercoil::observe::report::Observation| {
-        if step.step > 0 {
+        // before and after the change of stage, in the soft phase, at the end
+        if [1, 4, 5, 7, 9].contains(&step.step) {
             let aside = dir.join(format!("cut_{}", step.step - 1));
             std::fs::create_dir_all(&aside).unwrap();
             std::fs::copy(whole.join(FILE_NAME), aside.join(FILE_NAME)).unwrap();
-            kept.push(aside);
+            kept.push((step.step - 1, aside));
         }
         ControlFlow::Continue(())
     };
     let outcome = run_scene(Scene::read(&file).unwrap(), &whole, &mut watch).unwrap();
     assert_eq!((outcome.status, outcome.checkpoint), (Status::Converged, None));
     assert!(!whole.join(FILE_NAME).exists(), "a finished run leaves no checkpoint");
-    assert_eq!(kept.len(), 9);
-    for (cut, aside) in kept.iter().enumerate() {
+    assert_eq!(kept.len(), 5);
+    for (cut, aside) in kept.iter().map(|(cut, aside)| (*cut, aside)) {
         let mut seen = Vec::new();
         let mut scene = Scene::read(&file).unwrap();
         scene.solver.threads = Some(1 + cut % 3);
@@ -195,7 +196,7 @@ fn another_scene_is_refused() {
     let scene = |text: &str| Scene::from_toml(text, &dir).unwrap();
     let stop = &mut |_: &_| ControlFlow::Break(());
     let _ = run_scene(scene(RING), &parts, stop).unwrap();
-    let mut go_on = |text: &str| SceneRun::new(scene(text), &parts).resume(&mut |_| ControlFlow::Break(()));
+    let go_on = |text: &str| SceneRun::new(scene(text), &parts).resume(&mut |_| ControlFlow::Break(()));
     let error = resume(&parts, stop).unwrap_err().to_string();
     assert!(error.contains("its scene came from no file"), "{error}");
     for (from, to, part) in [
