@@ -104,7 +104,8 @@ fn check(nodes: usize) {
     assert!(count.abs_diff(nodes) < 3 && observation.num_sites == observation.sites.len());
     assert!(observation.num_sites > nodes / 300, "{} sites", observation.num_sites);
     let link = observation.links[0];
-    assert!(link.link.abs() < 1e-6, "twist-free frames: {link:?}");
+    let whole = link.link - link.excess_link;
+    assert!((whole - whole.round()).abs() < 1e-9 && whole < -(count as f64) / 50.0, "{link:?}");
 
     let dir = record(&scene, OutputChoice::default(), &observation, &rods, "full");
     let per_node = |name: &str| bytes(dir.join(name)) / count as f64;
