@@ -88,7 +88,8 @@ fn torus_knot_to_ten_digits() {
 #[test]
 #[ignore = "slow: up to a million edges, measures time"]
 fn growth_of_the_cost() {
-    let shapes: [(&str, &dyn Fn(usize) -> Vec<Vec3>); 6] = [
+    type Shape<'a> = (&'a str, &'a dyn Fn(usize) -> Vec<Vec3>);
+    let shapes: [Shape; 6] = [
         ("closed plectoneme", &|n| plectoneme(n, 1.0, 0.02)),
         ("random walk", &|n| random_walk(n, 1)),
         ("plecto", &|n| Kind::Plecto.points(n)),
