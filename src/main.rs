@@ -1,28 +1,36 @@
-//! The command line: `supercoil run FILE --out DIR` and `supercoil check FILE`.
+//! The command line: `supercoil run FILE --out DIR`, `supercoil resume DIR` and `supercoil check FILE`.
 //!
-//! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input.
+//! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 130 stopped by Ctrl-C.
 #![allow(clippy::print_stderr)] // a program talks to its user
 
+mod progress;
+
 use std::io::Write;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressStyle};
+use clap::{Args, Parser, Subcommand};
 use supercoil::InputError;
-use supercoil::io::run::{Outcome, run_scene};
+use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
+use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
 use supercoil::scene::Scene;
+use supercoil::scene::file::Units;
 use supercoil::solve::{RunError, Status};
+
+use progress::Bar;
 
 const CONVERGED: u8 = 0;
 const NOT_CONVERGED: u8 = 1;
 const BAD_INPUT: u8 = 2;
+const INTERRUPTED: u8 = 130;
 
 /// Equilibria of elastic rods that touch themselves and each other.
 #[derive(Parser)]
-#[command(version, after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input.")]
+#[command(
+    version,
+    after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 130 stopped by Ctrl-C."
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -30,19 +38,25 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a scene file and write its outputs.
+    /// Run a scene file and write its outputs. Ctrl-C ends the run with all files in order; a second one ends it at once.
     Run {
         /// Scene file (TOML).
         file: PathBuf,
         /// Folder for the outputs [default: output.dir of the scene, or out/NAME].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Threads; results do not depend on it [default: solver.threads of the scene, or all].
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-        threads: Option<u16>,
-        /// Print nothing but errors.
-        #[arg(long)]
-        quiet: bool,
+        #[command(flatten)]
+        choices: Choices,
+    },
+    /// Go on with a run that was stopped or killed, from its last checkpoint.
+    Resume {
+        /// Folder of the run.
+        dir: PathBuf,
+        /// Where its scene file is now [default: where it was].
+        #[arg(long, value_name = "FILE")]
+        scene: Option<PathBuf>,
+        #[command(flatten)]
+        choices: Choices,
     },
     /// Check a scene file without running it.
     Check {
@@ -51,12 +65,37 @@ enum Command {
     },
 }
 
+#[derive(Args)]
+struct Choices {
+    /// Threads; results do not depend on it [default: solver.threads of the scene, or all].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Write a checkpoint every so many accepted steps [default: output.checkpoint_steps of the scene, or by time only].
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
+    checkpoint_every: Option<u32>,
+    /// Write a checkpoint when the last is so many seconds old [default: output.checkpoint_seconds of the scene, or 60].
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    checkpoint_seconds: Option<f64>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "a number expected".to_owned())?;
+    if seconds >= 0.0 { Ok(seconds) } else { Err("must be at least 0".to_owned()) }
+}
+
 fn main() -> ExitCode {
     let code = match Arguments::parse().command {
         Command::Check { file } => check(&file),
-        Command::Run { file, out, threads, quiet } => run(&file, out, threads, quiet),
+        Command::Run { file, out, choices } => run(&file, out, &choices),
+        Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
     };
-    ExitCode::from(code)
+    ExitCode::from(code.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        BAD_INPUT
+    }))
 }
 
 /// Prints a line; a reader that has gone away (`supercoil check FILE | head`) is no failure.
@@ -64,16 +103,8 @@ fn say(line: std::fmt::Arguments) {
     std::io::stdout().write_fmt(format_args!("{line}\n")).ok();
 }
 
-fn refuse(error: &InputError) -> u8 {
-    eprintln!("error: {error}");
-    BAD_INPUT
-}
-
-fn check(file: &Path) -> u8 {
-    let scene = match Scene::read(file) {
-        Ok(scene) => scene,
-        Err(error) => return refuse(&error),
-    };
+fn check(file: &Path) -> Result<u8, InputError> {
+    let scene = Scene::read(file)?;
     say(format_args!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title }));
     for rod in &scene.model.rods {
         let (kind, unit) = (if rod.closed { "closed" } else { "open" }, &scene.units.length);
@@ -83,40 +114,76 @@ fn check(file: &Path) -> u8 {
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
     let (supports, stages) = (scene.model.supports.len(), scene.stages.len());
     say(format_args!("  {supports} supports, {stages} stages of {steps} steps in all; nothing to object"));
-    CONVERGED
+    Ok(CONVERGED)
 }
 
-fn run(file: &Path, out: Option<PathBuf>, threads: Option<u16>, quiet: bool) -> u8 {
-    let mut scene = match Scene::read(file) {
-        Ok(scene) => scene,
-        Err(error) => return refuse(&error),
-    };
-    scene.solver.threads = threads.map(usize::from).or(scene.solver.threads);
+fn run(file: &Path, out: Option<PathBuf>, choices: &Choices) -> Result<u8, InputError> {
+    let scene = Scene::read(file)?;
     let default = || Path::new("out").join(file.file_stem().unwrap_or_default());
     let dir = out.or_else(|| scene.output.dir.clone()).unwrap_or_else(default);
-    let units = scene.units.clone();
-    if !quiet && !scene.title.is_empty() {
+    if !choices.quiet && !scene.title.is_empty() {
         say(format_args!("{}", scene.title));
     }
-    let bar = if quiet { ProgressBar::hidden() } else { bar() };
-    let num_stages = scene.stages.len().max(1) as f64;
-    let result = run_scene(scene, &dir, &mut |step| {
-        bar.set_position((1000.0 * (step.stage as f64 + step.fraction) / num_stages) as u64);
-        bar.set_message(format!("{} contact sites, {} iterations", step.sites.len(), step.iterations));
-        ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
+    go(scene, &dir, None, choices)
+}
+
+fn resume(dir: &Path, scene: Option<PathBuf>, choices: &Choices) -> Result<u8, InputError> {
+    let checkpoint = Checkpoint::read(&dir.join(FILE_NAME))?;
+    let scene = match &scene {
+        Some(file) => Scene::read(file)?,
+        None => scene_of(&checkpoint)?,
+    };
+    let place = checkpoint.restart.place;
+    if !choices.quiet {
+        let title = if scene.title.is_empty() { "going on" } else { &scene.title };
+        say(format_args!(
+            "{title}: from step {}, stage {} at {:.1} %",
+            place.num_steps,
+            place.stage + 1,
+            100.0 * place.fraction
+        ));
+    }
+    if checkpoint.program != env!("CARGO_PKG_VERSION") {
+        let (then, now) = (&checkpoint.program, env!("CARGO_PKG_VERSION"));
+        eprintln!("note: the run began with version {then}, this is {now}: the last digits may differ from here on");
+    }
+    go(scene, dir, Some((place.stage, place.fraction)), choices)
+}
+
+/// Runs a scene from its start or, with `from` (stage, fraction), from the checkpoint in `dir`.
+fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choices) -> Result<u8, InputError> {
+    scene.solver.threads = choices.threads.map(usize::from).or(scene.solver.threads);
+    let output = &mut scene.output;
+    output.checkpoint_steps = choices.checkpoint_every.map(|n| n as usize).or(output.checkpoint_steps);
+    output.checkpoint_seconds = choices.checkpoint_seconds.unwrap_or(output.checkpoint_seconds);
+    let units = scene.units.clone();
+    let bar = Bar::new(&scene.stages, from, choices.quiet);
+    let run = SceneRun::new(scene, dir);
+    let (interrupt, shown) = (run.interrupt.clone(), bar.clone());
+    // without a handler Ctrl-C still ends the program, only less tidily
+    ctrlc::set_handler(move || {
+        if interrupt.is_raised() {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        interrupt.raise();
+        shown.note("stopping; once more to end at once");
+    })
+    .ok();
+    let interrupt = run.interrupt.clone();
+    let mut watch = |step: &_| bar.step(step);
+    let result = if from.is_some() { run.resume(&mut watch) } else { run.start(&mut watch) };
+    bar.clear();
     match result {
-        Ok(outcome) => report(&outcome, &units, &dir, quiet),
-        Err(RunError::Input(error)) => refuse(&error),
+        Ok(outcome) => Ok(report(&outcome, &units, dir, choices.quiet, interrupt.is_raised())),
+        Err(RunError::Input(error)) => Err(error),
         Err(error) => {
             eprintln!("error: {error}; what was reached is in {}", dir.display());
-            NOT_CONVERGED
+            Ok(NOT_CONVERGED)
         }
     }
 }
 
-fn report(outcome: &Outcome, units: &supercoil::scene::file::Units, dir: &Path, quiet: bool) -> u8 {
+fn report(outcome: &Outcome, units: &Units, dir: &Path, quiet: bool, interrupted: bool) -> u8 {
     if !quiet {
         say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
         say(format_args!("{} after {:.1} s; files are in {}", outcome.status, outcome.seconds, dir.display()));
@@ -124,11 +191,13 @@ fn report(outcome: &Outcome, units: &supercoil::scene::file::Units, dir: &Path, 
     if outcome.status == Status::Converged {
         return CONVERGED;
     }
+    if interrupted && outcome.status == Status::Stopped {
+        match outcome.checkpoint {
+            Some(_) => eprintln!("stopped; to go on: supercoil resume {}", dir.display()),
+            None => eprintln!("stopped before the start had come to rest: there is nothing to go on from"),
+        }
+        return INTERRUPTED;
+    }
     eprintln!("not converged: {}", outcome.status);
     NOT_CONVERGED
-}
-
-fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}  {msg}");
-    ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

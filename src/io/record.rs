@@ -1,20 +1,23 @@
 //! What a run leaves behind: tables, final state, VTK files, pictures, summary. Fed with snapshots, knows no solver.
 
 mod pictures;
+mod still;
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::observe::report::Observation;
+use crate::observe::report::{Observation, SiteReport};
 use crate::scene::Scene;
 use crate::scene::file::{OutputChoice, Units};
 
 use super::csv::{RodState, write_state};
-use super::table::write_steps;
+use super::detail::{every, within};
+use super::table::{write_sites, write_steps};
 use super::vtk::{PvdWriter, VtkRod, write_vtp};
+use still::Still;
 
 /// Geometry and nodal fields of one rod in one state.
 #[derive(Debug, Clone, Default)]
@@ -60,10 +63,25 @@ struct Summary<'a> {
 /// Frames kept for the film strip; when full, every other one is dropped.
 const MAX_FILM: usize = 48;
 
+/// Contact sites listed for each step; more are counted, and listed for the final state in a file of their own.
+pub const MAX_SITES: usize = 100;
+
 #[derive(Debug, Clone)]
 struct Frame {
     step: usize,
     rods: Vec<RodSnapshot>,
+    sites: Vec<SiteReport>,
+}
+
+/// What a record must remember of the steps so far in order to go on later.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecordState {
+    steps: Vec<Observation>,
+    film: Vec<Still>,
+    stride: usize,
+    last_written: Option<usize>,
+    /// Entries of the `.pvd` collection.
+    collection: String,
 }
 
 /// Writes the files of a run into a folder, which is made if need be:
@@ -73,7 +91,8 @@ struct Frame {
 /// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView with frame, curvature, twist, contact force at the nodes |
 /// | `table.csv` | one line per accepted step |
 /// | `final_state.csv` | positions and quaternions of all nodes |
-/// | `summary.json` | every observation of every step, and the final state |
+/// | `sites.csv` | all contact sites of the final state |
+/// | `summary.json` | every observation of every step, and the final state; of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
 #[derive(Debug)]
@@ -85,7 +104,7 @@ pub struct Record {
     planar: bool,
     rods: Vec<RodHead>,
     steps: Vec<Observation>,
-    film: Vec<Frame>,
+    film: Vec<Still>,
     stride: usize,
     last: Option<Frame>,
     last_written: Option<usize>,
@@ -125,6 +144,28 @@ impl Record {
         })
     }
 
+    /// Goes on with the record of an earlier run of the same scene.
+    ///
+    /// # Errors
+    /// As [`Record::new`].
+    pub fn resume(scene: &Scene, dir: &Path, state: RecordState) -> Result<Self, InputError> {
+        let fresh = Self::new(scene, dir)?;
+        let RecordState { steps, film, stride, last_written, collection } = state;
+        let pvd = PvdWriter::resume(dir.join("run.pvd"), collection);
+        Ok(Self { steps, film, stride: stride.max(1), last_written, pvd, ..fresh })
+    }
+
+    /// What [`Record::resume`] needs.
+    pub fn state(&self) -> RecordState {
+        RecordState {
+            steps: self.steps.clone(),
+            film: self.film.clone(),
+            stride: self.stride,
+            last_written: self.last_written,
+            collection: self.pvd.entries().to_owned(),
+        }
+    }
+
     /// The steps so far.
     pub fn steps(&self) -> &[Observation] {
         &self.steps
@@ -134,14 +175,16 @@ impl Record {
     ///
     /// # Errors
     /// [`InputError::File`] if a file cannot be written.
-    pub fn push(&mut self, observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
-        let frame = Frame { step: self.steps.len(), rods };
+    pub fn push(&mut self, mut observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
+        let sites = std::mem::take(&mut observation.sites);
+        observation.sites = strongest(&sites);
+        let frame = Frame { step: self.steps.len(), rods, sites };
         self.steps.push(observation);
         if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
             self.write_vtk(&frame)?;
         }
         if self.output.picture && frame.step.is_multiple_of(self.stride) {
-            self.film.push(frame.clone());
+            self.film.push(self.still(&frame, true));
             if self.film.len() == MAX_FILM {
                 self.stride *= 2;
                 self.film.retain(|kept| kept.step.is_multiple_of(self.stride));
@@ -149,6 +192,14 @@ impl Record {
         }
         self.last = Some(frame);
         Ok(())
+    }
+
+    /// Sets the last state of a resumed record that has taken in none since.
+    pub(super) fn set_last(&mut self, rods: impl FnOnce() -> (Vec<RodSnapshot>, Vec<SiteReport>)) {
+        if let (None, Some(step)) = (&self.last, self.steps.len().checked_sub(1)) {
+            let (rods, sites) = rods();
+            self.last = Some(Frame { step, rods, sites });
+        }
     }
 
     /// Writes all that is left to write; `status` says how the run ended.
@@ -161,6 +212,7 @@ impl Record {
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
         self.write_final_state(&last)?;
+        write_sites(&self.dir.join("sites.csv"), &names, &last.sites)?;
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
         }
@@ -195,26 +247,21 @@ impl Record {
 
     fn write_vtk(&mut self, frame: &Frame) -> Result<(), InputError> {
         let vtk = |(head, rod): (&RodHead, &RodSnapshot)| {
-            let axis = |axis: Vec3| rod.frames.iter().map(|q| q * axis).collect::<Vec<_>>();
+            let kept = self.vtk_nodes(head, rod);
+            let axis = |axis: Vec3| kept.iter().map(|&i| rod.frames[i] * axis).collect::<Vec<_>>();
+            let scalar = |values: &[f64]| kept.iter().map(|&i| values[i]).collect::<Vec<_>>();
+            let vector = |values: &[Vec3]| kept.iter().map(|&i| values[i]).collect::<Vec<_>>();
             let vectors = vec![
                 ("d1", axis(Vec3::x())),
                 ("d2", axis(Vec3::y())),
                 ("d3", axis(Vec3::z())),
-                ("contact_force", rod.contact_force.clone()),
+                ("contact_force", vector(&rod.contact_force)),
             ];
-            let scalars = vec![("curvature", rod.curvature.clone()), ("twist", rod.twist.clone())];
-            (rod.positions.clone(), head.closed, scalars, vectors)
+            let scalars = vec![("curvature", scalar(&rod.curvature)), ("twist", scalar(&rod.twist))];
+            (vector(&rod.positions), VtkRod { points: &[], closed: head.closed, scalars, vectors })
         };
-        let owned: Vec<_> = self.rods.iter().zip(&frame.rods).map(vtk).collect();
-        let rods: Vec<VtkRod> = owned
-            .iter()
-            .map(|(points, closed, scalars, vectors)| VtkRod {
-                points,
-                closed: *closed,
-                scalars: scalars.clone(),
-                vectors: vectors.clone(),
-            })
-            .collect();
+        let (points, rods): (Vec<Vec<Vec3>>, Vec<VtkRod>) = self.rods.iter().zip(&frame.rods).map(vtk).unzip();
+        let rods: Vec<VtkRod> = points.iter().zip(rods).map(|(points, rod)| VtkRod { points, ..rod }).collect();
         let step = &self.steps[frame.step];
         let mut numbers = vec![("energy", step.energies.total), ("contact_force", step.total_contact_force)];
         if let Some(link) = step.links.first() {
@@ -225,13 +272,32 @@ impl Record {
         self.last_written = Some(frame.step);
         self.pvd.push(frame.step as f64, &path)
     }
+
+    /// Nodes that go into a VTK file.
+    fn vtk_nodes(&self, head: &RodHead, rod: &RodSnapshot) -> Vec<usize> {
+        match self.output.node_tolerance {
+            Some(tolerance) => within(&rod.positions, tolerance, self.output.node_every),
+            None => every(rod.positions.len(), self.output.node_every, head.closed),
+        }
+    }
+}
+
+/// The [`MAX_SITES`] sites with the largest forces, in their old order.
+fn strongest(sites: &[SiteReport]) -> Vec<SiteReport> {
+    let mut order: Vec<usize> = (0..sites.len()).collect();
+    if sites.len() > MAX_SITES {
+        order.sort_by(|&i, &j| sites[j].force.total_cmp(&sites[i].force).then(i.cmp(&j)));
+        order.truncate(MAX_SITES);
+        order.sort_unstable();
+    }
+    order.into_iter().map(|i| sites[i].clone()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::table::tests::observation;
     use super::*;
-    use crate::observe::report::SiteReport;
+    use crate::observe::report::{SiteKind, SiteReport};
 
     const SCENE: &str = r#"
         title = "record"
@@ -267,7 +333,7 @@ mod tests {
             arc_a: [5.9, 0.1],
             rod_b: 0,
             arc_b: [3.0, 3.1],
-            kind: "point",
+            kind: SiteKind::Point,
             gap: 0.0,
             force: 1.0,
             center: [0.0, 3.05],
@@ -276,7 +342,7 @@ mod tests {
         };
         for step in 0..100 {
             let sites = vec![site.clone()];
-            record.push(Observation { sites, ..observation(step) }, vec![snapshot.clone()]).unwrap();
+            record.push(Observation { sites, num_sites: 1, ..observation(step) }, vec![snapshot.clone()]).unwrap();
         }
         record.finish(true, "converged", 1.0).unwrap();
         let names = ["step_0000.vtp", "step_0040.vtp", "step_0080.vtp", "step_0099.vtp", "run.pvd", "table.csv"];
@@ -285,8 +351,8 @@ mod tests {
         {
             assert!(dir.join(name).metadata().unwrap().len() > 100, "{name}");
         }
-        let last = record.last.as_ref().unwrap();
-        assert_eq!(record.strip(last).iter().map(|f| f.step).collect::<Vec<_>>(), [0, 20, 40, 60, 80, 99]);
+        let last = record.still(record.last.as_ref().unwrap(), true);
+        assert_eq!(record.strip(&last).iter().map(|f| f.step).collect::<Vec<_>>(), [0, 20, 40, 60, 80, 99]);
         assert!(record.film.len() < MAX_FILM);
         let text = std::fs::read_to_string(dir.join("summary.json")).unwrap();
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -1,15 +1,19 @@
-//! Runs a scene and leaves its record in a folder; silent, progress goes through a callback.
+//! Runs a scene and leaves its record in a folder; silent, progress goes through a callback. A run that was stopped or killed goes on
+//! from its last checkpoint and ends with the same bits.
 
 use std::ops::ControlFlow;
-use std::path::Path;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use crate::error::InputError;
 use crate::observe;
 use crate::observe::report::Observation;
 use crate::scene::Scene;
-use crate::solve::{self, NewtonOptions, NodalFields, Options, Progress, RunError, Status};
+use crate::solve::{
+    self, Engine, Interrupt, NewtonOptions, NodalFields, Options, Progress, Restart, RunError, Status, Waypoint,
+};
 
+use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
 use super::record::{Record, RodSnapshot};
 
 /// How a run went.
@@ -18,10 +22,12 @@ use super::record::{Record, RodSnapshot};
 pub struct Outcome {
     /// How the run ended.
     pub status: Status,
-    /// Accepted steps, the start included.
+    /// Accepted steps, the start and those before the run was taken up again included; of their contact sites only the strongest.
     pub steps: Vec<Observation>,
-    /// Wall time \[s\].
+    /// Wall time, all parts of the run together \[s\].
     pub seconds: f64,
+    /// The checkpoint from which an unfinished run can go on.
+    pub checkpoint: Option<PathBuf>,
 }
 
 /// Solver options of a scene: its choices over the defaults.
@@ -35,46 +41,210 @@ pub fn options(scene: &Scene) -> Options {
     Options { newton, threads: choice.threads, ..Options::default() }
 }
 
-/// Runs `scene` and writes its outputs to the folder `dir` (see [`Record`]); `watch` sees every accepted step and may stop
-/// the run. The record of what was accepted is written also when the run stops, does not converge or breaks down.
+/// Sees every accepted step and may stop the run.
+pub type Watch<'a> = dyn FnMut(&Observation) -> ControlFlow<()> + 'a;
+
+/// Runs `scene` and writes its outputs to the folder `dir`: [`SceneRun::start`].
 ///
 /// # Errors
-/// [`RunError`]: input refused (files that cannot be written included), or numbers that broke down.
-pub fn run_scene(
-    scene: Scene,
-    dir: &Path,
-    watch: &mut dyn FnMut(&Observation) -> ControlFlow<()>,
-) -> Result<Outcome, RunError> {
-    let started = Instant::now();
-    let mut record = Record::new(&scene, dir)?;
-    let options = options(&scene);
-    let mut failed: Option<InputError> = None;
-    let mut observer = |progress: &Progress| {
-        let observation = observe::observe(progress);
-        let seen = watch(&observation);
-        match record.push(observation, snapshots(progress)) {
-            Ok(()) => seen,
-            Err(error) => {
-                failed = Some(error);
-                ControlFlow::Break(())
-            }
-        }
-    };
-    let result = solve::run(scene.model, &scene.stages, &options, &mut observer);
-    let seconds = started.elapsed().as_secs_f64();
-    if let Some(error) = failed {
-        return Err(error.into());
-    }
-    let (converged, status) = match &result {
-        Ok(solution) => (solution.status == Status::Converged, solution.status.to_string()),
-        Err(error) => (false, error.to_string()),
-    };
-    record.finish(converged, &status, seconds)?;
-    result.map(|solution| Outcome { status: solution.status, steps: record.steps().to_vec(), seconds })
+/// As there.
+pub fn run_scene(scene: Scene, dir: &Path, watch: &mut Watch) -> Result<Outcome, RunError> {
+    SceneRun::new(scene, dir).start(watch)
 }
 
-fn snapshots(progress: &Progress) -> Vec<RodSnapshot> {
-    let engine = progress.engine;
+/// Goes on with the run in the folder `dir`, whose scene file must still be where it was: [`SceneRun::resume`].
+///
+/// # Errors
+/// As there; a scene that came from no file, or whose file cannot be read.
+pub fn resume(dir: &Path, watch: &mut Watch) -> Result<Outcome, RunError> {
+    let scene = scene_of(&Checkpoint::read(&dir.join(FILE_NAME))?)?;
+    SceneRun::new(scene, dir).resume(watch)
+}
+
+/// The scene a checkpoint was written for, read from its file.
+///
+/// # Errors
+/// A scene that came from no file, or whose file cannot be read.
+pub fn scene_of(checkpoint: &Checkpoint) -> Result<Scene, InputError> {
+    let Some(path) = &checkpoint.scene else {
+        let reason = "its scene came from no file: give the scene to go on with".to_owned();
+        return Err(InputError::Inconsistent { field: "checkpoint".to_owned(), reason });
+    };
+    Scene::read(path)
+}
+
+/// A scene about to be run in a folder.
+#[derive(Debug, Clone)]
+pub struct SceneRun {
+    /// The scene.
+    pub scene: Scene,
+    /// Folder of the outputs, see [`Record`].
+    pub dir: PathBuf,
+    /// Stops the run between two Newton iterations.
+    pub interrupt: Interrupt,
+}
+
+impl SceneRun {
+    /// A run that nothing interrupts yet.
+    pub fn new(scene: Scene, dir: &Path) -> Self {
+        Self { scene, dir: dir.to_owned(), interrupt: Interrupt::default() }
+    }
+
+    /// Runs the scene from its start; `watch` sees every accepted step and may stop the run.
+    ///
+    /// The record of what was accepted is written also when the run stops, does not converge or breaks down. Checkpoints are written after
+    /// steps as the scene's output choices say, and when the run is stopped; a finished run leaves none. One that an earlier
+    /// run has left in the folder is set aside as `checkpoint.bin.old`.
+    ///
+    /// # Errors
+    /// [`RunError`]: input refused (files that cannot be written included), or numbers that broke down.
+    pub fn start(self, watch: &mut Watch) -> Result<Outcome, RunError> {
+        let record = Record::new(&self.scene, &self.dir)?;
+        let path = self.dir.join(FILE_NAME);
+        if path.exists() {
+            let refuse = |e: std::io::Error| InputError::File { path: path.clone(), reason: e.to_string() };
+            std::fs::rename(&path, self.dir.join(format!("{FILE_NAME}.old"))).map_err(refuse)?;
+        }
+        self.go(record, None, 0.0, watch)
+    }
+
+    /// Goes on from the checkpoint in the folder. The steps that follow, the final state and all tables are, bit for bit, those of a run
+    /// that never stopped, but for wall times; `watch` sees the steps that follow.
+    ///
+    /// # Errors
+    /// As [`SceneRun::start`]; a checkpoint that is missing, damaged or of another version, or that was written for another scene (title,
+    /// outputs and threads may differ).
+    pub fn resume(self, watch: &mut Watch) -> Result<Outcome, RunError> {
+        let checkpoint = Checkpoint::read(&self.dir.join(FILE_NAME))?;
+        checkpoint.check_scene(&self.scene)?;
+        let Checkpoint { restart, record, seconds, .. } = checkpoint;
+        let record = Record::resume(&self.scene, &self.dir, record)?;
+        self.go(record, Some(restart), seconds, watch)
+    }
+
+    fn go(
+        self,
+        record: Record,
+        from: Option<Restart>,
+        seconds_before: f64,
+        watch: &mut Watch,
+    ) -> Result<Outcome, RunError> {
+        let started = Instant::now();
+        let mut options = options(&self.scene);
+        options.newton.interrupt = self.interrupt;
+        let output = &self.scene.output;
+        let mut keeper = Keeper {
+            record,
+            path: self.dir.join(FILE_NAME),
+            scene: self.scene.path.clone(),
+            fingerprint: Fingerprint::of(&self.scene),
+            steps: output.checkpoint_steps,
+            seconds: output.checkpoint_seconds,
+            on_disk: from.is_some(),
+            last: started,
+            latest: from.clone(),
+            started,
+            seconds_before,
+        };
+        let mut failed: Option<InputError> = None;
+        let mut observer = |progress: &Progress, waypoint: &Waypoint| {
+            let observation = observe::observe(progress);
+            let seen = watch(&observation);
+            match keeper.take_in(observation, progress.engine, waypoint) {
+                Ok(()) => seen,
+                Err(error) => {
+                    failed = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        };
+        let result = solve::run_from(self.scene.model, &self.scene.stages, &options, from, &mut observer);
+        match failed {
+            Some(error) => Err(error.into()),
+            None => keeper.finish(result),
+        }
+    }
+}
+
+/// Keeps record and checkpoint of a run.
+struct Keeper {
+    record: Record,
+    path: PathBuf,
+    scene: Option<PathBuf>,
+    fingerprint: Fingerprint,
+    steps: Option<usize>,
+    seconds: f64,
+    /// A checkpoint of this run is on the disk.
+    on_disk: bool,
+    /// When the last one was written.
+    last: Instant,
+    /// From where the run could go on.
+    latest: Option<Restart>,
+    started: Instant,
+    seconds_before: f64,
+}
+
+impl Keeper {
+    fn take_in(&mut self, observation: Observation, engine: &Engine, waypoint: &Waypoint) -> Result<(), InputError> {
+        self.record.push(observation, snapshots(engine))?;
+        self.latest = waypoint.restart();
+        let by_steps = self.steps.is_some_and(|every| waypoint.place().num_steps.is_multiple_of(every));
+        // an interval too long for a Duration never ends
+        let interval = Duration::try_from_secs_f64(self.seconds).unwrap_or(Duration::MAX);
+        if by_steps || self.last.elapsed() >= interval { self.write() } else { Ok(()) }
+    }
+
+    /// Writes a checkpoint of the last accepted state, if there is any.
+    fn write(&mut self) -> Result<(), InputError> {
+        let Some(restart) = &self.latest else { return Ok(()) };
+        let checkpoint = Checkpoint {
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: self.scene.clone(),
+            fingerprint: self.fingerprint,
+            seconds: self.elapsed(),
+            restart: restart.clone(),
+            record: self.record.state(),
+        };
+        checkpoint.write(&self.path)?;
+        (self.on_disk, self.last) = (true, Instant::now());
+        Ok(())
+    }
+
+    fn elapsed(&self) -> f64 {
+        self.seconds_before + self.started.elapsed().as_secs_f64()
+    }
+
+    fn finish(mut self, result: Result<solve::Solution, RunError>) -> Result<Outcome, RunError> {
+        let seconds = self.elapsed();
+        let (converged, status) = match &result {
+            Ok(solution) => (solution.status == Status::Converged, solution.status.to_string()),
+            Err(error) => (false, error.to_string()),
+        };
+        if let Ok(solution) = &result {
+            let engine = solution.solver.engine();
+            self.record.set_last(|| (snapshots(engine), observe::contact_sites(engine)));
+            // before the outputs, which may take a while
+            if solution.status == Status::Stopped || (self.on_disk && !converged) {
+                self.write()?;
+            }
+        }
+        self.record.finish(converged, &status, seconds)?;
+        if converged && self.on_disk {
+            // all there is to know is in the outputs now; a checkpoint that cannot be removed does no harm
+            std::fs::remove_file(&self.path).ok();
+            self.on_disk = false;
+        }
+        let checkpoint = self.on_disk.then_some(self.path);
+        result.map(|solution| Outcome {
+            status: solution.status,
+            steps: self.record.steps().to_vec(),
+            seconds,
+            checkpoint,
+        })
+    }
+}
+
+fn snapshots(engine: &Engine) -> Vec<RodSnapshot> {
     let snapshot = |(rod, fields): (usize, NodalFields)| RodSnapshot {
         positions: engine.positions(rod).to_vec(),
         frames: engine.frames(rod).to_vec(),

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::observe::report::Observation;
+use crate::observe::report::{Observation, SiteReport};
 use crate::scene::file::Units;
 
 use super::csv::{Cell, write_table};
@@ -62,7 +62,7 @@ impl StepTable<'_> {
         let mut line = format!("{:>5}", step.step);
         line += &[link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)].map(turns).concat();
         line += &[e.bend, e.twist, e.stretch, e.shear].map(number).concat();
-        line += &format!("{gap}{:>6}{}", step.sites.len(), number(step.total_contact_force));
+        line += &format!("{gap}{:>6}{}", step.num_sites, number(step.total_contact_force));
         line += &format!("{:>6}{:>6}", step.num_unstable, step.iterations);
         if step.status != CONVERGED {
             line += &format!("  {}", step.status);
@@ -121,9 +121,33 @@ fn cells(step: &Observation) -> Vec<Cell> {
     }
     cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.total].map(Cell::from));
     cells.push(step.min_gap.map_or_else(|| Cell::from(""), |gap| gap.lower.into()));
-    cells.extend([step.sites.len().into(), step.total_contact_force.into(), step.num_unstable.into()]);
+    cells.extend([step.num_sites.into(), step.total_contact_force.into(), step.num_unstable.into()]);
     cells.extend([step.iterations.into(), step.seconds.into(), step.status.as_str().into()]);
     cells
+}
+
+/// Writes contact sites as CSV, one a line; `rods` are the names of all rods.
+///
+/// # Errors
+/// [`InputError::File`] if the file cannot be written.
+pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result<(), InputError> {
+    let header = ["rod_a", "from_a", "to_a", "rod_b", "from_b", "to_b", "kind", "gap", "force", "angle"].as_slice();
+    let row = |site: &SiteReport| -> [Cell; 10] {
+        let [a, b] = [(site.rod_a, site.arc_a), (site.rod_b, site.arc_b)];
+        [
+            rods[a.0].as_str().into(),
+            a.1[0].into(),
+            a.1[1].into(),
+            rods[b.0].as_str().into(),
+            b.1[0].into(),
+            b.1[1].into(),
+            site.kind.as_str().into(),
+            site.gap.into(),
+            site.force.into(),
+            site.angle.into(),
+        ]
+    };
+    write_table(path, header, sites.iter().map(row))
 }
 
 #[cfg(test)]
@@ -151,6 +175,7 @@ pub(super) mod tests {
             links: vec![link],
             energies: Energies { bend: 123456.789, twist: 1e-9, total: 123456.789, ..Energies::default() },
             min_gap: None,
+            num_sites: 0,
             sites: Vec::new(),
             total_contact_force: 0.0,
             reactions: Vec::new(),

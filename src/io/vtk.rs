@@ -154,6 +154,16 @@ impl PvdWriter {
         Self { path: path.into(), entries: String::new() }
     }
 
+    /// Continues a collection from what [`PvdWriter::entries`] gave.
+    pub fn resume(path: impl Into<PathBuf>, entries: String) -> Self {
+        Self { path: path.into(), entries }
+    }
+
+    /// The entries so far, one line each.
+    pub fn entries(&self) -> &str {
+        &self.entries
+    }
+
     /// Adds `file` at time `time` and rewrites the collection, which is thus valid after every step.
     ///
     /// Files in the collection's own folder (or below) are stored relative to it, so the folder can be moved.

@@ -7,4 +7,4 @@ mod state;
 
 /// Link, twist and writhe of closed curves (they live among the mathematics, for start shapes need them too).
 pub use crate::math::link;
-pub use state::observe;
+pub use state::{contact_sites, observe};

@@ -1,9 +1,9 @@
 //! What is told of an accepted state: plain data, serialisable, with units. Filled by [`observe`](super::observe).
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Energies by kind \[F·L\].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// ½∫EA Γ3².
     pub stretch: f64,
@@ -19,11 +19,38 @@ pub struct Energies {
     pub total: f64,
 }
 
+/// Whether a contact is isolated; compares with its name, too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SiteKind {
+    /// Not longer than the rods are thick.
+    Point,
+    /// Longer.
+    Line,
+}
+
+impl SiteKind {
+    /// "point" or "line".
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Line => "line",
+        }
+    }
+}
+
+impl PartialEq<&str> for SiteKind {
+    fn eq(&self, name: &&str) -> bool {
+        self.as_str() == *name
+    }
+}
+
 /// A contact site: a zone of arc length on strand a pressing on its partner zone on strand b.
 ///
 /// Arc lengths are reference ones from the start of the rod; on a closed rod an interval that ends below its start runs
 /// over the seam. Strand a is the one on the lower rod, on one rod the one whose interval starts first.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SiteReport {
     /// Rod of strand a.
     pub rod_a: usize,
@@ -35,7 +62,7 @@ pub struct SiteReport {
     pub arc_b: [f64; 2],
     /// "line" where the mean of both intervals is longer than the contact distance ε_a + ε_b, "point" otherwise: a contact
     /// shorter than the rods are thick is isolated, its length says how stiff the contact law is.
-    pub kind: &'static str,
+    pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
     /// Contact force: integral of the pressure over the zone \[F\].
@@ -50,7 +77,7 @@ pub struct SiteReport {
 }
 
 /// Force and moment a support exerts on the rod.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reaction {
     /// Rod index.
     pub rod: usize,
@@ -67,7 +94,7 @@ pub struct Reaction {
 /// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as no
 /// strand has passed through another. Of its two parts the polygon would know each to second order in its edges only,
 /// so `twist` is the elements' own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RodLink {
     /// Rod index.
     pub rod: usize,
@@ -86,7 +113,7 @@ pub struct RodLink {
 }
 
 /// Smallest certified clearance of the state.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GapReport {
     /// Lower bound of the smallest gap \[L\].
     pub lower: f64,
@@ -103,7 +130,7 @@ pub struct GapReport {
 }
 
 /// Everything reported about one accepted state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Stage index, 0-based.
     pub stage: usize,
@@ -119,9 +146,11 @@ pub struct Observation {
     pub energies: Energies,
     /// Smallest gap; `None` when nothing is within two diameters of the thinnest rod, or contact is off.
     pub min_gap: Option<GapReport>,
-    /// Contact sites.
+    /// Number of contact sites.
+    pub num_sites: usize,
+    /// Contact sites; a [record](crate::io::record::Record) keeps only the strongest of each step.
     pub sites: Vec<SiteReport>,
-    /// Sum of the sites' forces \[F\].
+    /// Sum of the forces of all sites \[F\].
     pub total_contact_force: f64,
     /// Reactions at supports.
     pub reactions: Vec<Reaction>,

@@ -8,7 +8,11 @@
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::detect::{PairTerm, ZonePiece};
 
-use super::report::SiteReport;
+use super::report::{SiteKind, SiteReport};
+
+mod by_place;
+
+use by_place::ByPlace;
 
 /// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
 const TOL_ARC: f64 = 1e-6;
@@ -210,6 +214,7 @@ fn successors(set: &CurveSet, pieces: &[Zone]) -> Vec<Option<usize>> {
 
 /// Groups zones into sites: the indices of its zones, true for those that see it the other way round than the first.
 fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
+    let places = ByPlace::new(set, zones);
     let mut used = vec![false; zones.len()];
     let mut groups = Vec::new();
     for start in 0..zones.len() {
@@ -220,7 +225,7 @@ fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
         let mut group = vec![(start, false)];
         let mut next = 0;
         while let Some(&(member, flipped)) = group.get(next) {
-            for other in counterparts(set, zones, member) {
+            for other in counterparts(set, zones, &places, member) {
                 if !used[other] {
                     used[other] = true;
                     group.push((other, !flipped));
@@ -233,15 +238,23 @@ fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
     groups
 }
 
-/// Zones that see the same contact from the other strand.
-fn counterparts<'a>(set: &'a CurveSet, zones: &'a [Zone], index: usize) -> impl Iterator<Item = usize> + 'a {
-    let zone = &zones[index];
-    let pad = TOL_FOOT * contact_distance(set, zone);
-    class(zones, zone.curve_b, zone.curve_a).filter(move |&other| {
-        other != index
-            && overlap(zone.arc_b, zones[other].arc_a, pad, period(set, zone.curve_b))
-            && overlap(zone.arc_a, zones[other].arc_b, pad, period(set, zone.curve_a))
-    })
+/// Zones that see the same contact from the other strand, by index.
+fn counterparts(set: &CurveSet, zones: &[Zone], places: &ByPlace, index: usize) -> Vec<usize> {
+    let pad = pad(set, &zones[index]);
+    let mut near = places.near((zones[index].curve_b, zones[index].curve_a), zones[index].arc_b, pad);
+    near.retain(|&other| sees(set, &zones[index], &zones[other], pad) && other != index);
+    near
+}
+
+/// How far apart the views of one contact may be \[L\].
+fn pad(set: &CurveSet, zone: &Zone) -> f64 {
+    TOL_FOOT * contact_distance(set, zone)
+}
+
+/// Whether two zones, each on the other's partner strand, overlap on both strands.
+fn sees(set: &CurveSet, zone: &Zone, other: &Zone, pad: f64) -> bool {
+    overlap(zone.arc_b, other.arc_a, pad, period(set, zone.curve_b))
+        && overlap(zone.arc_a, other.arc_b, pad, period(set, zone.curve_a))
 }
 
 fn ascending(arc: [f64; 2]) -> [f64; 2] {
@@ -309,7 +322,7 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
         arc_a: a.1,
         rod_b: b.0,
         arc_b: b.1,
-        kind: if is_line { "line" } else { "point" },
+        kind: if is_line { SiteKind::Line } else { SiteKind::Point },
         gap: nearest.gap,
         force: load_a.force + load_b.force,
         center: [a.2, b.2],

@@ -9,7 +9,7 @@ use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
 use crate::solve::{Engine, Progress};
 
-use super::report::{Energies, GapReport, Observation, Reaction, RodLink};
+use super::report::{Energies, GapReport, Observation, Reaction, RodLink, SiteReport};
 use super::sites::sites;
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
@@ -26,7 +26,7 @@ const TOL_GAP: f64 = 1e-10;
 pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());
-    let sites = engine.contact.as_ref().map_or_else(Vec::new, |side| sites(&side.set, &residual.terms, &side.rods));
+    let sites = sites_of(engine, &residual);
     Observation {
         stage: progress.stage,
         step: progress.step,
@@ -35,6 +35,7 @@ pub fn observe(progress: &Progress) -> Observation {
         links: links(engine, &residual),
         energies: energies(&residual.potential),
         min_gap: min_gap(engine),
+        num_sites: sites.len(),
         total_contact_force: sites.iter().fold(0.0, |sum, site| sum + site.force),
         sites,
         reactions: reactions(engine, &residual),
@@ -42,6 +43,15 @@ pub fn observe(progress: &Progress) -> Observation {
         iterations: progress.report.iterations,
         seconds: progress.seconds,
     }
+}
+
+/// The contact sites of the engine's state, as [`observe`] reports them.
+pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
+    sites_of(engine, &engine.residual(engine.state()))
+}
+
+fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
+    engine.contact.as_ref().map_or_else(Vec::new, |side| sites(&side.set, &residual.terms, &side.rods))
 }
 
 fn energies(potential: &Potential) -> Energies {

@@ -14,6 +14,8 @@ use crate::error::InputError;
 
 use super::model::{Model, Stage};
 
+use text::SceneText;
+
 pub(crate) use points::finite;
 pub use points::read_points;
 
@@ -81,7 +83,11 @@ pub use points::read_points;
 /// [output]
 /// every = 1                                    # write VTK every so many accepted steps
 /// vtk = true
+/// node_every = 1                               # VTK: every so many nodes
+/// node_tolerance = 0.5                         # VTK: instead, leave out nodes within this distance of the line drawn
 /// picture = true
+/// checkpoint_steps = 20                        # a checkpoint every so many accepted steps (default: by time only)
+/// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0 at every step
 /// dir = "out/minicircle"                       # relative to where the program runs
 /// ```
 ///
@@ -101,6 +107,8 @@ pub struct Scene {
     pub solver: SolverChoice,
     /// What to write.
     pub output: OutputChoice,
+    /// The file it was read from, absolute; none if it came from text.
+    pub path: Option<PathBuf>,
 }
 
 /// Names of the units in which the scene's numbers are given. Nothing is converted: any consistent units will do.
@@ -133,22 +141,39 @@ pub struct SolverChoice {
 }
 
 /// What a run writes.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputChoice {
     /// VTK file every so many accepted steps (the first and the last always). Legal: ≥ 1.
     pub every: usize,
     /// Write VTK files for ParaView.
     pub vtk: bool,
+    /// VTK: every so many nodes of a rod (and the last); with `node_tolerance`, pass over at most so many. Legal: ≥ 1.
+    pub node_every: usize,
+    /// VTK: leave out nodes that lie within this distance \[L\] of the line drawn. Legal: ≥ 0.
+    pub node_tolerance: Option<f64>,
     /// Draw pictures.
     pub picture: bool,
+    /// Write a checkpoint every so many accepted steps. Legal: ≥ 1.
+    pub checkpoint_steps: Option<usize>,
+    /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal: ≥ 0, infinite: never.
+    pub checkpoint_seconds: f64,
     /// Folder, relative to the working directory; the command line's `--out` goes before it.
     pub dir: Option<PathBuf>,
 }
 
 impl Default for OutputChoice {
     fn default() -> Self {
-        Self { every: 1, vtk: true, picture: true, dir: None }
+        Self {
+            every: 1,
+            vtk: true,
+            node_every: 1,
+            node_tolerance: None,
+            picture: true,
+            checkpoint_steps: None,
+            checkpoint_seconds: 60.0,
+            dir: None,
+        }
     }
 }
 
@@ -160,7 +185,8 @@ impl Scene {
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
         let text = std::fs::read_to_string(path).map_err(refuse)?;
-        Self::parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
+        let scene = Self::parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))?;
+        Ok(Self { path: std::path::absolute(path).ok(), ..scene })
     }
 
     /// Reads a scene from text; files named in it are found relative to `base_dir`.
@@ -174,11 +200,12 @@ impl Scene {
 
     fn parse(text: &str, file: &str, base_dir: &Path) -> Result<Self, InputError> {
         let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: e.to_string() };
-        let text: text::SceneText = toml::from_str(text).map_err(refuse)?;
+        let text: SceneText = toml::from_str(text).map_err(refuse)?;
         check_choices(&text.solver, &text.output)?;
         let model = build::model(&text, base_dir)?;
         let stages = build::stages(&text.stages, &model)?;
-        Ok(Self { title: text.title, units: text.units, model, stages, solver: text.solver, output: text.output })
+        let SceneText { title, units, solver, output, .. } = text;
+        Ok(Self { title, units, model, stages, solver, output, path: None })
     }
 }
 
@@ -186,10 +213,20 @@ fn check_choices(solver: &SolverChoice, output: &OutputChoice) -> Result<(), Inp
     if let Some(tol) = solver.tol_increment {
         InputError::check("solver.tol_increment", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")?;
     }
+    if let Some(tolerance) = output.node_tolerance {
+        InputError::check("output.node_tolerance", tolerance, tolerance >= 0.0, "finite and at least 0")?;
+    }
+    let seconds = output.checkpoint_seconds;
+    if seconds.is_nan() || seconds < 0.0 {
+        let field = "output.checkpoint_seconds".to_owned();
+        return Err(InputError::Value { field, value: seconds, allowed: "at least 0 s, or inf" });
+    }
     let counts = [
         ("solver.max_iterations", solver.max_iterations),
         ("solver.threads", solver.threads),
         ("output.every", Some(output.every)),
+        ("output.node_every", Some(output.node_every)),
+        ("output.checkpoint_steps", output.checkpoint_steps),
     ];
     match counts.into_iter().find(|(_, count)| *count == Some(0)) {
         Some((field, _)) => Err(InputError::Count { field: field.into(), value: 0, allowed: "at least 1" }),

@@ -184,6 +184,7 @@ impl Reporter<'_> {
             num_unstable: point.num_unstable,
             penetration: point.penetration,
             softening: 1.0,
+            predicted: false,
             error: None,
             history: Vec::new(),
         };

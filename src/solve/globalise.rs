@@ -83,6 +83,9 @@ impl Workspace {
             let residual = self.linearise(engine, &state, &stress, &drive_now);
             let (mut longest, mut rejected_here) = (1.0, 0);
             loop {
+                if self.must_stop(options) {
+                    return Ok(report);
+                }
                 self.convexify(engine, report.iterations.len())?;
                 let step = self.solve_step(engine, &residual, &drive_now, report.iterations.len())?;
                 let size = increment_size(engine, &step);

@@ -1,7 +1,8 @@
 //! Finds equilibria, from the outside in: [`path`] (load stepping), `predictor` (where it is heading), [`settle`] (one state brought to rest: contact enforced,
 //! unstable states left), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), [`step_bound`]
-//! (no strand passes another), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem
-//! assembled), [`state`] (the configuration and how it moves), [`fields`] (what it looks like along the rods).
+//! (no strand passes another), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of
+//! unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem assembled), [`state`] (the configuration and how
+//! it moves), [`restart`] (what a run needs to go on later), [`fields`] (what it looks like along the rods).
 
 pub mod assembly;
 pub mod continuation;
@@ -9,11 +10,13 @@ mod coupling;
 pub mod engine;
 pub mod fields;
 pub mod globalise;
+mod interrupt;
 mod moment_load;
 mod neutral;
 pub mod newton;
 pub mod path;
 mod predictor;
+pub mod restart;
 pub mod settle;
 pub mod stability;
 pub mod state;
@@ -24,8 +27,10 @@ use crate::error::InputError;
 pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
 pub use fields::NodalFields;
+pub use interrupt::Interrupt;
 pub use newton::NewtonOptions;
-pub use path::{Progress, RunError, Solution, Solver, run};
+pub use path::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};
+pub use restart::Restart;
 pub use settle::{Status, StepReport};
 pub use state::{Drive, State};
 

@@ -4,6 +4,7 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
+use crate::solve::interrupt::Interrupt;
 use crate::solve::neutral::Neutral;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
@@ -18,11 +19,13 @@ pub struct NewtonOptions {
     pub max_iterations: usize,
     /// Shift the tangent until it has no negative eigenvalue: seeks minima. Off: seeks any equilibrium.
     pub stable_only: bool,
+    /// Asks the search to give up between two iterations.
+    pub interrupt: Interrupt,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tol_increment: 1e-8, max_iterations: 500, stable_only: true }
+        Self { tol_increment: 1e-8, max_iterations: 500, stable_only: true, interrupt: Interrupt::default() }
     }
 }
 
@@ -70,6 +73,8 @@ pub struct Workspace {
     shifted: Vec<f64>,
     /// Last estimate of the softest direction.
     pub(crate) softest: Vec<f64>,
+    /// A search was given up because it was asked to.
+    pub(crate) interrupted: bool,
 }
 
 /// Iterations allowed to the search without shifts.
@@ -128,6 +133,9 @@ impl Workspace {
         let mut state = engine.state.clone();
         let mut stress = engine.actual_stress(&state);
         for iteration in 0..options.max_iterations {
+            if self.must_stop(options) {
+                return Ok(report);
+            }
             self.refresh(engine, &state)?;
             let drive_now = drive.scaled(remaining);
             let residual = self.linearise(engine, &state, &stress, &drive_now);
@@ -165,6 +173,12 @@ impl Workspace {
         self.refresh(engine, &state)?;
         report.num_unstable = self.count_unstable(engine)?;
         Ok(report)
+    }
+
+    /// Whether the search is asked to give up; remembered until someone takes note.
+    pub(crate) fn must_stop(&mut self, options: &NewtonOptions) -> bool {
+        self.interrupted |= options.interrupt.is_raised();
+        self.interrupted
     }
 
     /// Sum over free unknowns of step × f.

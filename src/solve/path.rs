@@ -11,6 +11,7 @@ use crate::solve::Options;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::History;
+use crate::solve::restart::{Place, Restart};
 use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::Drive;
 
@@ -54,8 +55,10 @@ pub struct Solver {
     /// Stages by which the contact law is softer than asked for in the present state.
     pub(crate) stages_left: i32,
     /// Turns and displacements prescribed so far, per node.
-    pub(super) turned: BTreeMap<usize, f64>,
-    pub(super) displaced: BTreeMap<usize, Vec3>,
+    pub(crate) turned: BTreeMap<usize, f64>,
+    pub(crate) displaced: BTreeMap<usize, Vec3>,
+    /// The way of the present stage, for predictions.
+    pub(crate) history: History,
 }
 
 /// Target of one step in terms of the engine.
@@ -68,6 +71,29 @@ struct Target {
     displaced: Vec<(usize, Vec3)>,
 }
 
+/// An accepted state that a run may be taken up from.
+#[derive(Debug)]
+pub struct Waypoint<'a> {
+    solver: &'a Solver,
+    place: Place,
+    settled: bool,
+}
+
+impl Waypoint<'_> {
+    /// Where the run stands.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// All that is needed to go on from here with [`resume`]; `None` if the start state did not come to rest.
+    pub fn restart(&self) -> Option<Restart> {
+        self.settled.then(|| self.solver.to_restart(self.place))
+    }
+}
+
+/// What is called for the start state and after every accepted step.
+pub type Observer<'a> = dyn FnMut(&Progress, &Waypoint) -> ControlFlow<()> + 'a;
+
 /// Runs all stages of a model; the observer is called for the start state (step 0) and after every accepted step.
 ///
 /// # Errors
@@ -79,31 +105,49 @@ pub fn run(
     options: &Options,
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Solution, RunError> {
+    run_from(model, stages, options, None, &mut |progress, _| observer(progress))
+}
+
+/// As [`run`], with an observer that may keep a [`Restart`] of what it sees, or taking up a run where an earlier one left it: with the same
+/// model, stages and options the steps that follow are the same, bit for bit, as if it had gone on. The observer is not
+/// called again for the state the run is taken up from.
+///
+/// # Errors
+/// As [`run`]; a restart that belongs to another model or other stages.
+pub fn run_from(
+    model: Model,
+    stages: &[Stage],
+    options: &Options,
+    from: Option<Restart>,
+    observer: &mut Observer,
+) -> Result<Solution, RunError> {
     model.check_stages(stages)?;
     let mut solver = Solver::new(model, options.clone())?;
-    let started = Instant::now();
-    let report = solver.settle(&Drive::default());
-    let mut iterations = report.iterations;
-    let mut num_steps = 0;
-    let mut status = report.status;
-    let first = Progress {
-        engine: &solver.engine,
-        stage: 0,
-        step: 0,
-        fraction: 0.0,
-        report: &report,
-        seconds: started.elapsed().as_secs_f64(),
+    let (mut place, mut status) = match from {
+        None => solver.run_start(observer)?,
+        Some(restart) => {
+            let place = restart.place;
+            if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan()
+            {
+                let reason =
+                    format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);
+                return Err(InputError::Inconsistent { field: "restart".to_owned(), reason }.into());
+            }
+            solver.take_over(restart)?;
+            solver.forget_the_way()?;
+            (place, Status::Converged)
+        }
     };
-    if observer(&first).is_break() {
-        status = Status::Stopped;
-    }
-    for (index, stage) in stages.iter().enumerate() {
+    for (index, stage) in stages.iter().enumerate().skip(place.stage) {
         if status != Status::Converged {
             break;
         }
-        status = solver.run_stage(index, stage, &mut num_steps, &mut iterations, observer)?;
+        if index > place.stage {
+            place = Place::start_of(index, place.num_steps, place.iterations);
+        }
+        status = solver.run_stage(stage, &mut place, observer)?;
     }
-    Ok(Solution { status, solver, num_steps, iterations })
+    Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations })
 }
 
 /// Why a run could not go on.
@@ -132,6 +176,7 @@ impl Solver {
             stages_left: 0,
             turned: BTreeMap::new(),
             displaced: BTreeMap::new(),
+            history: History::default(),
         })
     }
 
@@ -170,39 +215,54 @@ impl Solver {
         self.workspace.count_unstable(&mut self.engine)
     }
 
-    fn run_stage(
-        &mut self,
-        index: usize,
-        stage: &Stage,
-        num_steps: &mut usize,
-        iterations: &mut usize,
-        observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<Status, RunError> {
-        let mut done = 0.0;
+    /// Brings the start state to rest.
+    fn run_start(&mut self, observer: &mut Observer) -> Result<(Place, Status), RunError> {
+        let started = Instant::now();
+        let report = self.settle(&Drive::default());
+        let place = Place::start_of(0, 0, report.iterations);
+        let settled = report.status == Status::Converged;
+        if settled {
+            self.forget_the_way()?;
+        }
+        let progress = Progress {
+            engine: &self.engine,
+            stage: 0,
+            step: 0,
+            fraction: 0.0,
+            report: &report,
+            seconds: started.elapsed().as_secs_f64(),
+        };
+        let seen = observer(&progress, &Waypoint { solver: self, place, settled });
+        Ok((place, if seen.is_break() { Status::Stopped } else { report.status }))
+    }
+
+    fn run_stage(&mut self, stage: &Stage, place: &mut Place, observer: &mut Observer) -> Result<Status, RunError> {
         let full = 1.0 / stage.steps as f64;
-        let mut size: f64 = full;
+        let mut size = place.step_size.min(full);
         let mut started = Instant::now();
-        let mut history = History::default();
-        history.push(done, self.engine.state.clone());
-        while done < 1.0 - 1e-12 {
+        if place.fraction == 0.0 {
+            self.history.restart(&self.engine.state);
+        }
+        while place.fraction < 1.0 - 1e-12 {
+            let done = place.fraction;
             // of the rest: ramps are measured from where they are
             let take = (size / (1.0 - done)).min(1.0);
             let take = if 1.0 - done - size < 1e-9 { 1.0 } else { take };
             let snapshot = self.snapshot();
             let target = self.target(&stage.ramps, take);
             let advance = take * (1.0 - done);
-            let predicted = history.predict(&self.engine, &target.drive, done + advance);
+            let predicted = self.history.predict(&self.engine, &target.drive, done + advance);
             let offered = predicted.is_some();
             let report = self.attempt(&target, predicted);
-            *iterations += report.iterations;
+            place.iterations += report.iterations;
             if offered && !report.predicted {
                 // where contact changes too much for a parabola, some steps are made the slow way before the next try
-                history.clear();
+                self.history.clear();
             }
             if report.status != Status::Converged {
                 self.restore(snapshot)?;
                 size *= 0.5;
-                if size < full * self.options.min_step {
+                if report.status == Status::Stopped || size < full * self.options.min_step {
                     return Ok(match report.status {
                         Status::BrokeDown | Status::MaxIterations => Status::StepTooSmall,
                         other => other,
@@ -210,25 +270,27 @@ impl Solver {
                 }
                 continue;
             }
-            done += advance;
+            size = (2.0 * size).min(full);
+            place.fraction += advance;
+            place.step_size = size;
+            place.num_steps += 1;
             if report.departures > 0 {
-                history.clear();
+                self.history.clear();
             }
-            history.push(done, self.engine.state.clone());
-            *num_steps += 1;
+            self.history.push(place.fraction, self.engine.state.clone());
+            self.forget_the_way()?;
             let progress = Progress {
                 engine: &self.engine,
-                stage: index,
-                step: *num_steps,
-                fraction: done,
+                stage: place.stage,
+                step: place.num_steps,
+                fraction: place.fraction,
                 report: &report,
                 seconds: started.elapsed().as_secs_f64(),
             };
-            if observer(&progress).is_break() {
+            if observer(&progress, &Waypoint { solver: self, place: *place, settled: true }).is_break() {
                 return Ok(Status::Stopped);
             }
             started = Instant::now();
-            size = (2.0 * size).min(full);
         }
         Ok(Status::Converged)
     }

@@ -6,6 +6,7 @@
 //! parabola by the cube, which is what makes a prediction near contact worth its price.
 
 use nalgebra::Unit;
+use serde::{Deserialize, Serialize};
 
 use crate::math::{Quat, Vec3};
 use crate::solve::engine::Engine;
@@ -15,7 +16,7 @@ use crate::solve::state::{Drive, State};
 const KEPT: usize = 3;
 
 /// The last accepted states of a stage.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct History {
     /// Fraction of the stage done and the state there, oldest first.
     states: Vec<(f64, State)>,
@@ -30,9 +31,20 @@ impl History {
         self.states.push((fraction, state));
     }
 
+    /// Begins a stage at `state`.
+    pub(crate) fn restart(&mut self, state: &State) {
+        self.states.clear();
+        self.states.push((0.0, state.clone()));
+    }
+
     /// Forgets the way so far: the path has jumped.
     pub(crate) fn clear(&mut self) {
         self.states.clear();
+    }
+
+    /// All states kept.
+    pub(crate) fn states(&self) -> impl Iterator<Item = &State> {
+        self.states.iter().map(|(_, state)| state)
     }
 
     /// The increment from the engine's state with its seams turned by `drive` to the state predicted at `fraction`, supported unknowns

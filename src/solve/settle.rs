@@ -45,7 +45,7 @@ pub enum Status {
     BrokeDown,
     /// The load step fell below its smallest size.
     StepTooSmall,
-    /// The observer asked to stop.
+    /// The observer, or whoever raised the [`Interrupt`](super::Interrupt), asked to stop.
     Stopped,
 }
 
@@ -137,6 +137,11 @@ impl Solver {
         if let Err(error) = outcome {
             report.error = Some(error);
             report.status = Status::BrokeDown;
+        }
+        // whatever was made of a search that was cut short
+        if std::mem::take(&mut self.workspace.interrupted) {
+            report.error = None;
+            report.status = Status::Stopped;
         }
         report
     }

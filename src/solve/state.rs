@@ -1,12 +1,13 @@
 //! The configuration of all rods and how it moves.
 
 use nalgebra::Unit;
+use serde::{Deserialize, Serialize};
 
 use crate::math::quaternion::{exp, spin};
 use crate::math::{Quat, Vec3};
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Node positions \[L\].
     pub positions: Vec<Vec3>,

@@ -14,6 +14,8 @@ pub(super) struct Camera {
     center: Vec3,
     /// Samples per length.
     pub scale: f64,
+    /// Samples per pixel in each direction.
+    pub per_pixel: f64,
     /// Size of the sample buffer.
     pub width: usize,
     /// Size of the sample buffer.
@@ -41,7 +43,14 @@ impl Camera {
         let free = 1.0 - 2.0 * MARGIN;
         let fitted = (free * width as f64 / (high.x - low.x)).min(free * height as f64 / (high.y - low.y));
         let scale = picture.visible_width.map_or(fitted, |w| width as f64 / w);
-        Ok(Self { axes, center: axes.transpose() * ((low + high) * 0.5), scale, width, height })
+        Ok(Self {
+            axes,
+            center: axes.transpose() * ((low + high) * 0.5),
+            scale,
+            per_pixel: picture.supersampling as f64,
+            width,
+            height,
+        })
     }
 
     /// Sample coordinates of a point of the world.

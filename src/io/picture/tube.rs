@@ -4,6 +4,7 @@ use super::camera::Camera;
 use super::palette::linear;
 use super::raster::Shape;
 use super::{Stripe, Tube};
+use crate::io::detail::within;
 use crate::math::Vec3;
 use std::f64::consts::TAU;
 
@@ -13,6 +14,13 @@ const TURNING: f64 = 0.1;
 const TWISTING: f64 = 0.3;
 /// Points closer than this many radii to the last one are left out where the tube hardly bends.
 const SPARSE: f64 = 0.4;
+
+/// Tubes of a smaller radius, in samples, are lines: neither stripe nor roundness can be seen.
+const THIN: f64 = 1.0;
+/// Points of a line that lie this near, in samples, to what is drawn without them are left out.
+const UNSEEN: f64 = 0.5;
+/// Least width of what is drawn, in pixels: a rod much longer than thick must not vanish.
+const LEAST_WIDTH: f64 = 1.0;
 
 /// A piece of tube in sample coordinates.
 pub(super) struct Capsule {
@@ -43,19 +51,45 @@ struct Node {
 pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<Capsule> {
     let mut all = Vec::new();
     for tube in tubes {
-        let nodes = nodes(tube, 1.0 / camera.scale);
+        let look = Look::of(tube, camera);
+        let nodes = nodes(&look, 1.0 / camera.scale);
         let spans = if tube.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
         for i in 0..spans {
             let last = i + 1 == nodes.len();
             let caps = [!tube.closed && i == 0, !tube.closed && i + 1 == spans];
-            let seam = tube.stripe.as_ref().map_or(0.0, |s| if last { s.seam_turns } else { 0.0 });
-            span(tube, nodes[i], nodes[(i + 1) % nodes.len()], seam, caps, camera, &mut all);
+            let seam = look.stripe.map_or(0.0, |s| if last { s.seam_turns } else { 0.0 });
+            span(&look, nodes[i], nodes[(i + 1) % nodes.len()], seam, caps, camera, &mut all);
         }
         if let ([only], false) = (nodes.as_slice(), tube.closed) {
-            span(tube, *only, *only, 0.0, [true; 2], camera, &mut all);
+            span(&look, *only, *only, 0.0, [true; 2], camera, &mut all);
         }
     }
     all
+}
+
+/// How a tube is drawn.
+struct Look<'a> {
+    tube: &'a Tube,
+    stripe: Option<&'a Stripe>,
+    /// Radius as drawn, samples.
+    radius: f64,
+    thin: bool,
+}
+
+impl<'a> Look<'a> {
+    fn of(tube: &'a Tube, camera: &Camera) -> Self {
+        let radius = tube.radius * camera.scale;
+        let thin = radius < THIN;
+        let stripe = tube.stripe.as_ref().filter(|_| !thin);
+        Self { tube, stripe, radius: radius.max(0.5 * LEAST_WIDTH * camera.per_pixel), thin }
+    }
+
+    /// Pieces beyond which nothing more is seen, of a span that turns by `turning` (rad) over `length` samples: the sagitta of
+    /// a piece is then an eighth of a sample.
+    fn pieces(&self, turning: f64, length: f64) -> f64 {
+        let visible = (turning * length).sqrt();
+        if self.thin { visible } else { visible.max(self.radius) }
+    }
 }
 
 /// Indices of the points worth drawing: none repeated, none closer than can be seen.
@@ -84,13 +118,13 @@ fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
 }
 
 /// Nodes of a tube with what is known there; `sample` is the size of a sample \[L\].
-fn nodes(tube: &Tube, sample: f64) -> Vec<Node> {
-    let grey = [150, 155, 160];
-    let kept = worth_drawing(tube, sample);
+fn nodes(look: &Look, sample: f64) -> Vec<Node> {
+    let (tube, grey) = (look.tube, [150, 155, 160]);
+    let kept = if look.thin { within(&tube.points, UNSEEN * sample, usize::MAX) } else { worth_drawing(tube, sample) };
     let tangents = tangents(&kept.iter().map(|&i| tube.points[i]).collect::<Vec<_>>(), tube.closed);
     let color = |i: usize| linear(tube.colors.get(i).or(tube.colors.first()).copied().unwrap_or(grey));
     let stripe = |i: usize, t: Vec3| {
-        let d = tube.stripe.as_ref().map_or(Vec3::zeros(), |s| s.directions[i]);
+        let d = look.stripe.map_or(Vec3::zeros(), |s| s.directions[i]);
         (d - t * t.dot(&d)).try_normalize(0.0).unwrap_or_default()
     };
     let node = |(&i, &tangent): (&usize, &Vec3)| Node {
@@ -128,13 +162,14 @@ fn tangents(points: &[Vec3], closed: bool) -> Vec<Vec3> {
 }
 
 /// Cuts the smooth curve between two nodes into capsules.
-fn span(tube: &Tube, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<Capsule>) {
+fn span(look: &Look, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<Capsule>) {
     let length = (b.point - a.point).norm();
     let twist = twist_between(&a, &b) + TAU * (seam - seam.round());
     let twist = twist - TAU * (twist / TAU).round();
     let chord = b.point - a.point;
     let turning = a.tangent.angle(&b.tangent).max(2.0 * a.tangent.angle(&chord)).max(2.0 * b.tangent.angle(&chord));
-    let pieces = (turning / TURNING).max(twist.abs() / TWISTING).ceil().clamp(1.0, 64.0) as usize;
+    let pieces = (turning / TURNING).max(twist.abs() / TWISTING).min(look.pieces(turning, length * camera.scale));
+    let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
     let at = |k: usize| {
         let u = k as f64 / pieces as f64;
         let (point, tangent) = hermite(&a, &b, length, u);
@@ -143,15 +178,12 @@ fn span(tube: &Tube, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Came
         let stripe = base * cos + tangent.cross(&base) * sin;
         Node { point, tangent, color: a.color.lerp(&b.color, u), stripe }
     };
-    let (half_angle, color) = tube.stripe.as_ref().map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
+    let (half_angle, color) = look.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
     let mut from = at(0);
     for k in 1..=pieces {
         let to = at(k);
         all.push(Capsule {
-            shape: Shape {
-                ends: [camera.place(from.point), camera.place(to.point)],
-                radius: tube.radius * camera.scale,
-            },
+            shape: Shape { ends: [camera.place(from.point), camera.place(to.point)], radius: look.radius },
             tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
             colors: [from.color, to.color],
             stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],

@@ -5,19 +5,20 @@ use crate::io::picture::{
     PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, film_strip, plot_lines,
 };
 use crate::math::{Mat3, Vec3};
-use crate::observe::report::{Observation, SiteReport};
 
-use super::{Frame, Record, RodHead, RodSnapshot};
+use super::still::{Still, StillRod};
+use super::{Frame, Record, RodHead};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
 
 impl Record {
     pub(super) fn write_pictures(&self, last: &Frame) -> Result<(), InputError> {
-        let picture = TubePicture { width: 1600, height: 1200, ..self.picture(last) };
+        let picture = TubePicture { width: 1600, height: 1200, ..self.picture(&self.still(last, false)) };
         picture.render()?.save_png(&self.dir.join("picture.png"))?;
         let mut stills = Vec::new();
-        let frames = self.strip(last);
+        let last = self.still(last, true);
+        let frames = self.strip(&last);
         let visible_width = frames.iter().map(|frame| self.visible_width(frame)).reduce(f64::max);
         for frame in frames {
             let picture =
@@ -29,21 +30,21 @@ impl Record {
     }
 
     /// Up to six frames evenly spread over the run, the last state always among them.
-    pub(super) fn strip<'a>(&'a self, last: &'a Frame) -> Vec<&'a Frame> {
-        let mut frames: Vec<&Frame> = self.film.iter().filter(|frame| frame.step < last.step).collect();
+    pub(super) fn strip<'a>(&'a self, last: &'a Still) -> Vec<&'a Still> {
+        let mut frames: Vec<&Still> = self.film.iter().filter(|frame| frame.step < last.step).collect();
         frames.push(last);
         let count = STRIP.min(frames.len());
         let target = |k: usize| last.step as f64 * k as f64 / (count - 1).max(1) as f64;
-        let distance = |frame: &Frame, k: usize| (frame.step as f64 - target(k)).abs();
+        let distance = |frame: &Still, k: usize| (frame.step as f64 - target(k)).abs();
         let nearest = |k: usize| frames.iter().copied().min_by(|a, b| distance(a, k).total_cmp(&distance(b, k)));
-        let mut chosen: Vec<&Frame> = (0..count).filter_map(nearest).collect();
+        let mut chosen: Vec<&Still> = (0..count).filter_map(nearest).collect();
         chosen.dedup_by_key(|frame| frame.step);
         chosen
     }
 
     /// Width that shows the whole frame in a picture of 4:3 as it is viewed.
-    fn visible_width(&self, frame: &Frame) -> f64 {
-        let points = || frame.rods.iter().flat_map(|rod| &rod.positions);
+    fn visible_width(&self, frame: &Still) -> f64 {
+        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
         let center = points().sum::<Vec3>() / points().count() as f64;
         let axes = if self.planar { [Vec3::x(), Vec3::y()] } else { widest_axes(points(), &center) };
         let radius = self.rods.iter().map(|rod| rod.contact_radius).fold(0.0, f64::max);
@@ -67,41 +68,30 @@ impl Record {
         self.steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0)
     }
 
-    fn picture(&self, frame: &Frame) -> TubePicture {
+    fn picture(&self, frame: &Still) -> TubePicture {
         const COLORS: [[u8; 3]; 4] = [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170]];
         let observation = &self.steps[frame.step];
-        let tube = |(index, (head, rod)): (usize, (&RodHead, &RodSnapshot))| {
-            let d1 = rod.frames.iter().map(|q| q * Vec3::x()).collect();
+        let tube = |(index, (head, rod)): (usize, (&RodHead, &StillRod))| {
             let link = observation.links.iter().find(|link| link.rod == index);
-            let stripe = Stripe { seam_turns: link.map_or(0.0, |link| link.excess_link), ..Stripe::along(d1) };
+            let seam_turns = link.map_or(0.0, |link| link.excess_link);
+            let stripe =
+                (!rod.directions.is_empty()).then(|| Stripe { seam_turns, ..Stripe::along(rod.directions.clone()) });
             // A rod without a contact radius is drawn as a thin line.
             let radius = if head.contact_radius > 0.0 { head.contact_radius } else { 2e-3 * head.length };
             let colors = vec![COLORS[index % COLORS.len()]];
-            Tube { points: rod.positions.clone(), radius, closed: head.closed, colors, stripe: Some(stripe) }
+            Tube { points: rod.points.clone(), radius, closed: head.closed, colors, stripe }
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let from_above = View::Along { forward: -Vec3::z(), up: Vec3::y() };
         let view = if self.planar { from_above } else { View::Auto };
-        TubePicture { tubes, view, spots: self.spots(observation, frame), ..TubePicture::default() }
+        TubePicture { tubes, view, spots: self.spots(frame), ..TubePicture::default() }
     }
 
-    /// A glow in the middle between the strands of every contact site.
-    fn spots(&self, observation: &Observation, frame: &Frame) -> Vec<Spot> {
-        let at = |rod: usize, arcs: [f64; 2]| {
-            let (head, points) = (&self.rods[rod], &frame.rods[rod].positions);
-            let arc =
-                if arcs[1] >= arcs[0] { 0.5 * (arcs[0] + arcs[1]) } else { 0.5 * (arcs[0] + arcs[1] + head.length) };
-            let place = (arc / head.length * (head.elements * head.order) as f64).max(0.0);
-            let (index, fraction) = (place.floor() as usize, place.fract());
-            let point = |i: usize| points[if head.closed { i % points.len() } else { i.min(points.len() - 1) }];
-            point(index).lerp(&point(index + 1), fraction)
-        };
-        let spot = |site: &SiteReport| Spot {
-            center: 0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b)),
-            radius: 0.8 * self.rods[site.rod_a].contact_radius,
-            color: [235, 64, 52],
-        };
-        observation.sites.iter().map(spot).collect()
+    /// A glow at every contact site.
+    fn spots(&self, frame: &Still) -> Vec<Spot> {
+        let radius = |rod: usize| 0.8 * self.rods[rod].contact_radius;
+        let spot = |&(center, rod): &(Vec3, usize)| Spot { center, radius: radius(rod), color: [235, 64, 52] };
+        frame.spots.iter().map(spot).collect()
     }
 
     fn write_plot(&self) -> Result<(), InputError> {

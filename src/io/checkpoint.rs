@@ -1,0 +1,198 @@
+//! Checkpoints: a run between two steps, on disk, so that it survives being killed.
+//!
+//! | bytes | content (integers little endian) |
+//! |---|---|
+//! | 0–7 | `SUPRCOIL` |
+//! | 8–11 | version of the format |
+//! | 12–19 | length of the body |
+//! | 20–23 | CRC-32 of the body |
+//! | 24–27 | CRC-32 of the 24 bytes before |
+//! | 28– | body: [`Checkpoint`] in the postcard format, numbers bit for bit |
+//!
+//! A checkpoint is written beside the last one, flushed to the disk, and takes its name only then: whatever happens, there is a whole
+//! one. What cannot be read back exactly as it was written is refused.
+
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::InputError;
+use crate::scene::Scene;
+use crate::scene::file::SolverChoice;
+use crate::solve::Restart;
+
+use super::record::RecordState;
+
+/// Name of the checkpoint in the folder of a run.
+pub const FILE_NAME: &str = "checkpoint.bin";
+/// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
+pub const FORMAT: u32 = 1;
+const MAGIC: &[u8; 8] = b"SUPRCOIL";
+const HEADER: usize = 28;
+
+/// A run between two steps: all that it needs to go on, and all that it will still write.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// Version of the program that wrote it.
+    pub program: String,
+    /// Absolute path of the scene file, if the scene came from one.
+    pub scene: Option<PathBuf>,
+    /// What the scene was.
+    pub fingerprint: Fingerprint,
+    /// Wall time of the run so far \[s\].
+    pub seconds: f64,
+    /// The solver's side.
+    pub restart: Restart,
+    /// The record's side.
+    pub record: RecordState,
+}
+
+impl Checkpoint {
+    /// Replaces the checkpoint at `path`; the old one is there until the new one is safely on the disk.
+    ///
+    /// # Errors
+    /// [`InputError::File`] if it cannot be written; the old one is then untouched.
+    pub fn write(&self, path: &Path) -> Result<(), InputError> {
+        let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+        let bytes = self.to_bytes().map_err(|e| refuse(e.to_string()))?;
+        replace(path, &bytes).map_err(|e| refuse(e.to_string()))
+    }
+
+    fn to_bytes(&self) -> Result<Vec<u8>, postcard::Error> {
+        let mut bytes = postcard::to_extend(self, vec![0; HEADER])?;
+        let (header, body) = bytes.split_at_mut(HEADER);
+        header[..8].copy_from_slice(MAGIC);
+        header[8..12].copy_from_slice(&FORMAT.to_le_bytes());
+        header[12..20].copy_from_slice(&(body.len() as u64).to_le_bytes());
+        header[20..24].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
+        let check = crc32fast::hash(&header[..24]);
+        header[24..].copy_from_slice(&check.to_le_bytes());
+        Ok(bytes)
+    }
+
+    /// Reads the checkpoint at `path`.
+    ///
+    /// # Errors
+    /// [`InputError::File`] saying whether there is none, or it is no checkpoint, of another version, cut short or damaged.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+        let bytes = std::fs::read(path).map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => refuse("there is no checkpoint to go on from".to_owned()),
+            _ => refuse(e.to_string()),
+        })?;
+        Self::from_bytes(&bytes).map_err(refuse)
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        if bytes.len() < MAGIC.len() || &bytes[..8] != MAGIC {
+            return Err("is no checkpoint of this program".to_owned());
+        }
+        if bytes.len() < HEADER {
+            return Err(format!("is cut short: {} bytes", bytes.len()));
+        }
+        let u32_at = |k: usize| bytes[k..k + 4].iter().rev().fold(0u32, |sum, &byte| sum << 8 | u32::from(byte));
+        let version = u32_at(8);
+        if version != FORMAT {
+            let age = if version > FORMAT { "a newer" } else { "an older" };
+            return Err(format!("was written by {age} version (format {version}; this program reads format {FORMAT})"));
+        }
+        if u32_at(24) != crc32fast::hash(&bytes[..24]) {
+            return Err("is damaged: its head does not match its checksum".to_owned());
+        }
+        let (length, body) = (u64::from(u32_at(16)) << 32 | u64::from(u32_at(12)), &bytes[HEADER..]);
+        if (body.len() as u64) < length {
+            return Err(format!("is cut short: {} of {} bytes", bytes.len(), length + HEADER as u64));
+        }
+        if body.len() as u64 > length {
+            return Err(format!("has {} bytes too many", body.len() as u64 - length));
+        }
+        if u32_at(20) != crc32fast::hash(body) {
+            return Err("is damaged: its content does not match its checksum".to_owned());
+        }
+        match postcard::take_from_bytes(body) {
+            Ok((checkpoint, [])) => Ok(checkpoint),
+            Ok((_, rest)) => Err(format!("cannot be understood: {} bytes are left over", rest.len())),
+            Err(error) => Err(format!("cannot be understood: {error}")),
+        }
+    }
+
+    /// Refuses to go on with another scene than the one the run began with.
+    ///
+    /// # Errors
+    /// [`InputError::Inconsistent`] naming the part that differs.
+    pub fn check_scene(&self, scene: &Scene) -> Result<(), InputError> {
+        let now = Fingerprint::of(scene);
+        let parts = [
+            ("its rods, supports, loads or contact", self.fingerprint.model, now.model),
+            ("its stages", self.fingerprint.stages, now.stages),
+            ("its solver settings", self.fingerprint.solver, now.solver),
+        ];
+        let changed: Vec<&str> = parts.iter().filter(|(_, then, now)| then != now).map(|(name, ..)| *name).collect();
+        if changed.is_empty() {
+            return Ok(());
+        }
+        let reason = format!(
+            "differs from the one the checkpoint was written for in {}: restore it, or run the new scene from its start",
+            changed.join(" and ")
+        );
+        Err(InputError::Inconsistent { field: "scene".to_owned(), reason })
+    }
+}
+
+/// What decides a run's numbers, condensed: lengths and CRC-32 sums of its parts. Title, outputs and threads may change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint {
+    model: (u64, u32),
+    stages: (u64, u32),
+    solver: (u64, u32),
+}
+
+impl Fingerprint {
+    /// Of a scene.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let solver = SolverChoice { threads: None, ..scene.solver };
+        Self { model: digest(&scene.model), stages: digest(&scene.stages), solver: digest(&solver) }
+    }
+}
+
+/// Length and CRC-32 of a value's debug form, which has every field (those yet to come too) and every bit of every number.
+fn digest(value: &impl std::fmt::Debug) -> (u64, u32) {
+    struct Sink(u64, crc32fast::Hasher);
+    impl std::fmt::Write for Sink {
+        fn write_str(&mut self, text: &str) -> std::fmt::Result {
+            self.0 += text.len() as u64;
+            self.1.update(text.as_bytes());
+            Ok(())
+        }
+    }
+    let mut sink = Sink(0, crc32fast::Hasher::new());
+    // the sink takes everything
+    let _ = std::fmt::write(&mut sink, format_args!("{value:?}"));
+    (sink.0, sink.1.finalize())
+}
+
+/// Writes a file so that at every moment either the old or the new content is found under its name.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    let beside = PathBuf::from(name);
+    let mut file = File::create(&beside)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    drop(file);
+    std::fs::rename(&beside, path)?;
+    // the new name, too, has to reach the disk; where folders cannot be opened this is left to the system
+    if let Some(folder) = path.parent() {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        if let Ok(folder) = File::open(folder) {
+            folder.sync_all().ok();
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,75 @@
+//! A state as a picture needs it: few points, whatever the number of nodes.
+
+use serde::{Deserialize, Serialize};
+
+use crate::io::detail::within;
+use crate::math::Vec3;
+use crate::observe::report::SiteReport;
+
+use super::{Frame, Record, RodHead};
+
+/// Rods of more points than this are thinned out for the film strip.
+const MAX_POINTS: usize = 4096;
+/// Distance of a point that is left out from the line drawn, relative to the rod's extent: less than a sample of the film strip.
+const TOLERANCE: f64 = 1.0 / 2000.0;
+
+/// One picture's worth of a state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Still {
+    pub step: usize,
+    pub rods: Vec<StillRod>,
+    /// Places of contact, and the rod whose radius they are drawn by.
+    pub spots: Vec<(Vec3, usize)>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct StillRod {
+    pub points: Vec<Vec3>,
+    /// d1 at each point; none where too many points were left out to follow it.
+    pub directions: Vec<Vec3>,
+}
+
+impl Record {
+    /// A frame as it is drawn; `thin` for small pictures.
+    pub(super) fn still(&self, frame: &Frame, thin: bool) -> Still {
+        let rod = |rod: &super::RodSnapshot| {
+            if thin && rod.positions.len() > MAX_POINTS {
+                let kept = few(&rod.positions);
+                return StillRod { points: kept.iter().map(|&i| rod.positions[i]).collect(), directions: Vec::new() };
+            }
+            let directions = rod.frames.iter().map(|q| q * Vec3::x()).collect();
+            StillRod { points: rod.positions.clone(), directions }
+        };
+        let sites = &self.steps[frame.step].sites;
+        let spots = sites.iter().map(|site| (self.place(site, frame), site.rod_a)).collect();
+        Still { step: frame.step, rods: frame.rods.iter().map(rod).collect(), spots }
+    }
+
+    /// Middle between the strands of a contact site.
+    fn place(&self, site: &SiteReport, frame: &Frame) -> Vec3 {
+        let at = |rod: usize, arcs: [f64; 2]| point_at(&self.rods[rod], &frame.rods[rod].positions, arcs);
+        0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b))
+    }
+}
+
+/// Point in the middle of an arc length interval.
+fn point_at(head: &RodHead, points: &[Vec3], arcs: [f64; 2]) -> Vec3 {
+    let arc = if arcs[1] >= arcs[0] { 0.5 * (arcs[0] + arcs[1]) } else { 0.5 * (arcs[0] + arcs[1] + head.length) };
+    let place = (arc / head.length * (head.elements * head.order) as f64).max(0.0);
+    let (index, fraction) = (place.floor() as usize, place.fract());
+    let point = |i: usize| points[if head.closed { i % points.len() } else { i.min(points.len() - 1) }];
+    point(index).lerp(&point(index + 1), fraction)
+}
+
+/// Few enough points to be kept for every picture of a film.
+fn few(points: &[Vec3]) -> Vec<usize> {
+    let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let mut tolerance = TOLERANCE * (high - low).norm();
+    loop {
+        let kept = within(points, tolerance, usize::MAX);
+        if kept.len() <= 4 * MAX_POINTS || !(tolerance > 0.0 && tolerance.is_finite()) {
+            return kept;
+        }
+        tolerance *= 2.0;
+    }
+}

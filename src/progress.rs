@@ -1,0 +1,62 @@
+//! The command line's progress bar: how much of the path is done, how long the rest will take.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use supercoil::observe::report::Observation;
+use supercoil::scene::Stage;
+
+/// Ticks of the bar per planned step.
+const TICKS: f64 = 100.0;
+
+/// A bar over all planned steps of all stages. Clones show the same bar.
+#[derive(Clone)]
+pub struct Bar {
+    bar: ProgressBar,
+    /// Planned steps of each stage.
+    steps: Vec<usize>,
+}
+
+impl Bar {
+    /// A bar that begins at `from` (stage, fraction of it); `quiet` shows nothing.
+    pub fn new(stages: &[Stage], from: Option<(usize, f64)>, quiet: bool) -> Self {
+        let steps: Vec<usize> = stages.iter().map(|stage| stage.steps).collect();
+        let total = (TICKS * steps.iter().sum::<usize>().max(1) as f64) as u64;
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };
+        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed} spent, about {eta} left  {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.enable_steady_tick(Duration::from_millis(500));
+        let this = Self { bar, steps };
+        if let Some((stage, fraction)) = from {
+            this.bar.set_position(this.position(stage, fraction));
+            this.bar.reset_eta();
+        }
+        this
+    }
+
+    fn position(&self, stage: usize, fraction: f64) -> u64 {
+        let before: usize = self.steps.iter().take(stage).sum();
+        let here = self.steps.get(stage).map_or(0.0, |&steps| steps as f64);
+        (TICKS * (before as f64 + fraction * here)) as u64
+    }
+
+    /// Shows an accepted step.
+    pub fn step(&self, step: &Observation) -> ControlFlow<()> {
+        self.bar.set_position(self.position(step.stage, step.fraction));
+        let (stage, stages) = (step.stage + 1, self.steps.len());
+        let place = format!("stage {stage} of {stages} at {:.1} %, step {}", 100.0 * step.fraction, step.step);
+        self.bar.set_message(format!("{place}: {} contact sites, {} iterations", step.num_sites, step.iterations));
+        ControlFlow::Continue(())
+    }
+
+    /// Prints a line above the bar.
+    pub fn note(&self, line: &str) {
+        self.bar.suspend(|| eprintln!("{line}"));
+    }
+
+    /// Takes the bar away.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,146 @@
+//! What a run needs in order to go on later as if it had never stopped.
+//!
+//! A load step depends on four things only: where the run stands ([`Place`]), the accepted state, the states before it from which the
+//! next is predicted, and the contact law with its offsets. Everything else the solver keeps (candidate lists, sparsity pattern, factorisation, the last soft direction) is
+//! dropped after every accepted step, because it depends on how that step was reached and would show in the last bits of the next.
+//! So a run that goes on from a [`Restart`] takes the same steps, bit for bit, as one that never stopped.
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::broad_phase::BroadPhase;
+use crate::contact::exclusion::Exclusion;
+use crate::error::{InputError, SolveError};
+use crate::math::Vec3;
+use crate::solve::engine::Engine;
+use crate::solve::newton::Workspace;
+use crate::solve::path::Solver;
+use crate::solve::predictor::History;
+use crate::solve::state::State;
+
+/// Where a run stands between two load steps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Stage index.
+    pub stage: usize,
+    /// Fraction of the stage done, 0..=1.
+    pub fraction: f64,
+    /// Fraction of the stage to be tried next; infinite at the start of a stage: its own step.
+    pub step_size: f64,
+    /// Accepted steps, the start not counted.
+    pub num_steps: usize,
+    /// Newton iterations so far, failed attempts included.
+    pub iterations: usize,
+}
+
+impl Place {
+    /// Before the first step of a stage.
+    pub(crate) fn start_of(stage: usize, num_steps: usize, iterations: usize) -> Self {
+        Self { stage, fraction: 0.0, step_size: f64::INFINITY, num_steps, iterations }
+    }
+}
+
+/// A run between two steps as plain data: 64 bytes a node for the state, and as much for each of up to three earlier ones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Restart {
+    /// Where the run stands.
+    pub place: Place,
+    /// The accepted state.
+    pub state: State,
+    /// Stages by which the contact law is softer than asked for.
+    stages_left: i32,
+    /// Contact law in force.
+    contact: Option<ContactRestart>,
+    /// Turns and displacements prescribed so far, by node.
+    turned: Vec<(usize, f64)>,
+    displaced: Vec<(usize, Vec3)>,
+    /// The way of the present stage.
+    history: History,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct ContactRestart {
+    /// \[F/L²\]
+    stiffness: f64,
+    geometric: f64,
+    /// Per node \[L\].
+    offsets: Vec<f64>,
+}
+
+impl Solver {
+    /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a new field has
+    /// to decide here whether a run depends on it.
+    pub(crate) fn to_restart(&self, place: Place) -> Restart {
+        let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history } = self;
+        let contact = engine.contact.as_ref().map(|side| ContactRestart {
+            stiffness: side.law.stiffness,
+            geometric: side.law.geometric,
+            offsets: side.offsets.clone(),
+        });
+        Restart {
+            place,
+            state: engine.state.clone(),
+            stages_left: *stages_left,
+            contact,
+            turned: turned.iter().map(|(&node, &turns)| (node, turns)).collect(),
+            displaced: displaced.iter().map(|(&node, &by)| (node, by)).collect(),
+            history: history.clone(),
+        }
+    }
+
+    /// Takes over a run.
+    ///
+    /// # Errors
+    /// [`InputError::Inconsistent`] if it belongs to another model.
+    pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
+        let Restart { place: _, state, stages_left, contact, turned, displaced, history } = restart;
+        let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
+        if let Some((node, _)) = turned.iter().find(|(node, _)| *node >= state.positions.len()) {
+            return Err(refuse(&format!("turns node {node}, which the model has not")));
+        }
+        if displaced.iter().any(|(node, _)| *node >= state.positions.len()) {
+            return Err(refuse("moves a node that the model has not"));
+        }
+        let numbers = state.positions.iter().flatten().chain(state.frames.iter().flat_map(|q| q.coords.iter()));
+        if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite()) {
+            return Err(refuse("has a number that is not finite"));
+        }
+        if history.states().any(|s| s.positions.len() != state.positions.len() || s.frames.len() != state.frames.len())
+        {
+            return Err(refuse("remembers states of another model"));
+        }
+        self.engine.set_state(state)?;
+        match (&mut self.engine.contact, contact) {
+            (None, None) => {}
+            (Some(side), Some(saved)) if saved.offsets.len() == side.offsets.len() => {
+                side.law.stiffness = saved.stiffness;
+                side.law.geometric = saved.geometric;
+                side.offsets = saved.offsets;
+            }
+            _ => return Err(refuse("has contact where the model has none, or the other way round")),
+        }
+        self.stages_left = stages_left;
+        self.turned = turned.into_iter().collect();
+        self.displaced = displaced.into_iter().collect();
+        self.history = history;
+        Ok(())
+    }
+
+    /// Drops all that depends on how the present state was reached.
+    pub(crate) fn forget_the_way(&mut self) -> Result<(), SolveError> {
+        self.workspace = Workspace::default();
+        self.engine.forget_the_way()
+    }
+}
+
+impl Engine {
+    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh one.
+    fn forget_the_way(&mut self) -> Result<(), SolveError> {
+        if let Some(side) = &mut self.contact {
+            side.exclusion = Exclusion::new();
+            side.broad_phase = BroadPhase::new();
+            side.step_search = BroadPhase::new();
+        }
+        let state = self.state.clone();
+        self.update_contact(&state).map(|_| ())
+    }
+}
