@@ -94,8 +94,24 @@ pub fn evaluate(
     offset: &(dyn Fn(usize) -> [f64; 2] + Sync),
     want: Want,
 ) -> Vec<PairTerm> {
+    evaluate_within(set, &capsules_of(set), candidates, law, offset, want)
+}
+
+/// Capsules of all segments.
+pub(crate) fn capsules_of(set: &CurveSet) -> Vec<Capsule> {
+    set.segments.par_iter().with_min_len(256).map(Capsule::new).collect()
+}
+
+/// [`evaluate`] with the capsules at hand, for callers that go through the candidates in parts.
+pub(crate) fn evaluate_within(
+    set: &CurveSet,
+    capsules: &[Capsule],
+    candidates: &[[u32; 2]],
+    law: LawParameters,
+    offset: &(dyn Fn(usize) -> [f64; 2] + Sync),
+    want: Want,
+) -> Vec<PairTerm> {
     const CHUNK: usize = 64;
-    let capsules: Vec<Capsule> = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
     candidates
         .par_chunks(CHUNK)
         .flat_map_iter(|chunk| {

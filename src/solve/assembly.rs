@@ -15,6 +15,8 @@ use crate::sparse::Pattern;
 
 /// Elements or contact terms computed in parallel before one ordered scatter: bounds the buffer, not the result.
 const BATCH: usize = 1024;
+/// Candidate pairs evaluated before their terms are scattered.
+const PAIRS: usize = 8192;
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,8 +49,6 @@ pub struct Residual {
     pub terms: Vec<PairTerm>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
-    /// Contact tangent by terms, if assembled: nodes and block.
-    pub(crate) contact_blocks: Vec<([usize; 4], Box<NodalTangent>)>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting moment there.
     pub seam_moments: Vec<f64>,
 }
@@ -58,6 +58,8 @@ pub struct Residual {
 pub struct Tangent {
     /// Upper values in the pattern.
     pub values: Vec<f64>,
+    /// The part of contact in them; empty without contact.
+    pub(crate) contact: Vec<f64>,
     /// K_fp · drive per unknown (six per node).
     pub drive: Vec<f64>,
 }
@@ -106,6 +108,10 @@ impl Engine {
     ) -> Residual {
         tangent.values.clear();
         tangent.values.resize(pattern.num_entries(), 0.0);
+        tangent.contact.clear();
+        if self.contact.is_some() {
+            tangent.contact.resize(pattern.num_entries(), 0.0);
+        }
         tangent.drive.clear();
         tangent.drive.resize(6 * self.num_nodes(), 0.0);
         let prescribed = self.prescribed(drive);
@@ -367,11 +373,14 @@ impl Engine {
     ) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
-        let terms = detect::evaluate(&side.set, side.broad_phase.pairs(), side.law, &|s| side.offset(s), want);
-        for batch in terms.chunks(BATCH) {
+        let capsules = detect::capsules_of(&side.set);
+        // Hessians live for one part of the candidates only: nine kilobytes a term
+        for pairs in side.broad_phase.pairs().chunks(PAIRS) {
+            let offset = |segment| side.offset(segment);
+            let mut terms = detect::evaluate_within(&side.set, &capsules, pairs, side.law, &offset, want);
             let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
-                batch.par_iter().map(|term| side.map_term(term, state)).collect();
-            for (term, (gradient, block)) in batch.iter().zip(mapped) {
+                terms.par_iter().map(|term| side.map_term(term, state)).collect();
+            for (term, (gradient, block)) in terms.iter_mut().zip(mapped) {
                 let nodes = side.term_nodes(term);
                 out.potential.contact += term.energy;
                 for (p, &node) in nodes.iter().enumerate() {
@@ -383,13 +392,15 @@ impl Engine {
                 }
                 if let (Some((pattern, prescribed, tangent)), Some(block)) = (&mut tangent, block) {
                     scatter_contact(&nodes, &block, pattern, *prescribed, tangent);
-                    out.contact_blocks.push((nodes, block));
                 }
+                term.hessian = None;
             }
+            out.terms.append(&mut terms);
         }
-        out.terms = terms;
-        for term in &mut out.terms {
-            term.hessian = None;
+        if let Some((_, _, tangent)) = tangent {
+            for (value, contact) in tangent.values.iter_mut().zip(&tangent.contact) {
+                *value += contact;
+            }
         }
     }
 
@@ -548,9 +559,9 @@ fn scatter_contact(
         for c in a..4 {
             let (p, q) = (nodes[a], nodes[c]);
             let entry = |i: usize, j: usize| block[6 * a + i][6 * c + j];
-            pattern.add_block(&mut tangent.values, p, q, entry);
+            pattern.add_block(&mut tangent.contact, p, q, entry);
             if p == q && a != c {
-                pattern.add_block(&mut tangent.values, p, q, |i, j| entry(j, i));
+                pattern.add_block(&mut tangent.contact, p, q, |i, j| entry(j, i));
             }
             let Some(all) = prescribed else { continue };
             for i in 0..6 {
@@ -558,24 +569,6 @@ fn scatter_contact(
                     tangent.drive[6 * p + i] += entry(i, j) * all[6 * q + j];
                     if a != c {
                         tangent.drive[6 * q + j] += entry(i, j) * all[6 * p + i];
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// y −= K x for one contact term.
-pub(crate) fn subtract_product(nodes: &[usize; 4], block: &NodalTangent, x: &[f64], y: &mut [f64]) {
-    for a in 0..4 {
-        for c in a..4 {
-            let (p, q) = (6 * nodes[a], 6 * nodes[c]);
-            for i in 0..6 {
-                for j in 0..6 {
-                    let entry = block[6 * a + i][6 * c + j];
-                    y[p + i] -= entry * x[q + j];
-                    if a != c {
-                        y[q + j] -= entry * x[p + i];
                     }
                 }
             }

@@ -11,7 +11,7 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Six;
-use crate::solve::assembly::{Residual, subtract_product};
+use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
@@ -299,7 +299,7 @@ impl Workspace {
 
     /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
     fn energy_norm_sq(&self, engine: &Engine, change: &[f64]) -> f64 {
-        let product = self.multiply(engine, change);
+        let product = self.multiply(engine, &self.tangent.values, change);
         self.free_dot(engine, change, |i| product[i] + self.shift * engine.masses[i] * change[i])
     }
 
@@ -320,8 +320,9 @@ impl Workspace {
         for (o, (after, before)) in out.iter_mut().zip(there.contact_gradient.iter().zip(&residual.contact_gradient)) {
             *o += after - before;
         }
-        for (nodes, block) in &residual.contact_blocks {
-            subtract_product(nodes, block, &trial.increment, &mut out);
+        if !self.tangent.contact.is_empty() {
+            let linear = self.multiply(engine, &self.tangent.contact, &trial.increment);
+            out.iter_mut().zip(linear).for_each(|(o, l)| *o -= l);
         }
         (excess, out)
     }

@@ -70,7 +70,8 @@ pub struct Workspace {
     /// Candidate list the pattern was made for.
     generation: u64,
     pub(crate) shift: f64,
-    shifted: Vec<f64>,
+    /// Diagonal of the tangent while a shift is in it.
+    unshifted: Vec<f64>,
     /// Last estimate of the softest direction.
     pub(crate) softest: Vec<f64>,
     /// A search was given up because it was asked to.
@@ -239,18 +240,21 @@ impl Workspace {
     /// Factorises tangent + shift × mass; number of negative eigenvalues, `None` if a pivot vanished.
     pub(crate) fn factorise(&mut self, engine: &Engine, shift: f64) -> Option<usize> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return None };
-        let values = if shift == 0.0 {
-            &self.tangent.values
-        } else {
-            self.shifted.clone_from(&self.tangent.values);
+        let values = &mut self.tangent.values;
+        self.unshifted.clear();
+        if shift != 0.0 {
+            self.unshifted.extend((0..pattern.num_equations()).map(|eq| values[pattern.diagonal(eq)]));
             for (i, mass) in engine.masses.iter().enumerate() {
                 if let Some(eq) = pattern.equation(i / 6, i % 6) {
-                    self.shifted[pattern.diagonal(eq)] += shift * mass;
+                    values[pattern.diagonal(eq)] += shift * mass;
                 }
             }
-            &self.shifted
-        };
-        let negative = factor.factorise(pattern, values)?.num_negative;
+        }
+        let inertia = factor.factorise(pattern, values);
+        for (eq, value) in self.unshifted.iter().enumerate() {
+            values[pattern.diagonal(eq)] = *value;
+        }
+        let negative = inertia?.num_negative;
         self.border = None;
         let Some(constraint) = self.neutral.sliding_constraint() else { return Some(negative) };
         let response = self.solve_unconstrained(engine, &constraint);
@@ -272,8 +276,8 @@ impl Workspace {
         4.0 * f64::EPSILON * engine.masses.iter().enumerate().filter(own).map(quotient).fold(0.0, f64::max)
     }
 
-    /// Product of the assembled tangent with an increment (supported unknowns give and take nothing).
-    pub(crate) fn multiply(&self, engine: &Engine, x: &[f64]) -> Vec<f64> {
+    /// Product of a matrix of the tangent's pattern with an increment (supported unknowns give and take nothing).
+    pub(crate) fn multiply(&self, engine: &Engine, values: &[f64], x: &[f64]) -> Vec<f64> {
         let Some(pattern) = &self.pattern else { return Vec::new() };
         let mut reduced = vec![0.0; pattern.num_equations()];
         for node in 0..engine.num_nodes() {
@@ -283,7 +287,7 @@ impl Workspace {
                 }
             }
         }
-        expand(engine, pattern, &pattern.multiply(&self.tangent.values, &reduced))
+        expand(engine, pattern, &pattern.multiply(values, &reduced))
     }
 
     /// Solves with the last factorisation for all unknowns, without sliding of a uniform closed rod along itself.
