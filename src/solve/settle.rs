@@ -189,7 +189,7 @@ impl Solver {
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         let mut softened = false;
         for part in drive.parts(TURNS_AT_ONCE) {
-            if self.softens() {
+            if self.softens()? {
                 self.scale_contact(SOFTENING.powi(self.stages_left - SOFT_STAGES));
                 self.stages_left = SOFT_STAGES;
                 softened = true;
@@ -260,9 +260,13 @@ impl Solver {
     }
 
     /// Whether load steps begin under a softened law: an augmented Lagrangian with strands near each other.
-    fn softens(&self) -> bool {
-        let augmented = matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. });
-        augmented && self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty())
+    fn softens(&mut self) -> Result<bool, SolveError> {
+        if !matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) {
+            return Ok(false);
+        }
+        let state = self.engine.state.clone();
+        self.engine.update_contact(&state)?;
+        Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
     }
 
     fn scale_contact(&mut self, factor: f64) {
