@@ -1,6 +1,6 @@
 //! What a run of a hundred thousand nodes leaves behind: complete, and bounded in size per node.
 
-#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+#![allow(clippy::print_stdout, clippy::unwrap_used)] // a test stops where it cannot go on
 
 #[path = "common/plectoneme.rs"]
 mod plectoneme;

@@ -74,7 +74,7 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
 }
 
 fn min_gap(engine: &Engine) -> Option<GapReport> {
-    let side = engine.contact.as_ref()?;
+    let side = engine.contact.as_ref().filter(|side| side.is_current)?;
     let (max_gap, tol) = (MAX_GAP * side.min_radius, TOL_GAP * side.min_radius);
     let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, max_gap, tol))?;
     let rod = |segment: usize| side.rods[side.set.curve_of(segment)];

@@ -90,6 +90,9 @@ pub struct Placement {
     pub frames: Vec<Quat>,
 }
 
+/// Longest rod placed, in node segments: sparse matrices over more nodes leave the range of 32-bit indices.
+pub const MAX_SEGMENTS: usize = 10_000_000;
+
 impl Placement {
     /// Samples `curve`, which gives position, d1 and d3 at the fraction s/L of the length.
     fn sample(closed: bool, num_segments: usize, length: f64, curve: impl Fn(f64) -> [Vec3; 3]) -> Self {
@@ -109,6 +112,10 @@ impl Shape {
     pub fn place(&self, closed: bool, num_segments: usize) -> Result<Placement, InputError> {
         if num_segments == 0 {
             return Err(InputError::Count { field: "elements".into(), value: 0, allowed: "at least 1" });
+        }
+        if num_segments > MAX_SEGMENTS {
+            let allowed = "such that the rod has at most ten million nodes";
+            return Err(InputError::Count { field: "elements".into(), value: num_segments, allowed });
         }
         self.check_closed(closed)?;
         match self {

@@ -480,6 +480,7 @@ impl Engine {
 impl ContactSide {
     /// Moves the contact curves and refreshes candidates; true if the list changed.
     pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
+        self.is_current = false;
         self.place(state);
         self.exclusion.update(&self.set)?;
         let largest = self.offsets.iter().copied().fold(0.0, f64::max);
@@ -488,6 +489,7 @@ impl ContactSide {
         let margin = 0.5 * self.min_radius;
         let before = self.broad_phase.generation();
         self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
+        self.is_current = true;
         Ok(self.broad_phase.generation() != before)
     }
 

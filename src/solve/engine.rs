@@ -45,6 +45,9 @@ pub struct ContactSide {
     pub offsets: Vec<f64>,
     /// Smallest contact radius \[L\].
     pub min_radius: f64,
+    /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for contact), there is
+    /// nothing to be said about gaps.
+    pub is_current: bool,
 }
 
 impl ContactSide {
@@ -350,6 +353,7 @@ impl Engine {
             law: LawParameters { stiffness: dimensionless * self.scales.bending / min_radius.powi(4), geometric: 1.0 },
             offsets: vec![0.0; self.num_nodes()],
             min_radius,
+            is_current: false,
         }))
     }
 }
