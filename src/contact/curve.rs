@@ -317,7 +317,7 @@ impl CurveSet {
         if self.radii.is_empty() { self.curves[self.curve_of(segment)].radius } else { self.radii[segment] }
     }
 
-    /// Gives each segment a radius of its own \[L\]; see [`Radius`](super::Radius) for what that means.
+    /// Gives each segment a radius of its own \[L\]; see [`Radius`] for what that means.
     ///
     /// # Errors
     /// [`InputError`] naming the first radius that is not finite and positive, or if there are not as many as segments.

@@ -85,7 +85,7 @@ impl Waypoint<'_> {
         self.place
     }
 
-    /// All that is needed to go on from here with [`resume`]; `None` if the start state did not come to rest.
+    /// All that is needed to go on from here with [`run_from`]; `None` if the start state did not come to rest.
     pub fn restart(&self) -> Option<Restart> {
         self.settled.then(|| self.solver.to_restart(self.place))
     }
