@@ -1,6 +1,8 @@
 //! Contact of smooth cubics: the same sites and zones after motions, changes of unit, far from the origin, reversed and exchanged; and with a hard case
 //! for the certified search, many minima in one pair of segments' neighbourhood.
 
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
 use std::f64::consts::PI;
 
 use supercoil::contact::curve::Cubic;
