@@ -138,6 +138,14 @@ pub(crate) enum Reference {
 }
 
 impl Reference {
+    /// Strains of six numbers held.
+    pub(crate) fn num_stored(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::PerElement(_, list) => 3 * list.len(),
+        }
+    }
+
     pub(crate) fn of(&self, element: usize) -> [Six; 3] {
         match self {
             Self::Uniform(six) => [*six; 3],

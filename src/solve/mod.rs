@@ -2,13 +2,14 @@
 //! unstable states left), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), [`step_bound`]
 //! (no strand passes another), `turning` (no frame takes the other way round), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of
 //! unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem assembled), [`state`] (the configuration and how
-//! it moves), [`restart`] (what a run needs to go on later), `refine` (the same state on a finer mesh or under a harder law), [`fields`] (what it looks like along the rods).
+//! it moves), [`restart`] (what a run needs to go on later), `refine` (the same state on a finer mesh or under a harder law), [`fields`] (what it looks like along the rods), [`footprint`] (what it takes).
 
 pub mod assembly;
 pub mod continuation;
 mod coupling;
 pub mod engine;
 pub mod fields;
+pub mod footprint;
 pub mod globalise;
 mod interrupt;
 mod moment_load;
@@ -29,6 +30,7 @@ use crate::error::InputError;
 pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
 pub use fields::NodalFields;
+pub use footprint::Footprint;
 pub use interrupt::Interrupt;
 pub use newton::NewtonOptions;
 pub use path::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};

@@ -17,10 +17,10 @@ use crate::solve::state::Drive;
 const MAX_ADDED: f64 = 0.3;
 
 impl StepReport {
-    /// Of a step that was not even tried.
-    pub(crate) fn refused(error: SolveError) -> Self {
+    /// Of a state that is at rest without anything having been done.
+    pub(crate) fn settled() -> Self {
         Self {
-            status: Status::BrokeDown,
+            status: Status::Converged,
             iterations: 0,
             augmentations: 0,
             departures: 0,
@@ -28,9 +28,14 @@ impl StepReport {
             penetration: 0.0,
             softening: 1.0,
             predicted: false,
-            error: Some(error),
+            error: None,
             history: Vec::new(),
         }
+    }
+
+    /// Of a step that was not even tried.
+    pub(crate) fn refused(error: SolveError) -> Self {
+        Self { status: Status::BrokeDown, error: Some(error), ..Self::settled() }
     }
 }
 
