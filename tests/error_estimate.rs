@@ -106,6 +106,7 @@ fn contact_force_of_the_ring() {
 fn scenes_tell_their_error_on_request() {
     let text = r#"
         [[rods]]
+        name = "beam"
         shape = { kind = "line", length = 1.0, start = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }
         section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 }
         elements = 4
