@@ -167,7 +167,8 @@ fn clamped(section: &Section) -> bool {
 fn models(cases: u32) -> BTreeMap<String, usize> {
     let tally = std::cell::RefCell::new(BTreeMap::new());
     let rod = (shape(), section(), 1..7usize, 1..4usize, natural());
-    let node = (prop_oneof![5 => Just(0usize), 1 => 0..2usize], prop_oneof![3 => 0..4usize, 1 => 0..14usize]).prop_map(|(rod, node)| NodeRef { rod, node });
+    let node = (prop_oneof![5 => Just(0usize), 1 => 0..2usize], prop_oneof![3 => 0..4usize, 1 => 0..14usize])
+        .prop_map(|(rod, node)| NodeRef { rod, node });
     let flags = prop_oneof![3 => Just([true; 3]), 1 => any::<[bool; 3]>()];
     let support = (node.clone(), flags.clone(), flags).prop_map(|(node, position, rotation)| Support {
         node,

@@ -1,5 +1,6 @@
 //! The same state on a finer mesh, or under a harder contact law: what an estimate of the error compares with.
 
+use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::scene::{Joint, LineLoad, Model, NodeLoad, NodeRef, Support};
@@ -78,17 +79,13 @@ impl Solver {
         Ok(fine)
     }
 
-    /// Multiplies the contact stiffness by `factor`, offsets scaled so that contacts nearly keep their forces; without contact nothing
-    /// happens.
+    /// Multiplies the contact stiffness in force by `factor`; pressures are kept, and the next search lets the strands find the gaps that go
+    /// with them. Without contact nothing happens.
     pub fn harden_contact(&mut self, factor: f64) {
-        let residual = self.engine.residual(&self.engine.state);
         let Some(side) = &mut self.engine.contact else { return };
-        let mut touched = vec![false; side.offsets.len()];
-        for term in &residual.terms {
-            side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
+        if let Law::Linear { stiffness } = side.law {
+            side.change_law(Law::Linear { stiffness: stiffness * factor }, vec![0.0; side.offsets.len()]);
         }
-        let line = side.nodes_on_lines(&touched);
-        side.scale_stiffness(factor, &line);
     }
 
     /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if that fails.
