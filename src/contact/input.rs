@@ -110,9 +110,9 @@ fn check_pieces(pieces: &[Cubic], closed: bool, field: &dyn Fn(&str) -> String) 
     Ok(())
 }
 
-/// Largest coordinate taken: products of three stay finite. (A polyline with a point at 1.8e308 was once given a site 1.2 beyond the range: squares
+/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at 1.8e308 was once given a site 1.2 beyond the range: squares
 /// of its edges were infinite.)
-const LARGEST: f64 = 1e100;
+pub(super) const LARGEST: f64 = 1e100;
 
 fn check_finite(p: &Vec3, field: impl Fn() -> String) -> Result<(), InputError> {
     if p.iter().all(|x| x.abs() <= LARGEST) {
