@@ -221,9 +221,22 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
                     if !seen.energies.total.is_finite() {
                         bad = Some(format!("energies {:?}", seen.energies));
                     }
-                    let slips =
-                        |link: &supercoil::observe::report::RodLink| !((link.link - link.excess_link).abs() < 1e-6);
-                    if let Some(link) = seen.links.iter().find(|link| slips(link)) {
+                    // without contact a rod may pass through itself, which changes its link by two
+                    let guarded = progress.engine.model().contact.law.is_on();
+                    let slips = |link: &&supercoil::observe::report::RodLink| {
+                        // where shear may turn d1 into the tangent, the line along d1 has no link
+                        let rod = &progress.engine.model().rods[link.rod];
+                        let soft = rod.section.shearing[0].min(rod.section.shearing[1]).min(rod.section.stretching);
+                        let stiff = rod.section.bending[0].max(rod.section.bending[1]).max(rod.section.twisting);
+                        if soft * rod.length.powi(2) < 1e3 * stiff {
+                            return false;
+                        }
+                        let passes = (link.link - link.excess_link) / 2.0;
+                        let touches = guarded && rod.section.contact_radius > 0.0;
+                        let slip = if touches { passes } else { passes - passes.round() };
+                        slip.is_nan() || slip.abs() > 1e-6
+                    };
+                    if let Some(link) = seen.links.iter().find(slips) {
                         bad = Some(format!("link {link:?}"));
                     }
                 }
@@ -267,5 +280,5 @@ fn any_models() {
 fn the_large_budget() {
     println!("{:?}", detect(20_000));
     println!("{:?}", rods(50_000));
-    println!("{:?}", models(20_000));
+    println!("{:?}", models(8_000));
 }

@@ -7,6 +7,9 @@ use crate::rod::{Section, Shape};
 /// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a turn would not have.
 pub const MAX_TURN: f64 = 0.4;
 
+/// Largest coordinate of a node: products of three stay finite.
+const LARGEST: f64 = 1e100;
+
 /// The stress-free state of a rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Natural {
@@ -152,9 +155,9 @@ impl Rod {
         }
         self.check_counts(&path)?;
         for (i, position) in self.positions.iter().enumerate() {
-            if !position.iter().all(|x| x.is_finite()) {
-                let field = format!("{path}.positions[{i}]");
-                return Err(InputError::Vector { field, value: (*position).into(), allowed: "three finite numbers" });
+            if !position.iter().all(|x| x.abs() <= LARGEST) {
+                let (field, allowed) = (format!("{path}.positions[{i}]"), "three finite numbers of at most 1e100");
+                return Err(InputError::Vector { field, value: (*position).into(), allowed });
             }
             let norm = self.frames[i].norm();
             let ok = (norm - 1.0).abs() < 1e-6;
