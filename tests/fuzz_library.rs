@@ -108,7 +108,7 @@ fn rods(cases: u32) -> BTreeMap<&'static str, usize> {
     let tally = std::cell::RefCell::new(BTreeMap::new());
     let frame = prop_oneof![
         3 => Just(Quat::identity()),
-        3 => vector().prop_map(|v| Quat::from_scaled_axis(v)),
+        3 => vector().prop_map(Quat::from_scaled_axis),
         1 => (number(), number(), number(), number()).prop_map(|(w, x, y, z)| Quat::new_unchecked(Quaternion::new(w, x, y, z))),
     ];
     let nodes = (points(12), prop::collection::vec(frame, 0..12));
@@ -280,5 +280,5 @@ fn any_models() {
 fn the_large_budget() {
     println!("{:?}", detect(20_000));
     println!("{:?}", rods(50_000));
-    println!("{:?}", models(8_000));
+    println!("{:?}", models(20_000));
 }

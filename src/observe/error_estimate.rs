@@ -81,6 +81,9 @@ pub struct ErrorEstimate {
     pub increment: f64,
 }
 
+/// One of the quantities compared.
+type Quantity = fn(&Differences) -> Option<f64>;
+
 impl ErrorEstimate {
     /// Both parts of one quantity together; `None` if a part was not had or the model has no such quantity.
     pub fn total(&self, of: impl Fn(&Differences) -> Option<f64>) -> Option<f64> {
@@ -95,7 +98,7 @@ impl ErrorEstimate {
 impl std::fmt::Display for ErrorEstimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "error estimate            mesh      contact law")?;
-        let quantities: [(&str, fn(&Differences) -> Option<f64>); 7] = [
+        let quantities: [(&str, Quantity); 7] = [
             ("energy", |d| Some(d.energy)),
             ("positions", |d| d.position),
             ("writhe", |d| d.writhe),
@@ -104,7 +107,7 @@ impl std::fmt::Display for ErrorEstimate {
             ("reaction forces", |d| d.reaction_force),
             ("reaction moments", |d| d.reaction_moment),
         ];
-        let part = |comparison: Option<&Comparison>, of: fn(&Differences) -> Option<f64>| {
+        let part = |comparison: Option<&Comparison>, of: Quantity| {
             let value = comparison.and_then(|c| c.error.as_ref()).and_then(of);
             value.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
         };
