@@ -95,8 +95,8 @@ fn slender(slenderness: f64) -> Section {
 }
 
 /// *Returns* up to slenderness 1e6 with the error of the mesh, none of it by slenderness. Beyond, rounding of positions makes forces of
-/// ε EA/h, and increments stop falling near 1e-18 (L/ε)²…1e-17 (L/ε)²: the default tolerance of 1e-8 is then out of reach and the
-/// search says so; with a tolerance of 1e-16 (L/ε)² it *returns* to 1e-17 (L/ε)² at 3e6. At 1e7 it *returns* to 1e-3 or *refuses* by `MaxIterations`.
+/// ε EA/h, and increments stop falling before the default tolerance of 1e-8 is met, which the search says. With a tolerance of
+/// 1e-16 (L/ε)² it *returns* to 1e-17 (L/ε)² at 3e6; at 1e7 it *returns* to 1e-3 or *refuses* by `MaxIterations`.
 #[test]
 fn slenderness_from_3_to_1e7() {
     for half_decades in 1..=14 {
