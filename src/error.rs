@@ -121,6 +121,23 @@ pub enum SolveError {
         /// Largest turning a segment may have, rad.
         limit: f64,
     },
+    /// Frames that turn too far from one node to the next: near half a turn elements would take the other way round.
+    #[error(
+        "the frames of nodes {node} and {next} of rod {rod} turn by {turns:.3} turns against each other, more than {limit}: use more \
+         elements"
+    )]
+    TooTwisted {
+        /// Rod index.
+        rod: usize,
+        /// Node index within the rod.
+        node: usize,
+        /// The node after it.
+        next: usize,
+        /// Turns of one frame against the other, at least: prescribed ones where they are the cause.
+        turns: f64,
+        /// Most turns allowed.
+        limit: f64,
+    },
     /// Not enough memory or index range for the factorisation.
     #[error("the sparse factorisation could not be set up: {reason}")]
     Symbolic {

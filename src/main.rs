@@ -76,6 +76,9 @@ struct Choices {
     /// Write a checkpoint when the last is so many seconds old [default: output.checkpoint_seconds of the scene, or 60].
     #[arg(long, value_name = "S", value_parser = seconds)]
     checkpoint_seconds: Option<f64>,
+    /// Estimate the error of the final state, by settling it again on twice the elements and under a harder contact law.
+    #[arg(long)]
+    error_estimate: bool,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -155,6 +158,7 @@ fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choice
     scene.solver.threads = choices.threads.map(usize::from).or(scene.solver.threads);
     let output = &mut scene.output;
     output.checkpoint_steps = choices.checkpoint_every.map(|n| n as usize).or(output.checkpoint_steps);
+    output.error_estimate |= choices.error_estimate;
     output.checkpoint_seconds = choices.checkpoint_seconds.unwrap_or(output.checkpoint_seconds);
     let units = scene.units.clone();
     let bar = Bar::new(&scene.stages, from, choices.quiet);
@@ -186,6 +190,9 @@ fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choice
 fn report(outcome: &Outcome, units: &Units, dir: &Path, quiet: bool, interrupted: bool) -> u8 {
     if !quiet {
         say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+        if let Some(estimate) = &outcome.error_estimate {
+            say(format_args!("{estimate}"));
+        }
         say(format_args!("{} after {:.1} s; files are in {}", outcome.status, outcome.seconds, dir.display()));
     }
     if outcome.status == Status::Converged {

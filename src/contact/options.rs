@@ -1,5 +1,6 @@
 //! What the detector is asked for.
 
+use super::input::LARGEST;
 use crate::error::InputError;
 
 /// Which segments of one curve are too close along it to be in contact with each other.
@@ -39,8 +40,9 @@ impl Default for Options {
 
 impl Options {
     pub(super) fn check(&self) -> Result<(), InputError> {
-        InputError::check("range", self.range, true, "finite")?;
-        InputError::check("margin", self.margin, self.margin >= 0.0, "finite and at least 0")?;
+        InputError::check("range", self.range, self.range.abs() <= LARGEST, "finite, and at most 1e100 in size")?;
+        let ok = (0.0..=LARGEST).contains(&self.margin);
+        InputError::check("margin", self.margin, ok, "finite, at least 0 and at most 1e100")?;
         if (1..=1024).contains(&self.sampling) {
             return Ok(());
         }

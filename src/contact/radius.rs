@@ -1,5 +1,6 @@
 //! Contact radius of a curve: one number, or one for each segment.
 
+use super::input::LARGEST;
 use crate::error::InputError;
 
 /// Contact radius of a curve \[L\], greater than 0.
@@ -68,15 +69,23 @@ impl<'a> Radius<'a> {
     /// Refuses another number than `count` of radii, and radii that are not finite and positive.
     pub(crate) fn check(&self, count: usize, field: &dyn Fn(&str) -> String) -> Result<(), InputError> {
         match self {
-            Self::Constant(radius) => InputError::positive(&field("radius"), *radius),
+            Self::Constant(radius) => check_radius(&field("radius"), *radius),
             Self::PerSegment(radii) if radii.len() != count => {
                 let allowed = "as many as segments";
                 Err(InputError::Count { field: field("radius"), value: radii.len(), allowed })
             }
-            Self::PerSegment(radii) => match radii.iter().position(|r| !(r.is_finite() && *r > 0.0)) {
-                Some(k) => InputError::positive(&field(&format!("radius[{k}]")), radii[k]),
+            Self::PerSegment(radii) => match radii.iter().position(|r| !is_legal(*r)) {
+                Some(k) => check_radius(&field(&format!("radius[{k}]")), radii[k]),
                 None => Ok(()),
             },
         }
     }
+}
+
+fn is_legal(radius: f64) -> bool {
+    radius > 0.0 && radius <= LARGEST
+}
+
+fn check_radius(field: &str, radius: f64) -> Result<(), InputError> {
+    InputError::check(field, radius, is_legal(radius), "a finite number greater than 0 and at most 1e100")
 }

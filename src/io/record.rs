@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
+use crate::observe::ErrorEstimate;
 use crate::observe::report::{Observation, SiteReport};
 use crate::scene::Scene;
 use crate::scene::file::{OutputChoice, Units};
@@ -57,6 +58,8 @@ struct Summary<'a> {
     seconds: f64,
     #[serde(rename = "final")]
     last: Option<&'a Observation>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_estimate: Option<&'a ErrorEstimate>,
     steps: &'a [Observation],
 }
 
@@ -92,7 +95,7 @@ pub struct RecordState {
 /// | `table.csv` | one line per accepted step |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
-/// | `summary.json` | every observation of every step, and the final state; of contact sites the [`MAX_SITES`] strongest |
+/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
 #[derive(Debug)]
@@ -109,6 +112,7 @@ pub struct Record {
     last: Option<Frame>,
     last_written: Option<usize>,
     pvd: PvdWriter,
+    error_estimate: Option<ErrorEstimate>,
 }
 
 impl Record {
@@ -141,6 +145,7 @@ impl Record {
             last: None,
             last_written: None,
             pvd: PvdWriter::new(dir.join("run.pvd")),
+            error_estimate: None,
         })
     }
 
@@ -202,6 +207,11 @@ impl Record {
         }
     }
 
+    /// Takes in an estimate of the final state's error, for the summary.
+    pub fn set_error_estimate(&mut self, estimate: ErrorEstimate) {
+        self.error_estimate = Some(estimate);
+    }
+
     /// Writes all that is left to write; `status` says how the run ended.
     ///
     /// # Errors
@@ -226,7 +236,8 @@ impl Record {
     fn write_summary(&self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
         let path = self.dir.join("summary.json");
         let (title, units, rods, steps) = (&self.title, &self.units, &self.rods, &self.steps);
-        let summary = Summary { title, units, rods, converged, status, seconds, last: steps.last(), steps };
+        let (last, error_estimate) = (steps.last(), self.error_estimate.as_ref());
+        let summary = Summary { title, units, rods, converged, status, seconds, last, error_estimate, steps };
         let refuse = |reason: String| InputError::File { path: path.clone(), reason };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| refuse(e.to_string()))?;
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))

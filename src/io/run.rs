@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::error::InputError;
 use crate::observe;
+use crate::observe::ErrorEstimate;
 use crate::observe::report::Observation;
 use crate::scene::Scene;
 use crate::solve::{
@@ -28,6 +29,8 @@ pub struct Outcome {
     pub seconds: f64,
     /// The checkpoint from which an unfinished run can go on.
     pub checkpoint: Option<PathBuf>,
+    /// An estimate of the final state's error, if the scene asks for it and the run converged.
+    pub error_estimate: Option<ErrorEstimate>,
 }
 
 /// Solver options of a scene: its choices over the defaults.
@@ -145,6 +148,7 @@ impl SceneRun {
             latest: from.clone(),
             started,
             seconds_before,
+            estimates: output.error_estimate,
         };
         let mut failed: Option<InputError> = None;
         let mut observer = |progress: &Progress, waypoint: &Waypoint| {
@@ -182,6 +186,8 @@ struct Keeper {
     latest: Option<Restart>,
     started: Instant,
     seconds_before: f64,
+    /// Whether the error of the final state is to be estimated.
+    estimates: bool,
 }
 
 impl Keeper {
@@ -228,6 +234,12 @@ impl Keeper {
                 self.write()?;
             }
         }
+        let mut error_estimate = None;
+        if let (Ok(solution), true) = (&result, converged && self.estimates) {
+            let estimate = observe::estimate_error(&solution.solver)?;
+            self.record.set_error_estimate(estimate.clone());
+            error_estimate = Some(estimate);
+        }
         self.record.finish(converged, &status, seconds)?;
         if converged && self.on_disk {
             // all there is to know is in the outputs now; a checkpoint that cannot be removed does no harm
@@ -240,6 +252,7 @@ impl Keeper {
             steps: self.record.steps().to_vec(),
             seconds,
             checkpoint,
+            error_estimate,
         })
     }
 }

@@ -1,10 +1,12 @@
 //! What is to be known of a state: [`observe()`] fills an [`Observation`](report::Observation) with everything, [`link`] has the
-//! topology of closed curves, [`report`] the plain data.
+//! topology of closed curves, [`report`] the plain data; [`estimate_error`] says how far off a state is.
 
+mod error_estimate;
 pub mod report;
 mod sites;
 mod state;
 
 /// Link, twist and writhe of closed curves (they live among the mathematics, for start shapes need them too).
 pub use crate::math::link;
+pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use state::{contact_sites, observe};

@@ -92,7 +92,7 @@ pub struct Reaction {
 /// Link numbers of one closed rod, in turns; `link = twist + writhe`.
 ///
 /// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as no
-/// strand has passed through another. Of its two parts the polygon would know each to second order in its edges only,
+/// strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no link). Of its two parts the polygon would know each to second order in its edges only,
 /// so `twist` is the elements' own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RodLink {

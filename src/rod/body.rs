@@ -4,6 +4,12 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Section, Shape};
 
+/// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a turn would not have.
+pub const MAX_TURN: f64 = 0.4;
+
+/// Largest coordinate of a node: products of three stay finite.
+const LARGEST: f64 = 1e100;
+
 /// The stress-free state of a rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Natural {
@@ -134,12 +140,14 @@ impl Rod {
     /// # Errors
     /// An order other than 1, 2, 3; a number of nodes that does not fit order and elements; a closed rod of fewer than 3
     /// nodes; frames not as many as positions; numbers that are not finite; stiffnesses or a length not positive;
-    /// neighbouring nodes that coincide, or whose frames are half a turn apart; a rod thicker than its own curvature
+    /// neighbouring nodes that coincide, or whose frames are more than [`MAX_TURN`] apart; a rod thicker than its own curvature
     /// allows (ε·curvature ≥ 1, curvature = turning of d3 from node to node over the arc length between them).
     pub fn check(&self) -> Result<(), InputError> {
         let path = format!("rods.{}", self.name);
         self.section.check(&format!("{path}.section"))?;
         InputError::positive(&format!("{path}.length"), self.length)?;
+        let link = self.start_excess_link;
+        InputError::check(&format!("{path}.start_excess_link"), link, true, "a finite number of turns")?;
         if let Natural::Uniform { kappa } = self.natural {
             for (i, value) in kappa.into_iter().enumerate() {
                 InputError::check(&format!("{path}.natural.kappa[{i}]"), value, true, "a finite number")?;
@@ -147,9 +155,9 @@ impl Rod {
         }
         self.check_counts(&path)?;
         for (i, position) in self.positions.iter().enumerate() {
-            if !position.iter().all(|x| x.is_finite()) {
-                let field = format!("{path}.positions[{i}]");
-                return Err(InputError::Vector { field, value: (*position).into(), allowed: "three finite numbers" });
+            if !position.iter().all(|x| x.abs() <= LARGEST) {
+                let (field, allowed) = (format!("{path}.positions[{i}]"), "three finite numbers of at most 1e100");
+                return Err(InputError::Vector { field, value: (*position).into(), allowed });
             }
             let norm = self.frames[i].norm();
             let ok = (norm - 1.0).abs() < 1e-6;
@@ -186,10 +194,12 @@ impl Rod {
         if (self.positions[b] - self.positions[a]).norm() <= 1e-12 * spacing {
             return refuse(format!("nodes {a} and {b} coincide"));
         }
-        let cosine_of_half = self.frames[a].coords.dot(&self.frames[b].coords).abs();
+        let turns = self.frames[a].angle_to(&self.frames[b]) / std::f64::consts::TAU;
         let seam = self.closed && b == 0;
-        if !seam && cosine_of_half < 1e-6 {
-            return refuse(format!("the frames of nodes {a} and {b} are half a turn apart: use more elements"));
+        if !seam && turns > MAX_TURN {
+            return refuse(format!(
+                "the frames of nodes {a} and {b} are nearly half a turn apart ({turns:.3} turns; at most {MAX_TURN}): use more elements"
+            ));
         }
         let (d3_a, d3_b) = (self.frames[a] * Vec3::z(), self.frames[b] * Vec3::z());
         let curvature = d3_a.cross(&d3_b).norm().atan2(d3_a.dot(&d3_b)) / spacing;

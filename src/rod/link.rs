@@ -4,14 +4,11 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::Rod;
+use super::{MAX_TURN, Rod};
 use crate::error::InputError;
 use crate::math::link::link_numbers;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
-
-/// Largest twist laid between neighbouring nodes, turns. Elements take the shorter way round, which half a turn would not have.
-const MAX_TWIST: f64 = 0.4;
 
 /// Points per segment at most on the polygon that link is measured on.
 const MAX_POINTS: f64 = 8.0;
@@ -35,9 +32,9 @@ impl Rod {
         }
         let nodes = self.num_nodes() as f64;
         let missing = turns - self.start_excess_link;
-        if (missing / nodes).abs() > MAX_TWIST {
+        if (missing / nodes).abs() > MAX_TURN {
             let reason = format!(
-                "{turns} turns, of which {missing:.6} are twist, are more than {MAX_TWIST} turns between neighbouring nodes ({nodes} \
+                "{turns} turns, of which {missing:.6} are twist, are more than {MAX_TURN} turns between neighbouring nodes ({nodes} \
                  nodes): use more elements"
             );
             return Err(InputError::Inconsistent { field, reason });

@@ -4,10 +4,11 @@
 mod body;
 pub mod element;
 mod link;
+mod refine;
 pub mod section;
 pub mod shape;
 
 pub(crate) use body::within;
-pub use body::{Natural, Rod};
+pub use body::{MAX_TURN, Natural, Rod};
 pub use section::{CrossSection, Section};
 pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot};

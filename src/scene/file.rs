@@ -88,6 +88,7 @@ pub use points::read_points;
 /// picture = true
 /// checkpoint_steps = 20                        # a checkpoint every so many accepted steps (default: by time only)
 /// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0 at every step
+/// error_estimate = false                       # estimate the error of the final state (two more searches on twice the elements)
 /// dir = "out/minicircle"                       # relative to where the program runs
 /// ```
 ///
@@ -158,6 +159,8 @@ pub struct OutputChoice {
     pub checkpoint_steps: Option<usize>,
     /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal: ≥ 0, infinite: never.
     pub checkpoint_seconds: f64,
+    /// Estimate the error of the final state, see `observe::estimate_error`.
+    pub error_estimate: bool,
     /// Folder, relative to the working directory; the command line's `--out` goes before it.
     pub dir: Option<PathBuf>,
 }
@@ -172,6 +175,7 @@ impl Default for OutputChoice {
             picture: true,
             checkpoint_steps: None,
             checkpoint_seconds: 60.0,
+            error_estimate: false,
             dir: None,
         }
     }

@@ -491,7 +491,7 @@ impl ContactSide {
         let earlier = self.before.iter().flat_map(|(_, offsets)| offsets);
         let largest = self.offsets.iter().chain(earlier).copied().fold(0.0, f64::max);
         // in steps, so that a slowly growing offset does not rebuild the list every time
-        let range = (0.02f64 * self.min_radius).max(2.0 * largest).log2().ceil().exp2();
+        let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
         let margin = 0.5 * self.min_radius;
         let before = self.broad_phase.generation();
         self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;

@@ -112,6 +112,14 @@ pub(crate) enum Reference {
 }
 
 impl Reference {
+    /// Strains of six numbers held.
+    pub(crate) fn num_stored(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::PerElement(_, list) => 3 * list.len(),
+        }
+    }
+
     pub(crate) fn of(&self, element: usize) -> [Six; 3] {
         match self {
             Self::Uniform(six) => [*six; 3],
@@ -181,6 +189,23 @@ impl Engine {
         engine.reference = engine.build_reference();
         engine.contact = engine.build_contact()?;
         Ok(engine)
+    }
+
+    /// Refuses rods so far from the origin that rounding of their positions alone exceeds `tol_increment` × node spacing.
+    pub(crate) fn check_resolution(&self, tol_increment: f64) -> Result<(), InputError> {
+        for (index, rod) in self.model.rods.iter().enumerate() {
+            let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
+            let spacing = rod.length / rod.num_segments() as f64;
+            let resolution = f64::EPSILON * farthest / spacing;
+            if resolution > tol_increment {
+                let reason = format!(
+                    "lies up to {farthest:e} from the origin, where positions are known to {resolution:.1e} of its node spacing only, and \
+                     options.newton.tol_increment = {tol_increment:e}: move the model to the origin or raise the tolerance"
+                );
+                return Err(InputError::Inconsistent { field: format!("rods.{}.positions", rod.name), reason });
+            }
+        }
+        Ok(())
     }
 
     /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian and

@@ -1,14 +1,15 @@
 //! Finds equilibria, from the outside in: [`path`] (load stepping), `predictor` (where it is heading), [`settle`] (one state brought to rest: contact enforced,
 //! unstable states left), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), [`step_bound`]
-//! (no strand passes another), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of
+//! (no strand passes another), `turning` (no frame takes the other way round), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of
 //! unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem assembled), [`state`] (the configuration and how
-//! it moves), [`restart`] (what a run needs to go on later), [`fields`] (what it looks like along the rods).
+//! it moves), [`restart`] (what a run needs to go on later), `refine` (the same state on a finer mesh or under a harder law), [`fields`] (what it looks like along the rods), [`footprint`] (what it takes).
 
 pub mod assembly;
 pub mod continuation;
 mod coupling;
 pub mod engine;
 pub mod fields;
+pub mod footprint;
 pub mod globalise;
 mod interrupt;
 mod moment_load;
@@ -16,18 +17,21 @@ mod neutral;
 pub mod newton;
 pub mod path;
 mod predictor;
+mod refine;
 pub mod restart;
 pub mod settle;
 pub mod stability;
 pub mod state;
 pub mod step_bound;
 mod timing;
+mod turning;
 
 use crate::error::InputError;
 
 pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
 pub use fields::NodalFields;
+pub use footprint::Footprint;
 pub use interrupt::Interrupt;
 pub use newton::NewtonOptions;
 pub use path::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};
@@ -78,6 +82,7 @@ impl Options {
         let unit = |x: f64| x > 0.0 && x <= 1.0;
         InputError::check("options.departure", self.departure, unit(self.departure), "in (0, 1] rad")?;
         InputError::check("options.min_step", self.min_step, unit(self.min_step), "in (0, 1]")?;
-        InputError::positive("options.newton.tol_increment", self.newton.tol_increment)
+        let tol = self.newton.tol_increment;
+        InputError::check("options.newton.tol_increment", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")
     }
 }

@@ -166,10 +166,11 @@ impl Solver {
     /// Builds the engine.
     ///
     /// # Errors
-    /// Refused input.
+    /// Refused input; a rod so far from the origin that its positions cannot be told apart to the increment tolerance.
     pub fn new(model: Model, options: Options) -> Result<Self, InputError> {
         options.check()?;
         let engine = Engine::new(model, options.threads)?;
+        engine.check_resolution(options.newton.tol_increment)?;
         Ok(Self {
             engine,
             workspace: Workspace::default(),
@@ -224,7 +225,8 @@ impl Solver {
     /// Brings the start state to rest.
     fn run_start(&mut self, observer: &mut Observer) -> Result<(Place, Status), RunError> {
         let started = Instant::now();
-        let report = self.settle(&Drive::default());
+        let mut report = self.settle(&Drive::default());
+        self.judge_turning(&mut report);
         let place = Place::start_of(0, 0, report.iterations);
         let settled = report.status == Status::Converged;
         if settled {
@@ -269,6 +271,9 @@ impl Solver {
                 self.restore(snapshot)?;
                 size *= 0.5;
                 if report.status == Status::Stopped || size < full * self.options.min_step {
+                    if let Some(error @ SolveError::TooTwisted { .. }) = report.error {
+                        return Err(error.into()); // what is wrong is the mesh
+                    }
                     return Ok(match report.status {
                         Status::BrokeDown | Status::MaxIterations => Status::StepTooSmall,
                         other => other,
@@ -338,6 +343,16 @@ impl Solver {
         target
     }
 
+    /// A state whose elements may have taken the other way round is no equilibrium of the rod.
+    fn judge_turning(&self, report: &mut StepReport) {
+        if report.status != Status::Converged {
+            return;
+        }
+        if let Err(error) = self.engine.check_turning() {
+            (report.status, report.error) = (Status::BrokeDown, Some(error));
+        }
+    }
+
     fn attempt(&mut self, target: &Target, predicted: Option<Vec<f64>>) -> StepReport {
         if let Some(factor) = target.load_factor {
             self.engine.state.load_factor = factor;
@@ -345,7 +360,11 @@ impl Solver {
         for &(rod, pressure) in &target.pressures {
             self.engine.state.pressures[rod] = pressure;
         }
-        let report = self.settle_along(&target.drive, predicted);
+        if let Err(error) = self.engine.check_drive(&target.drive) {
+            return StepReport::refused(error);
+        }
+        let mut report = self.settle_along(&target.drive, predicted);
+        self.judge_turning(&mut report);
         if report.status == Status::Converged {
             for &(node, change) in &target.turned {
                 *self.turned.entry(node).or_insert(0.0) += change;

@@ -14,7 +14,10 @@ impl Workspace {
         let mass = &engine.masses;
         if self.softest.len() != mass.len() {
             // a fixed start with components everywhere: runs repeat
-            self.softest = (0..mass.len()).map(|i| ((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5).collect();
+            // displacements in lengths of the rod: of several critical directions the same one in every unit
+            let size = |i: usize| if i % 6 < 3 { engine.scales.length } else { 1.0 };
+            let start = |i: usize| (((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5) * size(i);
+            self.softest = (0..mass.len()).map(start).collect();
         }
         let mut lowest = f64::INFINITY;
         for _ in 0..rounds {

@@ -67,6 +67,10 @@ impl Factor {
     /// Factorises the matrix with the given upper values; `None` when a pivot vanishes.
     pub fn factorise(&mut self, pattern: &Pattern, upper: &[f64]) -> Option<Inertia> {
         let n = pattern.num_equations();
+        if n == 0 {
+            // every unknown is supported: nothing to solve for, and nothing wrong with it
+            return Some(Inertia { num_negative: 0 });
+        }
         let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
         let matrix = SparseColMatRef::new(symbolic, upper);
         let stack = MemStack::new(&mut self.scratch);
@@ -105,6 +109,9 @@ impl Factor {
     /// Solves A x = b in place with the last factorisation.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         let n = rhs.len();
+        if n == 0 {
+            return;
+        }
         let factors = LdltRef::new(&self.symbolic, &self.values);
         let stack = MemStack::new(&mut self.scratch);
         factors.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(rhs, n, 1), Par::Seq, stack);

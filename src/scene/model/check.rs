@@ -56,11 +56,13 @@ impl Model {
     /// Refuses stages that this model cannot follow.
     ///
     /// # Errors
-    /// A stage of no steps or no ramps; two ramps of one quantity in a stage; targets that are not finite; the excess
+    /// Whatever [`Model::check`] refuses; a stage of no steps or no ramps; two ramps of one quantity in a stage; targets that are not finite; the excess
     /// link of an open rod or in a planar model; a rotation of a node whose rotation no support fixes, a displacement of
     /// a component no support fixes; an open rod so moved that is otherwise free to move as a rigid body; a load factor
     /// without loads; pressure on anything but a closed rod of a planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
+        // ramps are judged by what supports and rods allow, which must be sound for that
+        self.check()?;
         for (i, stage) in stages.iter().enumerate() {
             if stage.steps == 0 {
                 return Err(InputError::Count { field: format!("stages[{i}].steps"), value: 0, allowed: "at least 1" });

@@ -1,0 +1,435 @@
+//! What accuracy costs: errors against work over the knobs of `docs/ACCURACY.md`, with the Pareto front of each case.
+//!
+//! `cargo bench --bench work_precision` writes `target/work_precision/*.csv` and one plot a case; a word behind `--` picks the cases whose names have it.
+//! Work is counted in node iterations (Newton iterations times nodes, from the start state to rest), which other work on the machine does not
+//! touch; the time of one run on one thread stands beside it. The last part measures condition: size of residual and increment where they stop falling, against slenderness
+//! and number of elements.
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
+
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::path::PathBuf;
+use std::time::Instant;
+
+use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
+use supercoil::math::Vec3;
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
+use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Support};
+use supercoil::solve::{Options, Progress, Solver, Status};
+
+/// One setting of the knobs.
+#[derive(Debug, Clone, Copy)]
+struct Knobs {
+    order: usize,
+    elements: usize,
+    /// Contact stiffness κ ε⁴/B and whether an augmented Lagrangian closes the gaps.
+    stiffness: f64,
+    augmented: bool,
+    tol_increment: f64,
+    /// Load steps.
+    steps: usize,
+}
+
+const MIDDLE: Knobs =
+    Knobs { order: 3, elements: 24, stiffness: 100.0, augmented: true, tol_increment: 1e-8, steps: 4 };
+
+/// Numbers a state is judged by; NaN where a case has none.
+#[derive(Debug, Clone, Copy)]
+struct Numbers {
+    energy: f64,
+    moment: f64,
+    writhe: f64,
+    force: f64,
+    tip: [f64; 3],
+}
+
+/// Errors relative to the reference; the gap's is the penetration over the contact radius.
+struct Row {
+    case: &'static str,
+    knobs: Knobs,
+    seconds: f64,
+    iterations: usize,
+    /// Newton iterations × nodes.
+    work: f64,
+    energy: f64,
+    moment: f64,
+    writhe: f64,
+    force: f64,
+    tip: f64,
+    gap: f64,
+    worst: f64,
+}
+
+struct Case {
+    name: &'static str,
+    /// Builds and loads; `None` when a step does not converge.
+    run: fn(&Knobs) -> Option<(Solver, Observation, usize)>,
+    reference: fn() -> Numbers,
+    knobs: Vec<Knobs>,
+}
+
+fn law(knobs: &Knobs) -> Contact {
+    let stiffness = knobs.stiffness;
+    let augmented = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
+    Contact { law: if knobs.augmented { augmented } else { ContactLaw::Penalty { stiffness } } }
+}
+
+fn options(knobs: &Knobs) -> Options {
+    let mut options = Options { threads: Some(1), ..Options::default() };
+    options.newton.tol_increment = knobs.tol_increment;
+    options
+}
+
+/// Steps through the ramps given for fractions of the way; sums iterations.
+fn go(mut solver: Solver, ramps: impl Iterator<Item = Vec<Ramp>>) -> Option<(Solver, Observation, usize)> {
+    let (mut iterations, mut last) = (0, None);
+    for ramp in ramps {
+        let report = solver.step_to(&ramp).ok()?;
+        iterations += report.iterations;
+        if report.status != Status::Converged {
+            return None;
+        }
+        last = Some(report);
+    }
+    let report = last?;
+    let progress =
+        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
+    let seen = observe(&progress);
+    Some((solver, seen, iterations))
+}
+
+fn bend(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    let section = Section {
+        shearing: [5e6 * 5.0 / 6.0; 2],
+        stretching: 1e7,
+        bending: [1e7 / 12.0; 2],
+        twisting: 5e6 / 6.0,
+        contact_radius: 0.0,
+    };
+    let arc =
+        Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
+    let rod = Rod::new("bend", &arc, false, section, knobs.elements, knobs.order, Natural::AsShaped).ok()?;
+    let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
+    let model = Model {
+        rods: vec![rod],
+        supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
+        loads: vec![NodeLoad { node: tip, force: Vec3::z() * 600.0, moment: Vec3::zeros() }],
+        contact: Contact::NONE,
+        ..Model::default()
+    };
+    let solver = Solver::new(model, options(knobs)).ok()?;
+    go(solver, (1..=knobs.steps).map(|k| vec![Ramp::Load { to: k as f64 / knobs.steps as f64 }]))
+}
+
+fn ring(knobs: &Knobs, diameter: f64, links: &[f64]) -> Option<(Solver, Observation, usize)> {
+    let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.5 * diameter);
+    let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &circle, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let solver =
+        Solver::new(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, options(knobs)).ok()?;
+    go(solver, links.iter().map(|&to| vec![Ramp::ExcessLink { rod: 0, to }]))
+}
+
+/// The stated number of steps from just past the flat ring's instability to the target.
+fn links(knobs: &Knobs, target: f64) -> Vec<f64> {
+    let way = |k: usize| 1.2 + (target - 1.2) * k as f64 / knobs.steps as f64;
+    [1.1].into_iter().chain((0..=knobs.steps).map(way)).collect()
+}
+
+fn thick_ring(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    ring(knobs, 0.03, &links(knobs, 1.8))
+}
+
+fn thin_ring(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    ring(knobs, 0.01, &links(knobs, 1.8))
+}
+
+/// The ring with D/L = .01 as a plectoneme, from a plectoneme: link at which its exact writhe and moment are known.
+const PLECTONEME_LINK: f64 = 4.18363 + 0.88448 / 1.5;
+
+fn plectoneme(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.005);
+    let shape = Shape::Plectoneme(Plectoneme::of_link(1.0, 0.0102, 1.0, 1.5, PLECTONEME_LINK).ok()?);
+    let rod = Rod::new("ring", &shape, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let rod = rod.with_excess_link(PLECTONEME_LINK).ok()?;
+    let solver =
+        Solver::new(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, options(knobs)).ok()?;
+    go(solver, std::iter::once(Vec::new()))
+}
+
+/// Two clamped beams pushed together by line loads, twelve times beyond first touch.
+fn beams(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    let (radius, gap) = (0.01, 1e-4);
+    let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, radius);
+    let beam = |name: &str, start: Vec3| {
+        let shape = Shape::Line { start, direction: Vec3::x(), length: 1.0 };
+        Rod::new(name, &shape, false, section, knobs.elements, knobs.order, Natural::Straight)
+    };
+    let rods = vec![beam("lower", Vec3::zeros()).ok()?, beam("upper", Vec3::y() * (2.0 * radius + gap)).ok()?];
+    let last = rods[0].num_nodes() - 1;
+    let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
+    let line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    let model = Model { rods, supports, line_loads, contact: law(knobs), planar: true, ..Model::default() };
+    let solver = Solver::new(model, options(knobs)).ok()?;
+    let touch = 192.0 * gap;
+    let steps = knobs.steps.max(2);
+    go(solver, (1..=steps).map(|k| vec![Ramp::Load { to: 12.0 * touch * k as f64 / steps as f64 }]))
+}
+
+const NONE: Numbers =
+    Numbers { energy: f64::NAN, moment: f64::NAN, writhe: f64::NAN, force: f64::NAN, tip: [f64::NAN; 3] };
+
+fn numbers(solver: &Solver, seen: &Observation) -> Numbers {
+    let tip = solver.engine().positions(0).last().unwrap();
+    Numbers {
+        energy: seen.energies.stretch + seen.energies.shear + seen.energies.bend + seen.energies.twist,
+        moment: seen.links.first().map_or(f64::NAN, |link| link.seam_moment),
+        writhe: seen.links.first().map_or(f64::NAN, |link| link.writhe),
+        force: if seen.num_sites > 0 { seen.total_contact_force } else { f64::NAN },
+        tip: (*tip).into(),
+    }
+}
+
+/// A far finer run, for want of exact values.
+fn finest(run: fn(&Knobs) -> Option<(Solver, Observation, usize)>) -> Numbers {
+    let (solver, seen, _) = run(&Knobs { elements: 64, stiffness: 1e6, ..MIDDLE }).unwrap();
+    Numbers { tip: [f64::NAN; 3], ..numbers(&solver, &seen) }
+}
+
+fn measure(case: &Case, reference: &Numbers, knobs: Knobs) -> Option<Row> {
+    let started = Instant::now();
+    let (solver, seen, iterations) = (case.run)(&knobs)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let ours = numbers(&solver, &seen);
+    let relative = |x: f64, exact: f64| ((x - exact) / exact).abs();
+    let apart = (0..3).map(|k| (ours.tip[k] - reference.tip[k]).powi(2)).sum::<f64>().sqrt();
+    let radius = solver.engine().model().rods[0].section.contact_radius;
+    let gap = seen.min_gap.filter(|_| seen.num_sites > 0).map_or(f64::NAN, |gap| (-gap.lower / radius).max(0.0));
+    let length = solver.engine().model().rods[0].length;
+    let mut row = Row {
+        case: case.name,
+        knobs,
+        seconds,
+        iterations,
+        work: (iterations * solver.engine().num_nodes()) as f64,
+        energy: relative(ours.energy, reference.energy),
+        moment: relative(ours.moment, reference.moment),
+        writhe: relative(ours.writhe, reference.writhe),
+        force: relative(ours.force, reference.force),
+        tip: apart / length,
+        gap,
+        worst: 0.0,
+    };
+    let errors = [row.energy, row.moment, row.writhe, row.force, row.tip, row.gap];
+    row.worst = errors.into_iter().filter(|e| !e.is_nan()).fold(0.0, f64::max);
+    Some(row)
+}
+
+/// Rows that no other beats in both work and worst error, least work first.
+fn front(rows: &[Row]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|&a, &b| rows[a].work.total_cmp(&rows[b].work));
+    let mut best = f64::INFINITY;
+    order.retain(|&i| {
+        let better = rows[i].worst < best;
+        best = best.min(rows[i].worst);
+        better
+    });
+    order
+}
+
+fn folder() -> PathBuf {
+    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/work_precision");
+    std::fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+fn write(case: &str, rows: &[Row], best: &[usize]) {
+    let head = "case,order,elements,stiffness,augmented,tol_increment,steps,seconds,iterations,work,energy,moment,writhe,force,tip,gap,worst,front\n";
+    let mut text = head.to_owned();
+    for (index, row) in rows.iter().enumerate() {
+        let k = row.knobs;
+        let knobs =
+            format!("{},{},{:e},{},{:e},{}", k.order, k.elements, k.stiffness, k.augmented, k.tol_increment, k.steps);
+        let errors =
+            [row.energy, row.moment, row.writhe, row.force, row.tip, row.gap, row.worst].map(|e| format!("{e:.3e}"));
+        let (seconds, errors) = (row.seconds, errors.join(","));
+        text += &format!(
+            "{},{knobs},{seconds:.4},{},{},{errors},{}\n",
+            row.case,
+            row.iterations,
+            row.work,
+            best.contains(&index)
+        );
+    }
+    std::fs::write(folder().join(format!("{case}.csv")), text).unwrap();
+}
+
+/// Points on logarithmic axes, and a line through some of them.
+fn plot(name: &str, title: &str, axes: [&str; 2], points: Vec<(f64, f64)>, line: Vec<(f64, f64)>) {
+    let [x_label, y_label] = axes.map(str::to_owned);
+    let series = vec![
+        Series { points, style: SeriesStyle::Points, ..Series::default() },
+        Series { name: "front".to_owned(), points: line, style: SeriesStyle::LinePoints },
+    ];
+    let series = series.into_iter().filter(|s| !s.points.is_empty()).collect();
+    let plot =
+        PlotSpec { title: title.to_owned(), x_label, y_label, series, log_x: true, log_y: true, ..PlotSpec::default() };
+    plot_lines(&folder().join(format!("{name}.svg")), &plot).unwrap();
+}
+
+fn with(list: &mut Vec<Knobs>, change: impl Fn(&mut Knobs)) {
+    let mut knobs = MIDDLE;
+    change(&mut knobs);
+    list.push(knobs);
+}
+
+/// One knob at a time off the middle, and meshes with laws together.
+fn contact_knobs(elements: &[usize], stiffnesses: &[f64]) -> Vec<Knobs> {
+    let mut list = Vec::new();
+    for &count in elements {
+        for &stiffness in stiffnesses {
+            for augmented in [true, false] {
+                with(&mut list, |k| (k.elements, k.stiffness, k.augmented) = (count, stiffness, augmented));
+            }
+        }
+    }
+    for order in [1, 2] {
+        with(&mut list, |k| (k.order, k.elements) = (order, 72 / order));
+    }
+    for tol in [1e-3, 1e-5] {
+        with(&mut list, |k| k.tol_increment = tol);
+    }
+    for steps in [2, 8, 16] {
+        with(&mut list, |k| k.steps = steps);
+    }
+    list
+}
+
+fn bend_knobs() -> Vec<Knobs> {
+    let mut list = Vec::new();
+    for order in 1..=3 {
+        for nodes in [6, 12, 24, 48, 96] {
+            with(&mut list, |k| (k.order, k.elements, k.steps) = (order, nodes / order, 1));
+        }
+    }
+    for steps in [4, 16] {
+        with(&mut list, |k| (k.elements, k.steps) = (8, steps));
+    }
+    list
+}
+
+/// Size of residual and increment at which a search stops to gain, over slenderness and elements: half a circle by an end moment.
+fn condition() {
+    let mut text = "slenderness,elements,residual,increment,tip\n".to_owned();
+    let (mut by_slenderness, mut by_elements) = (Vec::new(), Vec::new());
+    let cases = (1..=6).map(|d| (10f64.powi(d), 16)).chain([4, 16, 64, 256, 1024, 4096].map(|n| (1e2, n)));
+    for (slenderness, elements) in cases {
+        let section = Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0);
+        let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+        let rod = Rod::new("beam", &line, false, section, elements, 3, Natural::Straight).unwrap();
+        let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
+        let loads = vec![NodeLoad { node: tip, force: Vec3::zeros(), moment: Vec3::z() * PI }];
+        let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 })];
+        let model = Model { rods: vec![rod], supports, loads, contact: Contact::NONE, ..Model::default() };
+        let mut knobs = MIDDLE;
+        knobs.tol_increment = 1e-7;
+        let mut solver = Solver::new(model, options(&knobs)).unwrap();
+        let _ = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
+        let at = solver.engine().positions(0).last().unwrap() - Vec3::new(0.0, 2.0 / PI, 0.0);
+        // a tolerance that nothing meets: the smallest increment on the way is what rounding leaves
+        solver.options_mut().newton.tol_increment = 1e-30;
+        solver.options_mut().newton.max_iterations = 12;
+        let report = solver.step_to(&[]).unwrap();
+        let least = |of: fn(&supercoil::solve::newton::Iteration) -> f64| {
+            report.history.iter().flatten().map(of).fold(f64::INFINITY, f64::min)
+        };
+        let (residual, increment) = (least(|i| i.residual), least(|i| i.increment));
+        println!(
+            "slenderness {slenderness:.0e}, {elements} elements: residual {residual:.1e}, increment {increment:.1e}, tip {:.1e}",
+            at.norm()
+        );
+        text += &format!("{slenderness:e},{elements},{residual:.3e},{increment:.3e},{:.3e}\n", at.norm());
+        if elements == 16 {
+            by_slenderness.push((slenderness, increment));
+        }
+        if slenderness == 1e2 {
+            by_elements.push((elements as f64, increment));
+        }
+    }
+    std::fs::write(folder().join("condition.csv"), text).unwrap();
+    let axes = ["slenderness L/ε", "smallest increment"];
+    plot("condition_slenderness", "increments at rounding", axes, by_slenderness, Vec::new());
+    let axes = ["cubic elements", "smallest increment"];
+    plot("condition_elements", "increments at rounding, L/ε = 100", axes, by_elements, Vec::new());
+}
+
+fn main() {
+    let wanted = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
+    let exact_bend = || {
+        let (solver, seen, _) = bend(&Knobs { elements: 64, steps: 4, ..MIDDLE }).unwrap();
+        Numbers { energy: numbers(&solver, &seen).energy, tip: [47.1500962403, 15.6846894790, 53.4754779982], ..NONE }
+    };
+    let exact_beams = || {
+        let q: f64 = 12.0 * 192.0 * 1e-4;
+        let lift_off = (36.0 * 1e-4 / q).powf(0.25);
+        Numbers { force: q * (1.0 - 2.0 * lift_off) + 2.0 * q * lift_off / 3.0, ..NONE }
+    };
+    let exact_plectoneme = || Numbers { writhe: 4.18363, moment: 0.88448 * TAU, ..NONE };
+    let cases = [
+        Case { name: "bend", run: bend, reference: exact_bend, knobs: bend_knobs() },
+        Case {
+            name: "thick_ring",
+            run: thick_ring,
+            reference: || finest(thick_ring),
+            knobs: contact_knobs(&[12, 16, 24, 32], &[1.0, 10.0, 100.0, 1e4]),
+        },
+        Case {
+            name: "thin_ring",
+            run: thin_ring,
+            reference: || finest(thin_ring),
+            knobs: contact_knobs(&[12, 16, 24, 32], &[1.0, 10.0, 100.0, 1e4]),
+        },
+        Case {
+            name: "beams",
+            run: beams,
+            reference: exact_beams,
+            knobs: contact_knobs(&[8, 16, 24, 48], &[10.0, 100.0, 1e4]),
+        },
+        Case {
+            name: "plectoneme",
+            run: plectoneme,
+            reference: exact_plectoneme,
+            knobs: contact_knobs(&[48, 64], &[10.0, 100.0]),
+        },
+    ];
+    for case in cases.iter().filter(|case| case.name.contains(&wanted)) {
+        let reference = (case.reference)();
+        let rows: Vec<Row> = case.knobs.iter().filter_map(|&knobs| measure(case, &reference, knobs)).collect();
+        let best = front(&rows);
+        println!("\n{}: {} of {} settings converged; front:", case.name, rows.len(), case.knobs.len());
+        for &i in &best {
+            let (row, k) = (&rows[i], rows[i].knobs);
+            println!(
+                "  {:.1e} node iterations ({:.2} s), worst error {:.1e}: order {}, {} elements, κ' {:.0e}, {}, tol {:.0e}, {} steps",
+                row.work,
+                row.seconds,
+                row.worst,
+                k.order,
+                k.elements,
+                k.stiffness,
+                if k.augmented { "augmented" } else { "penalty" },
+                k.tol_increment,
+                k.steps
+            );
+        }
+        write(case.name, &rows, &best);
+        let point = |row: &Row| (row.work, row.worst);
+        let line: Vec<(f64, f64)> = best.iter().map(|&i| point(&rows[i])).filter(|p| p.1 > 0.0).collect();
+        plot(case.name, case.name, ["node iterations", "worst relative error"], rows.iter().map(point).collect(), line);
+    }
+    if "condition".contains(&wanted) {
+        condition();
+    }
+}

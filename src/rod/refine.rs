@@ -1,0 +1,116 @@
+//! Nodes between nodes: the same rod, or the same state of it, on a mesh of twice the elements.
+
+use crate::error::InputError;
+use crate::math::quaternion::spin;
+use crate::math::{Quat, Vec3};
+use crate::rod::Rod;
+
+/// Nodes an intermediate one is interpolated from, where there are so many: degree 7, beyond the sixth order of the best elements.
+const STENCIL: usize = 8;
+
+impl Rod {
+    /// The same rod with twice the elements; node k becomes node 2k.
+    ///
+    /// New nodes are interpolated between the eight next old ones, which for a smooth start shape is of higher order than the elements.
+    /// It matters only where the start shape is the natural one ([`Natural::AsShaped`](crate::rod::Natural)) and has corners between
+    /// its nodes: these cannot be known.
+    ///
+    /// # Errors
+    /// See [`Rod::check`]; more nodes than a rod may have.
+    pub fn refined(&self) -> Result<Self, InputError> {
+        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let (positions, frames) = self.interleave(&self.positions, &self.frames, seam);
+        let num_elements = 2 * self.num_elements;
+        if num_elements.saturating_mul(self.order) > super::shape::MAX_SEGMENTS {
+            let allowed = "such that the rod has at most ten million nodes";
+            let field = format!("rods.{}.elements", self.name);
+            return Err(InputError::Count { field, value: num_elements, allowed });
+        }
+        let fine = Self { num_elements, positions, frames, ..self.clone() };
+        fine.check().map(|()| fine)
+    }
+
+    /// Nodes of a state of this rod with one more in the middle of every segment; `seam` \[rad\] turns the frame at s = L against that at 0.
+    pub(crate) fn interleave(&self, positions: &[Vec3], frames: &[Quat], seam: f64) -> (Vec<Vec3>, Vec<Quat>) {
+        let count = positions.len();
+        let stencil = STENCIL.min(count);
+        let (mut r, mut q) = (Vec::with_capacity(2 * count), Vec::with_capacity(2 * count));
+        for segment in 0..self.num_segments() {
+            r.push(positions[segment]);
+            q.push(frames[segment]);
+            // the first of the nodes interpolated from; beyond the seam on closed rods
+            let centred = segment as isize + 1 - (stencil as isize + 1) / 2;
+            let first = if self.closed { centred } else { centred.clamp(0, (count - stencil) as isize) };
+            let at = (segment as isize - first) as f64 + 0.5;
+            let (mut point, mut sum) = (Vec3::zeros(), nalgebra::Vector4::zeros());
+            let mut before = frames[segment].coords;
+            for k in 0..stencil {
+                let index = first + k as isize;
+                let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
+                let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
+                // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
+                let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
+                let weight = weight(stencil, k, at);
+                point += (positions[node] - positions[segment]) * weight;
+                sum += aligned * weight;
+                before = aligned;
+            }
+            r.push(positions[segment] + point);
+            q.push(Quat::new_normalize(nalgebra::Quaternion::from(sum)));
+        }
+        if !self.closed {
+            r.push(positions[count - 1]);
+            q.push(frames[count - 1]);
+        }
+        (r, q)
+    }
+}
+
+/// Lagrange's weight of the k-th of `count` equally spaced points 0, 1, … at `x`.
+fn weight(count: usize, k: usize, x: f64) -> f64 {
+    (0..count).filter(|&j| j != k).map(|j| (x - j as f64) / (k as f64 - j as f64)).product()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Natural, Section, Shape};
+
+    /// The refined rod is the one placed with twice the elements, to the eighth order of the spacing; and carries its link.
+    #[test]
+    fn refining_is_placing_with_twice_the_elements() {
+        let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
+        let axis = Vec3::new(1.0, 2.0, -0.5);
+        let helix = Shape::Helix { center: Vec3::x(), axis, radius: 0.7, pitch: 0.9, turns: 1.2 };
+        let circle = Shape::Circle { length: 5.0, center: Vec3::y(), normal: axis };
+        for (shape, closed, turns) in [(&helix, false, 0.0), (&circle, true, 0.0), (&circle, true, 2.3)] {
+            let place = |elements: usize| {
+                let rod = Rod::new("r", shape, closed, section, elements, 3, Natural::AsShaped).unwrap();
+                if turns == 0.0 { rod } else { rod.with_excess_link(turns).unwrap() }
+            };
+            let errors = [10, 20].map(|elements| {
+                let (fine, exact) = (place(elements).refined().unwrap(), place(2 * elements));
+                assert_eq!((fine.num_elements, fine.num_nodes()), (exact.num_elements, exact.num_nodes()));
+                let apart = |(a, b): (&Vec3, &Vec3)| (a - b).norm();
+                let turned = |(a, b): (&Quat, &Quat)| a.angle_to(b);
+                let by_place = fine.positions.iter().zip(&exact.positions).map(apart).fold(0.0, f64::max);
+                by_place.max(fine.frames.iter().zip(&exact.frames).map(turned).fold(0.0, f64::max))
+            });
+            assert!(errors[0] < 2e-4 && errors[1] < errors[0] / 64.0, "{errors:?}");
+        }
+    }
+
+    /// Too few nodes for the whole stencil.
+    #[test]
+    fn short_rods_are_refined() {
+        let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
+        let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
+        for order in 1..=3 {
+            let rod = Rod::new("r", &line, false, section, 1, order, Natural::Straight).unwrap().refined().unwrap();
+            assert_eq!(rod.num_nodes(), 2 * order + 1);
+            for (node, position) in rod.positions.iter().enumerate() {
+                assert!((position - Vec3::x() * rod.arc_of_node(node)).norm() < 1e-15);
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! The same state on a finer mesh, or under a harder contact law: what an estimate of the error compares with.
+
+use crate::contact::law::Law;
+use crate::error::InputError;
+use crate::math::{Quat, Vec3};
+use crate::scene::{Joint, LineLoad, Model, NodeLoad, NodeRef, Support};
+use crate::solve::engine::Engine;
+use crate::solve::neutral::Neutral;
+use crate::solve::newton::relative_residual;
+use crate::solve::path::Solver;
+use crate::solve::settle::StepReport;
+use crate::solve::state::{Drive, State};
+
+fn doubled(node: NodeRef) -> NodeRef {
+    NodeRef { node: 2 * node.node, ..node }
+}
+
+impl Model {
+    /// The same problem on twice the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn refined(&self) -> Result<Self, InputError> {
+        Ok(Self {
+            rods: self.rods.iter().map(|rod| rod.refined()).collect::<Result<_, _>>()?,
+            supports: self.supports.iter().map(|s| Support { node: doubled(s.node), ..*s }).collect(),
+            joints: self.joints.iter().map(|j| Joint { a: doubled(j.a), b: doubled(j.b) }).collect(),
+            loads: self.loads.iter().map(|load| NodeLoad { node: doubled(load.node), ..*load }).collect(),
+            line_loads: self.line_loads.iter().map(|load| LineLoad { ..*load }).collect(),
+            contact: self.contact,
+            planar: self.planar,
+        })
+    }
+}
+
+impl Engine {
+    /// Largest residual over the largest sum of its contributions at the present state, moments compared with forces over the node
+    /// spacing (dimensionless). The force along the sliding of a uniform closed rod, a ripple of the mesh, does not count.
+    pub fn relative_residual(&self) -> f64 {
+        let mut residual = self.residual(&self.state);
+        Neutral::of(self, &self.state).remove_sliding_force(&mut residual.gradient);
+        relative_residual(self, &residual)
+    }
+}
+
+impl Solver {
+    /// A solver for the same problem on twice the elements, in this solver's state interpolated, with its contact law and offsets;
+    /// [`Solver::resettle`] brings it to rest.
+    ///
+    /// # Errors
+    /// A rod that cannot be refined.
+    pub fn refined(&self) -> Result<Self, InputError> {
+        let (coarse, model) = (&self.engine, self.engine.model.refined()?);
+        let mut fine = Self::new(model, self.options.clone())?;
+        let (mut positions, mut frames): (Vec<Vec3>, Vec<Quat>) = (Vec::new(), Vec::new());
+        for (index, rod) in coarse.model.rods.iter().enumerate() {
+            let (r, q) = rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state.seams[index]);
+            positions.extend(r);
+            frames.extend(q);
+        }
+        fine.engine.set_state(State { positions, frames, ..coarse.state.clone() })?;
+        if let (Some(from), Some(to)) = (&coarse.contact, &mut fine.engine.contact) {
+            to.law = from.law;
+            for index in 0..coarse.model.rods.len() {
+                let old = &from.offsets[coarse.first_node[index]..coarse.first_node[index + 1]];
+                let nodes = fine.engine.first_node[index]..fine.engine.first_node[index + 1];
+                for (k, offset) in to.offsets[nodes].iter_mut().enumerate() {
+                    *offset = 0.5 * (old[k / 2] + old[k.div_ceil(2) % old.len()]);
+                }
+            }
+        }
+        let fine_node = |node: usize| {
+            let rod = coarse.first_node.partition_point(|&first| first <= node) - 1;
+            fine.engine.first_node[rod] + 2 * (node - coarse.first_node[rod])
+        };
+        fine.turned = self.turned.iter().map(|(&node, &turns)| (fine_node(node), turns)).collect();
+        fine.displaced = self.displaced.iter().map(|(&node, &by)| (fine_node(node), by)).collect();
+        fine.stages_left = self.stages_left;
+        Ok(fine)
+    }
+
+    /// Multiplies the contact stiffness in force by `factor`; pressures are kept, and the next search lets the strands find the gaps that go
+    /// with them. Without contact nothing happens.
+    pub fn harden_contact(&mut self, factor: f64) {
+        let Some(side) = &mut self.engine.contact else { return };
+        if let Law::Linear { stiffness } = side.law {
+            side.change_law(Law::Linear { stiffness: stiffness * factor }, vec![0.0; side.offsets.len()]);
+        }
+    }
+
+    /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if that fails.
+    pub fn resettle(&mut self) -> StepReport {
+        let still = vec![0.0; 6 * self.engine.num_nodes()];
+        self.settle_along(&Drive::default(), Some(still))
+    }
+}

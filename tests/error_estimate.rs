@@ -1,0 +1,141 @@
+//! The estimate of a state's own error against errors that are known.
+//!
+//! Promise of [`estimate_error`]: where one of its parts, mesh or contact law, makes the error, error and estimate are within a factor of two of each
+//! other; where both do, the error is not above one and a half times their sum (Bathe bend and twisted ring, references as in
+//! `bathe_bolourchi` and `twisted_ring`).
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
+
+use std::f64::consts::FRAC_PI_4;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use supercoil::io::run::run_scene;
+use supercoil::math::Vec3;
+use supercoil::observe::{ErrorEstimate, estimate_error, observe};
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Scene, Support};
+use supercoil::solve::{Options, Progress, Solver, Status};
+
+/// The 45° bend under a tip load of 600, kGA = 5/6·5e6.
+fn bend(elements: usize, order: usize) -> (Solver, f64) {
+    let section = Section {
+        shearing: [5e6 * 5.0 / 6.0; 2],
+        stretching: 1e7,
+        bending: [1e7 / 12.0; 2],
+        twisting: 5e6 / 6.0,
+        contact_radius: 0.0,
+    };
+    let arc =
+        Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
+    let rod = Rod::new("bend", &arc, false, section, elements, order, Natural::AsShaped).unwrap();
+    let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
+    let model = Model {
+        rods: vec![rod],
+        supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
+        loads: vec![NodeLoad { node: tip, force: Vec3::z() * 600.0, moment: Vec3::zeros() }],
+        contact: Contact::NONE,
+        ..Model::default()
+    };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    assert_eq!(solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap().status, Status::Converged);
+    let exact = Vec3::new(47.1500962403, 15.6846894790, 53.4754779982);
+    let error = (solver.engine().positions(0).last().unwrap() - exact).norm();
+    (solver, error)
+}
+
+#[test]
+fn bathe_bend_on_coarse_meshes() {
+    for (elements, order) in [(8, 1), (16, 1), (4, 2), (8, 2), (2, 3), (4, 3), (8, 3)] {
+        let (solver, error) = bend(elements, order);
+        let before = solver.engine().state().clone();
+        let estimate = estimate_error(&solver).unwrap();
+        assert_eq!(solver.engine().state(), &before, "the solver stays as it is");
+        let position = estimate.total(|d| d.position).unwrap();
+        println!("{elements} elements of order {order}: error {error:.2e}, estimate {position:.2e}");
+        assert!(estimate.contact_law.is_none() && estimate.penetration.is_none());
+        // the reference has ten digits
+        assert!(error < 1e-8 || (0.5 * position < error && error < 2.0 * position), "{elements}, order {order}");
+        assert!(estimate.residual < 1e-6, "{:e}", estimate.residual);
+    }
+}
+
+/// The twisted ring with D/L = .02, EA = GA = 1e8 B/L²; errors of contact force, writhe and energy at rest.
+fn ring(elements: usize, kappa: f64, excess_link: f64) -> Solver {
+    let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.01);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let law = ContactLaw::AugmentedLagrangian { stiffness: kappa * 1e-8, tol_penetration: 1e-8 };
+    let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    for to in [0.5, 1.1, 1.2, 1.4, excess_link] {
+        let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
+        assert_eq!(report.status, Status::Converged, "{elements} elements, {to}");
+    }
+    solver
+}
+
+fn force(solver: &mut Solver) -> f64 {
+    let report = solver.step_to(&[]).unwrap();
+    observe(&Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 })
+        .total_contact_force
+}
+
+#[test]
+fn contact_force_of_the_ring() {
+    let mut dominated = 0;
+    for (elements, kappa) in [(12, 1e11), (16, 1e11), (24, 1e9), (32, 1e9), (24, 1e10)] {
+        let mut solver = ring(elements, kappa, 1.6);
+        let error = (force(&mut solver) - 169.920755).abs();
+        let estimate: ErrorEstimate = estimate_error(&solver).unwrap();
+        let part = |c: &supercoil::observe::Comparison| c.error.unwrap().contact_force.unwrap();
+        let (mesh, law) = (part(&estimate.mesh), part(estimate.contact_law.as_ref().unwrap()));
+        println!("{elements} elements, κ = {kappa:.0e}: error {error:.2e}, mesh {mesh:.2e}, law {law:.2e}\n{estimate}");
+        let total = estimate.total(|d| d.contact_force).unwrap();
+        assert!(error < 1.5 * total, "{elements} elements, κ = {kappa:e}: {error:e} {total:e}");
+        // where the parts may cancel the estimate is a bound only
+        let one_dominates = mesh.max(law) > 4.0 * mesh.min(law);
+        assert!(!one_dominates || error > 0.5 * total, "{elements} elements, κ = {kappa:e}: {error:e} {total:e}");
+        dominated += usize::from(one_dominates);
+    }
+    assert!(dominated >= 3, "{dominated}");
+}
+
+/// A scene that asks for it has the estimate in its outcome and its summary; one that does not has none.
+#[test]
+fn scenes_tell_their_error_on_request() {
+    let text = r#"
+        [[rods]]
+        name = "beam"
+        shape = { kind = "line", length = 1.0, start = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 }
+        elements = 4
+        [[supports]]
+        at = "start"
+        position = true
+        rotation = true
+        [[loads]]
+        at = "end"
+        force = [0.0, 4.0, 0.0]
+        [[stages]]
+        ramp = { load = 1.0 }
+        steps = 2
+        [output]
+        vtk = false
+        picture = false
+    "#;
+    for asked in [true, false] {
+        let text = if asked { format!("{text}\nerror_estimate = true") } else { text.to_owned() };
+        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+        let dir = std::env::temp_dir().join(format!("supercoil_estimate_{}_{asked}", std::process::id()));
+        let outcome = run_scene(scene, &dir, &mut |_| ControlFlow::Continue(())).unwrap();
+        let summary = std::fs::read_to_string(dir.join("summary.json")).unwrap();
+        std::fs::remove_dir_all(&dir).unwrap();
+        assert_eq!(outcome.error_estimate.is_some(), asked);
+        assert_eq!(summary.contains("error_estimate"), asked);
+        let Some(estimate) = outcome.error_estimate else { continue };
+        let energy = estimate.total(|d| Some(d.energy)).unwrap();
+        assert!(energy > 0.0 && energy < 1e-3, "{energy}");
+        assert!(estimate.to_string().contains("reaction moments"));
+    }
+}

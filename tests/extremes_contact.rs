@@ -1,0 +1,305 @@
+//! Contact at the extremes: each case says *returns* (to which accuracy) or *refuses* (by which error or status), and holds it.
+//!
+//! Rings of circumference L with D/L = .04, B = 1, C/B = 1.5, 16 cubic elements; beams of length 1, D = .04. No exact values are needed but those
+//! of beams (192 B δ/L³ for a clamped beam pushed at its middle by δ); the rest is consistency: the same in other units and elsewhere in space, no
+//! overlap, no force without cause.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
+
+use supercoil::math::Vec3;
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
+use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
+use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
+use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
+
+fn seen(solver: &Solver, report: &StepReport) -> Observation {
+    let progress = Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 };
+    observe(&progress)
+}
+
+fn to(solver: &mut Solver, excess_link: f64) -> (StepReport, Observation) {
+    let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
+    let seen = seen(solver, &report);
+    (report, seen)
+}
+
+fn law(stiffness: f64) -> ContactLaw {
+    ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 }
+}
+
+/// Ring of circumference `unit`, D/L = .04, bending `force`·unit².
+fn ring(unit: f64, force: f64, center: Vec3, law: ContactLaw, elements: usize) -> Solver {
+    let b = force * unit * unit;
+    let section = Section::isotropic(b, 1.5 * b, 1e5 * force, 1e5 * force, 0.02 * unit);
+    let shape = Shape::Circle { length: unit, center: center * unit, normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    Solver::new(Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }, Options::default()).unwrap()
+}
+
+/// Units of length and force from 1e-12 to 1e12 *return* the same numbers: all to 1e-9, in the same iterations.
+///
+/// (Symptom before: from 1e6 on, the energy differed by 2e-5. The direction in which the flat ring is left was sought from a start vector that
+/// mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh.)
+#[test]
+fn units_of_length_and_force() {
+    let run = |unit: f64, force: f64| {
+        let mut solver = ring(unit, force, Vec3::zeros(), law(100.0), 16);
+        let mut iterations = Vec::new();
+        for link in [1.1, 1.4] {
+            let (report, _) = to(&mut solver, link);
+            assert_eq!(report.status, Status::Converged, "unit {unit:e}, force {force:e}");
+            iterations.push(report.iterations);
+        }
+        let (report, seen) = to(&mut solver, 1.7);
+        assert_eq!(report.status, Status::Converged, "unit {unit:e}, force {force:e}");
+        iterations.push(report.iterations);
+        let gap = seen.min_gap.unwrap();
+        let numbers = [
+            seen.energies.total / (force * unit),
+            seen.energies.bend / (force * unit),
+            seen.links[0].writhe,
+            seen.links[0].seam_moment / (force * unit),
+            seen.total_contact_force / force,
+            (seen.sites[0].center[1] - seen.sites[0].center[0]) / unit,
+            1.0 + gap.lower / unit,
+        ];
+        (iterations, numbers)
+    };
+    let (iterations, reference) = run(1.0, 1.0);
+    for (unit, force) in
+        [(1e-12, 1.0), (1e-9, 1e-12), (1e-6, 1e12), (1e-3, 1.0), (1e6, 1.0), (1e12, 1e-12), (1e12, 1e12)]
+    {
+        let (ours, numbers) = run(unit, force);
+        assert_eq!(ours, iterations, "unit {unit:e}, force {force:e}");
+        for (x, exact) in numbers.iter().zip(&reference) {
+            assert!((x / exact - 1.0).abs() < 1e-9, "unit {unit:e}, force {force:e}: {numbers:?} {reference:?}");
+        }
+    }
+}
+
+/// Away from the origin positions carry ε × offset. A ring with radius .02 L *returns*, 1e6 radii away, energy and writhe to 1e-8 and the
+/// contact force to 1e-7; from where rounding exceeds the increment tolerance on, near 1e8 radii, it is *refused*.
+#[test]
+fn offset_from_the_origin() {
+    let away = Vec3::new(0.6, 0.64, 0.48);
+    let run = |offset: f64| {
+        let mut solver = ring(1.0, 1.0, away * (0.02 * offset), law(100.0), 16);
+        let (report, _) = to(&mut solver, 1.1);
+        assert_eq!(report.status, Status::Converged, "{offset:e}");
+        let (report, seen) = to(&mut solver, 1.4);
+        assert_eq!(report.status, Status::Converged, "{offset:e}");
+        [seen.energies.total, seen.links[0].writhe, seen.total_contact_force]
+    };
+    let reference = run(0.0);
+    for (offset, tolerance) in [(1e3, [1e-10, 1e-10, 1e-9]), (1e6, [1e-8, 1e-8, 1e-7])] {
+        let ours = run(offset);
+        for k in 0..3 {
+            let error = ours[k] / reference[k] - 1.0;
+            assert!(error.abs() < tolerance[k], "{offset:e}: {error:e}");
+        }
+    }
+    for offset in [1e8, 1e9, 1e15] {
+        let rod = ring(1.0, 1.0, Vec3::zeros(), law(100.0), 16).engine().model().rods[0].clone();
+        let positions = rod.positions.iter().map(|r| r + away * (0.02 * offset)).collect();
+        let moved = Rod { positions, ..rod };
+        let error = Solver::new(Model { rods: vec![moved], ..Model::default() }, Options::default()).unwrap_err();
+        let error = error.to_string();
+        let cause = ["from the origin", "coincide"].iter().any(|words| error.contains(words));
+        assert!(error.contains("rods.ring") && cause, "{offset:e}: {error}");
+    }
+}
+
+/// Penalties from 1e-2 to 1e12 times the default. A plain penalty *returns* up to 1e4 times the default with a penetration that falls as
+/// κ^(−2/3); the augmented Lagrangian a gap within the tolerance from 1e-1 to 1e4 times. Beyond, it *returns* gaps no worse or says
+/// `MaxIterations`; it never says it converged while strands overlap.
+#[test]
+fn penalties() {
+    let mut before = f64::INFINITY;
+    let mut forces = Vec::new();
+    for decade in [-2, -1, 0, 1, 2, 3, 4, 6, 8, 12] {
+        let stiffness = 100.0 * 10f64.powi(decade);
+        for augmented in [false, true] {
+            let law = if augmented { law(stiffness) } else { ContactLaw::Penalty { stiffness } };
+            let mut solver = ring(1.0, 1.0, Vec3::zeros(), law, 16);
+            solver.options_mut().newton.max_iterations = 150;
+            let (flat, _) = to(&mut solver, 1.1);
+            let (report, seen) = to(&mut solver, 1.4);
+            let gap = seen.min_gap.map_or(0.0, |gap| gap.lower) / 0.02;
+            println!(
+                "1e{decade} augmented {augmented}: {} in {}, gap {gap:.1e}, force {:.6}",
+                report.status, report.iterations, seen.total_contact_force
+            );
+            assert_eq!(flat.status, Status::Converged);
+            if (augmented && decade < -1) || decade > 4 {
+                let honest = report.status != Status::Converged || gap > -1e-6 || (!augmented && gap > -before);
+                assert!(
+                    honest && seen.energies.total.is_finite(),
+                    "1e{decade}: {} with a gap of {gap:e}",
+                    report.status
+                );
+                continue;
+            }
+            assert_eq!(report.status, Status::Converged, "1e{decade}, augmented {augmented}");
+            if augmented {
+                assert!(gap > -1e-6, "1e{decade}: {gap:e}");
+                forces.push((decade, seen.total_contact_force));
+            } else {
+                let ratio = before / -gap;
+                let expected = 10f64.powf(2.0 / 3.0);
+                assert!(before.is_infinite() || (ratio / expected - 1.0).abs() < 0.15, "1e{decade}: {ratio}");
+                before = -gap;
+            }
+        }
+    }
+    let exact = forces.last().unwrap().1;
+    for (decade, force) in forces {
+        // the width κ^(−1/3) over which the point is spread costs κ^(−2/3)
+        let tolerance = 4e-4 * 10f64.powf(-2.0 / 3.0 * f64::from(decade)) + 1e-6;
+        assert!((force / exact - 1.0).abs() < tolerance, "1e{decade}: {force} {exact}");
+    }
+}
+
+/// Two beams of length 1, clamped at both ends, crossing at `angle`, centrelines `height` apart.
+fn beams(angle: f64, height: f64, elements: usize) -> Solver {
+    let section = Section::isotropic(1.0, 0.8, 1e4, 1e6, 0.02);
+    let beam = |name: &str, direction: Vec3, center: Vec3| {
+        let shape = Shape::Line { start: center - direction * 0.5, direction, length: 1.0 };
+        Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+    };
+    let turned = Vec3::new(angle.cos(), angle.sin(), 0.0);
+    let rods = vec![beam("a", Vec3::x(), Vec3::zeros()), beam("b", turned, Vec3::z() * height)];
+    let last = rods[0].num_nodes() - 1;
+    let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
+    Solver::new(Model { rods, supports, ..Model::default() }, Options::default()).unwrap()
+}
+
+/// A status that says there is no state.
+fn refused(report: &StepReport) -> bool {
+    matches!(report.status, Status::BrokeDown | Status::MaxIterations)
+}
+
+/// Crossed strands at the start: apart, just touching and in each other up to .3 of a diameter *return*, deeper ones return or are *refused* by a
+/// status, since laws with a core have no energy there; what returns has a gap within the tolerance and, where they come apart little, the force of two crossed beams, 96 B δ/L³ for δ missing. Right through each other there is no
+/// direction to part in: *refused* by a status.
+#[test]
+fn crossed_and_grazing_starts() {
+    let right = std::f64::consts::FRAC_PI_2;
+    for (angle, height, force) in [
+        (right, 1.2, Some(0.0)),
+        (right, 0.99, Some(0.01)),
+        (0.1, 0.9, None),
+        (right, 0.75, None),
+        (right, 0.5, None),
+        (right, 0.01, None),
+    ] {
+        let mut solver = beams(angle, 0.04 * height, 16);
+        let report = solver.step_to(&[]).unwrap();
+        let seen = seen(&solver, &report);
+        if height < 0.9 && refused(&report) {
+            continue;
+        }
+        assert_eq!(report.status, Status::Converged, "at {angle}, {height} diameters");
+        let gap = seen.min_gap.unwrap().lower;
+        assert!(gap > -1e-6 * 0.02, "at {angle}, {height} diameters: {gap:e}");
+        assert_eq!(seen.num_sites, usize::from(height < 1.0));
+        if let Some(missing) = force {
+            // each beam gives way by half of what is missing
+            let exact = 192.0 * 0.5 * missing * 0.04;
+            assert!((seen.total_contact_force - exact).abs() <= 2e-3 * exact, "{} {exact}", seen.total_contact_force);
+        }
+    }
+    for height in [0.0, 1e-9] {
+        let mut solver = beams(right, 0.04 * height, 16);
+        solver.options_mut().newton.max_iterations = 40;
+        let report = solver.step_to(&[]).unwrap();
+        assert_ne!(report.status, Status::Converged, "through each other at {height}");
+    }
+}
+
+/// Two free rings, one on the other, in contact all along: they *return* apart, flat and without force, from overlaps up to .1 of a diameter;
+/// from deeper ones they return or are *refused* by a status. Coincident ones are *refused* by a status.
+#[test]
+fn parallel_starts() {
+    let rings = |height: f64| {
+        let section = Section::isotropic(1.0, 0.8, 1e5, 1e5, 0.02);
+        let rod = |name: &str, z: f64| {
+            let shape = Shape::Circle { length: 1.0, center: Vec3::z() * z, normal: Vec3::z() };
+            Rod::new(name, &shape, true, section, 16, 3, Natural::Straight).unwrap()
+        };
+        let model = Model { rods: vec![rod("a", 0.0), rod("b", 0.04 * height)], ..Model::default() };
+        let mut solver = Solver::new(model, Options::default()).unwrap();
+        solver.options_mut().newton.max_iterations = 150;
+        let report = solver.step_to(&[]).unwrap();
+        let seen = seen(&solver, &report);
+        (report, seen)
+    };
+    for height in [1.0, 0.999, 0.9, 0.5, 0.1] {
+        let (report, seen) = rings(height);
+        if height < 0.9 && refused(&report) {
+            continue;
+        }
+        assert_eq!(report.status, Status::Converged, "{height} diameters");
+        assert!(seen.min_gap.is_none_or(|gap| gap.lower > -1e-6 * 0.02), "{height}: {:?}", seen.min_gap);
+        let exact = 2.0 * 0.5 * std::f64::consts::TAU.powi(2);
+        assert!((seen.energies.total / exact - 1.0).abs() < 1e-6, "{height}: {}", seen.energies.total);
+    }
+    assert_ne!(rings(0.0).0.status, Status::Converged);
+}
+
+/// Curvature at the thickness limit: a circle of radius R takes part in contact with a radius up to .999 R and *returns*; at R it is *refused*.
+#[test]
+fn curvature_at_the_thickness_limit() {
+    let ring = |radius: f64| {
+        let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, radius / std::f64::consts::TAU);
+        let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+        Rod::new("ring", &shape, true, section, 16, 3, Natural::Straight)
+    };
+    for radius in [0.5, 0.9, 0.999] {
+        let mut solver =
+            Solver::new(Model { rods: vec![ring(radius).unwrap()], ..Model::default() }, Options::default()).unwrap();
+        let report = solver.step_to(&[]).unwrap();
+        let seen = seen(&solver, &report);
+        assert_eq!((report.status, seen.num_sites), (Status::Converged, 0), "{radius}");
+        assert!((seen.energies.bend / (0.5 * std::f64::consts::TAU.powi(2)) - 1.0).abs() < 1e-4);
+    }
+    let error = ring(1.0 + 1e-9).unwrap_err().to_string();
+    assert!(error.contains("thicker than its own curvature"), "{error}");
+}
+
+/// A trefoil thinner than the ideal knot (length over diameter 16.3715) *returns* without overlap; a thicker one has no state without
+/// overlap and is never said to have converged.
+#[test]
+#[ignore = "slow: a knot near its limit"]
+fn a_knot_at_its_limit() {
+    for (ratio, exists) in [(30.0, true), (20.0, true), (15.0, false)] {
+        let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.5 / ratio);
+        let knot = TorusKnot::new(1.0, [2, 3]);
+        let rod = Rod::new("knot", &Shape::TorusKnot(knot), true, section, 48, 3, Natural::Straight);
+        let Ok(rod) = rod else {
+            assert!(!exists, "{ratio}");
+            continue;
+        };
+        let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
+        let report = solver.step_to(&[]).unwrap();
+        let seen = seen(&solver, &report);
+        let gap = seen.min_gap.map_or(f64::INFINITY, |gap| gap.lower * ratio);
+        println!("L/D = {ratio}: {} in {}, gap {gap:.1e} D", report.status, report.iterations);
+        assert_eq!(report.status == Status::Converged, exists, "{ratio}");
+        assert!(!exists || gap > -1e-6, "{ratio}: {gap:e}");
+    }
+}
+
+/// Link ten times too much at once: *returns* a state with that link and no overlap, or a status that says it did not get there.
+#[test]
+fn link_ten_times_too_much_at_once() {
+    let mut solver = ring(1.0, 1.0, Vec3::zeros(), law(100.0), 16);
+    solver.options_mut().newton.max_iterations = 100;
+    let (report, seen) = to(&mut solver, 3.0);
+    println!("{} in {}", report.status, report.iterations);
+    if report.status == Status::Converged {
+        assert!((seen.links[0].link - 3.0).abs() < 1e-9, "{}", seen.links[0].link);
+        assert!(seen.min_gap.unwrap().lower > -1e-6 * 0.02);
+    }
+    assert!(seen.energies.total.is_finite());
+}

@@ -1,0 +1,47 @@
+//! Only what a scene requires: sizes of reduced problems against the full one.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use supercoil::math::Vec3;
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::{Contact, Model};
+use supercoil::solve::{Engine, Footprint};
+
+fn sizes(planar: bool, contact: Contact, radius: f64, natural: Natural) -> Footprint {
+    let section = Section::isotropic(1.0, 1.5, 1e4, 1e4, radius);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, true, section, 40, 3, natural).unwrap();
+    Engine::new(Model { rods: vec![rod], planar, contact, ..Model::default() }, None).unwrap().footprint().unwrap()
+}
+
+#[test]
+fn planar_scenes_carry_three_unknowns_a_node_and_a_quarter_of_the_matrix() {
+    let full = sizes(false, Contact::NONE, 0.01, Natural::Straight);
+    let planar = sizes(true, Contact::NONE, 0.01, Natural::Straight);
+    assert_eq!((full.nodes, full.unknowns), (120, 720));
+    assert_eq!((planar.nodes, planar.unknowns), (120, 360));
+    assert!(planar.tangent_entries as f64 <= full.tangent_entries as f64 / 3.5, "{planar:?} {full:?}");
+    // supernodes are padded, small ones more
+    assert!(planar.factor_entries as f64 <= full.factor_entries as f64 / 2.8, "{planar:?} {full:?}");
+}
+
+/// No tree, no candidate, no site: contact off, or on where no rod has a radius, leaves nothing of contact in the engine.
+#[test]
+fn contact_off_is_nothing() {
+    let on = sizes(false, Contact::default(), 0.01, Natural::Straight);
+    assert_eq!(on.contact_segments, 120);
+    for off in
+        [sizes(false, Contact::NONE, 0.01, Natural::Straight), sizes(false, Contact::default(), 0.0, Natural::Straight)]
+    {
+        assert_eq!((off.contact_segments, off.candidates), (0, 0));
+        assert_eq!(off.tangent_entries, on.tangent_entries, "far strands take no part in the matrix either");
+    }
+}
+
+#[test]
+fn natural_strains_are_kept_only_where_they_vary() {
+    let uniform = Natural::Uniform { kappa: [1.0, 0.0, 0.0] };
+    assert_eq!(sizes(false, Contact::NONE, 0.0, Natural::Straight).natural_strains, 0);
+    assert_eq!(sizes(false, Contact::NONE, 0.0, uniform).natural_strains, 0);
+    assert_eq!(sizes(false, Contact::NONE, 0.0, Natural::AsShaped).natural_strains, 120);
+}
