@@ -10,7 +10,7 @@ use crate::solve::assembly::{Potential, Residual};
 use crate::solve::{Engine, Progress};
 
 use super::report::{Energies, GapReport, Observation, Reaction, RodLink, SiteReport};
-use super::sites::sites;
+use super::sites::{Law, sites};
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -51,7 +51,14 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
 }
 
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
-    engine.contact.as_ref().map_or_else(Vec::new, |side| sites(&side.set, &residual.terms, &side.rods))
+    engine.contact.as_ref().map_or_else(Vec::new, |side| {
+        let softer = |rod: &usize| {
+            let [first, second] = engine.model().rods[*rod].section.bending;
+            first.min(second)
+        };
+        let law = Law { stiffness: side.law.stiffness, bending: side.rods.iter().map(softer).collect() };
+        sites(&side.set, &residual.terms, &side.rods, &law)
+    })
 }
 
 fn energies(potential: &Potential) -> Energies {
