@@ -153,8 +153,12 @@ impl Workspace {
                     report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3);
                     break;
                 }
-                // the potential cannot resolve the decrease that is left: this is as far as rounding lets anyone go
-                if self.shift == 0.0 && remaining == 0.0 && trial.expected.abs() <= noise {
+                // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it says nothing): this is
+                // as far as rounding lets anyone go
+                if self.shift == 0.0
+                    && remaining == 0.0
+                    && trial.expected.abs() < noise * trial.fraction * (2.0 - trial.fraction)
+                {
                     report.converged = true;
                     break;
                 }
