@@ -141,7 +141,7 @@ mod tests {
             let (a, b) = (arc(0.0, 1.0, 0.0), arc(0.05, -1.0, x));
             let sampled = (0..=400).flat_map(|i| (0..=400).map(move |j| (f64::from(i) / 400.0, f64::from(j) / 400.0)));
             let nearest = sampled.map(|(u, v)| (a.point(u) - b.point(v)).norm()).fold(f64::INFINITY, f64::min);
-            assert_eq!(distance_lower_bound(&a, &b), 0.0);
+            assert!(distance_lower_bound(&a, &b) < nearest - 1e-2);
             for tol in [1e-2, 1e-3, 1e-4] {
                 let bound = distance_lower_bound_within(&a, &b, tol);
                 assert!(bound <= nearest && bound >= nearest - tol - 2e-5, "{bound} {nearest} {tol}");

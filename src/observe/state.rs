@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use crate::contact::clearance::smallest_clearance;
+use crate::contact::law::Law;
 use crate::math::link::link_numbers;
 use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
 use crate::solve::{Engine, Progress};
 
 use super::report::{Energies, GapReport, Observation, Reaction, RodLink, SiteReport};
-use super::sites::{Law, sites};
+use super::sites::{Layer, sites};
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -56,8 +57,12 @@ fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
             let [first, second] = engine.model().rods[*rod].section.bending;
             first.min(second)
         };
-        let law = Law { stiffness: side.law.stiffness, bending: side.rods.iter().map(softer).collect() };
-        sites(&side.set, &residual.terms, &side.rods, &law)
+        let stiffness = match side.law {
+            Law::Linear { stiffness } => stiffness,
+            Law::Core { .. } => engine.contact_stiffness(),
+        };
+        let layer = Layer { stiffness, bending: side.rods.iter().map(softer).collect() };
+        sites(&side.set, &residual.terms, &side.rods, &layer)
     })
 }
 

@@ -1,5 +1,6 @@
 use super::*;
-use crate::contact::detect::{LawParameters, Want, evaluate};
+use crate::contact::detect::{Want, evaluate};
+use crate::contact::law::Law;
 use crate::math::Vec3;
 
 /// Two straight rods of radius 0.5 in segments of length 1, `b` at height `height`, turned by `degrees` about z.
@@ -13,8 +14,8 @@ fn straight(degrees: f64, height: f64) -> CurveSet {
 }
 
 /// Curves of bending stiffness 1.
-fn law(curves: usize, stiffness: f64) -> Law {
-    Law { stiffness, bending: vec![1.0; curves] }
+fn layer(curves: usize, stiffness: f64) -> Layer {
+    Layer { stiffness, bending: vec![1.0; curves] }
 }
 
 fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
@@ -26,9 +27,8 @@ fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
 }
 
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
-    let terms =
-        evaluate(set, &all_pairs(set), LawParameters { stiffness, geometric: 1.0 }, &|_| [0.0; 2], Want::Gradient);
-    sites(set, &terms, &[3, 7], &law(2, stiffness))
+    let terms = evaluate(set, &all_pairs(set), Law::Linear { stiffness }, &|_| [0.0; 2], Want::Gradient);
+    sites(set, &terms, &[3, 7], &layer(2, stiffness))
 }
 
 /// Rods crossing at right angles at height 1 − δ: gap(s) = √(h² + s²) − 1 from either strand, so the zone is
@@ -75,9 +75,8 @@ fn a_rod_along_itself_is_one_line() {
     let points: Vec<Vec3> = side(0.0, false).chain(side(0.99, true)).collect();
     let set = CurveSet::from_polylines(&[(&points, 0.5, true)]).unwrap();
     let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
-    let terms =
-        evaluate(&set, &facing, LawParameters { stiffness: 100.0, geometric: 1.0 }, &|_| [0.0; 2], Want::Gradient);
-    let sites = sites(&set, &terms, &[0], &law(1, 100.0));
+    let terms = evaluate(&set, &facing, Law::Linear { stiffness: 100.0 }, &|_| [0.0; 2], Want::Gradient);
+    let sites = sites(&set, &terms, &[0], &layer(1, 100.0));
     assert_eq!(sites.len(), 1, "{sites:?}");
     let site = &sites[0];
     let expected = [[1.0, 7.0], [9.99, 15.99]];
