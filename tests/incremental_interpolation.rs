@@ -226,7 +226,7 @@ fn a_closed_cycle_of_loads_leaves_energy_in_increments_only() {
             let twist = Ramp::Rotation { node: end, axis: Vec3::x(), to: twist };
             [twist, Ramp::Displacement { node: end, to: aside * push }]
         };
-        let corners = [way(0.25, 0.0), way(0.25, 1.0), way(-0.25, 1.0), way(0.0, 0.0)];
+        let corners = [way(0.25, 0.0), way(0.25, 1.0), way(0.0, 1.0), way(-0.25, 1.0), way(0.0, 0.0)];
         let (mut left, mut most) = (Vec::new(), 0.0f64);
         for _ in 0..6 {
             for ramps in &corners {
