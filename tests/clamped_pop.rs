@@ -23,15 +23,16 @@
 mod common;
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
-use common::{history, to_branch_point, verify};
+use common::{history, verify};
 use supercoil::math::Vec3;
 use supercoil::math::link::writhe;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Progress, Solver, Status};
+use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Progress, Solver, Status};
 
 const TURNS: f64 = 8.0;
 const PHI: f64 = TURNS * TAU;
@@ -124,18 +125,24 @@ fn fold() -> f64 {
 #[test]
 fn the_straight_rod_buckles_where_the_linear_equations_say() {
     let mut solver = taut(false);
-    to_branch_point(&mut solver, &bring(1e-6)[0]);
-    let report = solver.settle(&supercoil::solve::Drive::default());
-    let engine = solver.engine();
-    let state = observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 });
-    let state = seen(state, &solver);
-    let (m, name) = (state.moment, "clamped rod, 8 turns");
+    let mut found = None;
+    let report = solver.follow(&bring(1e-6)[0], &FollowOptions::default(), &mut |point| match point.kind {
+        PointKind::Branch { .. } => {
+            found = Some(observe(&point.progress));
+            ControlFlow::Break(())
+        }
+        _ => ControlFlow::Continue(()),
+    });
+    assert_eq!(report.unwrap().end, PathEnd::Stopped);
+    let at_branch = found.unwrap();
+    let end = at_branch.reactions.iter().find(|reaction| reaction.node == END.node).unwrap();
+    let (m, name) = (end.moment[0], "clamped rod, 8 turns");
     let tension = root(m * m / 4.0 - 20.0, m * m / 4.0 - 5.0, |t| {
         let root = (m * m - 4.0 * t).sqrt();
         let (a, b) = (0.5 * (m - root), 0.5 * (m + root));
         2.0 * (b - a) * (0.5 * a).sin() * (0.5 * b).sin() - a * b * (0.5 * (b - a)).sin()
     });
-    verify(name, "tension at loss of stability, over the exact one", state.tension / tension, 1.0, 1e-6);
+    verify(name, "tension at loss of stability, over the exact one", end.force[0] / tension, 1.0, 1e-6);
     println!("M²/4BT there: {:.5}", m * m / (4.0 * tension));
 }
 
