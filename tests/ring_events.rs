@@ -26,9 +26,11 @@
 
 //!
 //! What limits the later events is the mesh at the two outer points, whose forces lie inside elements: the gap in the middle is so
-//! small that their local compliance (∝ h³, whatever their place in the element makes of it) moves ΔLk by 1e-4 to 4e-4. Writhe at
-//! two → three and three → line with D/L = .03: 1.66830, 1.71202 (192 elements), 1.66811, 1.71163 (256),
-//! 1.66818, 1.71182 (320); reference 1.66818, 1.71196.
+//! small that their local compliance (∝ h³, whatever their place in the element makes of it) moves ΔLk by 1e-4 to 4e-4 when the force is
+//! concentrated on much less than an element. Writhe at two → three and three → line with D/L = .03, κ = 1e14: 1.66830, 1.71202 (192
+//! elements), 1.66811, 1.71163 (256), 1.66818, 1.71182 (320); reference 1.66818, 1.71196. A law under which a point is as long as the distance
+//! of nodes does not see the mesh, but shifts the events by its penetration, ∝ κ^(−2/3); that can be extrapolated. From κ = 1e11 and
+//! 1e12: 1.66831, 1.71201 (192), 1.66812, 1.71190 (256).
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -152,6 +154,8 @@ fn middle(seen: &Observation, arc: f64) -> &SiteReport {
 struct Case {
     diameter: f64,
     elements: usize,
+    /// Decade of the penalty for the later events.
+    late_top: i32,
     /// Excess links of the states: on the way; with small force; before one → two; beyond two → three; before three → line.
     touch: Vec<f64>,
     split: Vec<f64>,
@@ -161,36 +165,37 @@ struct Case {
     reference: [[f64; 2]; 4],
 }
 
-/// Follows the ring, locates the events in `wanted` (0..2 or 2..4 or both) and compares.
-fn run(case: &Case, wanted: std::ops::Range<usize>) {
+/// Follows the ring and locates the events in `wanted` (0..2 or 2..4 or both).
+fn run(case: &Case, wanted: std::ops::Range<usize>) -> Vec<Numbers> {
     let mut ring = Ring::new(case.elements, case.diameter);
     ring.at(1.1, 7, 7);
     ring.at(1.2, 7, 9);
     let mut found = Vec::new();
-    let mut collect = |ring: &mut Ring, list: &[f64], halvings: usize, what: &dyn Fn(&Ring, &Observation) -> f64| {
-        let mut states: Vec<(f64, Numbers)> = Vec::new();
-        for step in 0..list.len() + halvings {
-            let excess_link = list.get(step).copied().unwrap_or_else(|| {
-                // where the polynomial through the states so far puts half the last indicator
-                let half = 0.5 * states[step - 1].0;
-                let x: Vec<f64> = states.iter().map(|s| s.0 - half).collect();
-                interpolate_to_zero(&x, &states.iter().map(|s| s.1.0[0]).collect::<Vec<_>>())
-            });
-            let (numbers, seen) = ring.at(excess_link, 9, 14);
-            states.push((what(ring, &seen), numbers));
-        }
-        found.push(event(&states[states.len() - 4..]));
-        states[states.len() - 1].1.0[0]
-    };
+    let mut collect =
+        |ring: &mut Ring, list: &[f64], halvings: usize, top: i32, what: &dyn Fn(&Ring, &Observation) -> f64| {
+            let mut states: Vec<(f64, Numbers)> = Vec::new();
+            for step in 0..list.len() + halvings {
+                let excess_link = list.get(step).copied().unwrap_or_else(|| {
+                    // where the polynomial through the states so far puts half the last indicator
+                    let half = 0.5 * states[step - 1].0;
+                    let x: Vec<f64> = states.iter().map(|s| s.0 - half).collect();
+                    interpolate_to_zero(&x, &states.iter().map(|s| s.1.0[0]).collect::<Vec<_>>())
+                });
+                let (numbers, seen) = ring.at(excess_link, 9, top);
+                states.push((what(ring, &seen), numbers));
+            }
+            found.push(event(&states[states.len() - 4..]));
+            states[states.len() - 1].1.0[0]
+        };
     if wanted.contains(&0) {
-        collect(&mut ring, &case.touch, 2, &|_, seen| seen.total_contact_force);
+        collect(&mut ring, &case.touch, 2, 14, &|_, seen| seen.total_contact_force);
     }
     for excess_link in [1.3, 1.5, 1.7, 1.8] {
         ring.at(excess_link, 8, 9);
     }
     let mut from = case.split[case.split.len() - 1];
     if wanted.contains(&1) {
-        from = collect(&mut ring, &case.split, 3, &|ring, seen| {
+        from = collect(&mut ring, &case.split, 3, 14, &|ring, seen| {
             assert_eq!(seen.sites.len(), 1);
             ring.gap_curvature(&seen.sites[0])
         });
@@ -203,29 +208,34 @@ fn run(case: &Case, wanted: std::ops::Range<usize>) {
             // the first of these may be too near the event for a soft law
             assert!(k == 1 || seen.sites.len() == 2, "{:?}", seen.sites);
         }
-        collect(&mut ring, &case.third, 2, &|_, seen| {
+        collect(&mut ring, &case.third, 2, case.late_top, &|_, seen| {
             assert_eq!(seen.sites.len(), 3);
             middle(seen, center).force
         });
-        collect(&mut ring, &case.line, 2, &|ring, seen| {
+        collect(&mut ring, &case.line, 2, case.late_top, &|ring, seen| {
             assert_eq!(seen.sites.len(), 3);
             ring.gap_curvature(middle(seen, center))
         });
     }
     println!("{} iterations in all", ring.iterations);
+    found
+}
+
+fn compare(case: &Case, wanted: std::ops::Range<usize>, found: &[Numbers]) {
     let name = format!("twisted ring, D/L = {}", case.diameter);
     let events = ["first contact", "one point → two", "two points → three", "three points → line"];
     let wanted = events[wanted.clone()].iter().zip(&case.reference[wanted]);
-    for ((event, reference), found) in wanted.zip(&found) {
+    for ((event, reference), found) in wanted.zip(found) {
         verify(&name, &format!("writhe at {event}"), found.0[1], reference[0], 1e-4);
         verify(&name, &format!("torque M₃L/2πB at {event}"), found.0[2], reference[1], 1e-4);
     }
 }
 
-fn thick(elements: usize) -> Case {
+fn thick(elements: usize, late_top: i32) -> Case {
     Case {
         diameter: 0.03,
         elements,
+        late_top,
         touch: vec![1.1, 1.07],
         split: vec![1.83, 1.87, 1.89],
         third: vec![2.34, 2.33],
@@ -236,13 +246,20 @@ fn thick(elements: usize) -> Case {
 
 #[test]
 fn first_contact_and_split_of_the_thick_ring() {
-    run(&thick(96), 0..2);
+    let case = thick(96, 14);
+    compare(&case, 0..2, &run(&case, 0..2));
 }
 
+/// Two laws a decade apart, extrapolated: penetration, which shifts these events, goes as κ^(−2/3) at points.
 #[test]
-#[ignore = "slow: minutes; three points → line still misses 1e-4 (by 4e-5) with 320 elements, see the module's doc"]
+#[ignore = "slow: a minute, 256 elements"]
 fn late_events_of_the_thick_ring() {
-    run(&thick(320), 2..4);
+    let [softer, stiffer] = [11, 12].map(|decade| run(&thick(256, decade), 2..4));
+    let ratio = 10f64.powf(2.0 / 3.0);
+    let hard =
+        |(a, b): (&Numbers, &Numbers)| Numbers(std::array::from_fn(|k| b.0[k] + (b.0[k] - a.0[k]) / (ratio - 1.0)));
+    let found: Vec<Numbers> = softer.iter().zip(&stiffer).map(hard).collect();
+    compare(&thick(256, 12), 2..4, &found);
 }
 
 #[test]
@@ -251,11 +268,12 @@ fn all_events_of_the_thin_ring() {
     let case = Case {
         diameter: 0.01,
         elements: 256,
+        late_top: 14,
         touch: vec![1.1, 1.05],
         split: vec![1.86, 1.9, 1.92],
         third: vec![2.48, 2.47],
         line: vec![2.52, 2.54, 2.55],
         reference: [[0.95477, 0.09042], [1.62094, 0.48818], [2.12632, 0.49945], [2.23817, 0.51478]],
     };
-    run(&case, 0..4);
+    compare(&case, 0..4, &run(&case, 0..4));
 }

@@ -23,9 +23,9 @@ pub struct Energies {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SiteKind {
-    /// Not longer than the rods are thick.
+    /// As short as the contact of two strands that bend away from each other is under the contact law.
     Point,
-    /// Longer.
+    /// Longer: the strands lie along each other.
     Line,
 }
 
@@ -60,8 +60,10 @@ pub struct SiteReport {
     pub rod_b: usize,
     /// Arc length interval on strand b \[L\].
     pub arc_b: [f64; 2],
-    /// "line" where the mean of both intervals is longer than the contact distance ε_a + ε_b, "point" otherwise: a contact
-    /// shorter than the rods are thick is isolated, its length says how stiff the contact law is.
+    /// "line" where the mean of both intervals is longer than 3.9 (B/κ)^¼ for rods of equal bending stiffness B (the smaller of the
+    /// two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a point contact at the load at which it
+    /// opens into a line or into two points. Stiffer laws shorten the zone of a point (as κ^(−1/3)), but not a line. Two points closer
+    /// than that to each other are reported as one line.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,

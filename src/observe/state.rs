@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use crate::contact::clearance::smallest_clearance;
+use crate::contact::law::Law;
 use crate::math::link::link_numbers;
 use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
 use crate::solve::{Engine, Progress};
 
 use super::report::{Energies, GapReport, Observation, Reaction, RodLink, SiteReport};
-use super::sites::sites;
+use super::sites::{Layer, sites};
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -51,7 +52,18 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
 }
 
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
-    engine.contact.as_ref().map_or_else(Vec::new, |side| sites(&side.set, &residual.terms, &side.rods))
+    engine.contact.as_ref().map_or_else(Vec::new, |side| {
+        let softer = |rod: &usize| {
+            let [first, second] = engine.model().rods[*rod].section.bending;
+            first.min(second)
+        };
+        let stiffness = match side.law {
+            Law::Linear { stiffness } => stiffness,
+            Law::Core { .. } => engine.contact_stiffness(),
+        };
+        let layer = Layer { stiffness, bending: side.rods.iter().map(softer).collect() };
+        sites(&side.set, &residual.terms, &side.rods, &layer)
+    })
 }
 
 fn energies(potential: &Potential) -> Energies {

@@ -133,6 +133,15 @@ impl Shape {
         }
     }
 
+    /// K1, K2, K3 \[1/L\] in the frames of [`Shape::place`] where they are the same all along the curve.
+    pub(crate) fn uniform_curvature(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::Circle { length, .. } => Some([TAU / length, 0.0, 0.0]),
+            Self::Arc { radius, .. } => Some([1.0 / radius, 0.0, 0.0]),
+            _ => None,
+        }
+    }
+
     fn check_closed(&self, closed: bool) -> Result<(), InputError> {
         let reason = match (self, closed) {
             (Self::Line { .. }, true) => "a line is open: use a circle or points for a closed rod",

@@ -13,6 +13,11 @@ fn straight(degrees: f64, height: f64) -> CurveSet {
     CurveSet::from_polylines(&[(&a, 0.5, false), (&b, 0.5, false)]).unwrap()
 }
 
+/// Curves of bending stiffness 1.
+fn layer(curves: usize, stiffness: f64) -> Layer {
+    Layer { stiffness, bending: vec![1.0; curves] }
+}
+
 fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
     let n = set.len() as u32;
     (0..n)
@@ -23,7 +28,7 @@ fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
 
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
     let terms = evaluate(set, &all_pairs(set), Law::Linear { stiffness }, &|_| [0.0; 2], Want::Gradient);
-    sites(set, &terms, &[3, 7])
+    sites(set, &terms, &[3, 7], &layer(2, stiffness))
 }
 
 /// Rods crossing at right angles at height 1 − δ: gap(s) = √(h² + s²) − 1 from either strand, so the zone is
@@ -71,7 +76,7 @@ fn a_rod_along_itself_is_one_line() {
     let set = CurveSet::from_polylines(&[(&points, 0.5, true)]).unwrap();
     let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
     let terms = evaluate(&set, &facing, Law::Linear { stiffness: 100.0 }, &|_| [0.0; 2], Want::Gradient);
-    let sites = sites(&set, &terms, &[0]);
+    let sites = sites(&set, &terms, &[0], &layer(1, 100.0));
     assert_eq!(sites.len(), 1, "{sites:?}");
     let site = &sites[0];
     let expected = [[1.0, 7.0], [9.99, 15.99]];

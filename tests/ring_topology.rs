@@ -1,0 +1,159 @@
+//! How the contact of the closed twisted ring looks as its link is raised: one point, two, three, a line between two points.
+//!
+//! ```text
+//!    _  _        _  _          _   _          _   _
+//!   / \/ \      / \/ \        / \_/ \        / \_/ \
+//!   \_/\_/      \_/\_/        \_/ \_/        \_/ \_/
+//!   1 point     2 points      3 points       line + 2 points
+//! ```
+//!
+//! L = 1, B = 1, C = 1.5, EA = GA = 1e7 B/L², cubic elements, D/L = .01 and .03. Reported points and lines must be those of hard contact: the events
+//! lie at ΔLk = 1.9464, 2.4593, 2.5814 (D/L = .01) and 1.9126, 2.3205, 2.3804 (.03), from writhe and torque of the Kirchhoff rod
+//! (Coleman & Swigon 2000; values recomputed by shooting). Under laws of very different stiffness: what is a point must not depend on it.
+//!
+//! Second: a ring under pressure. The zone of its point contact at the load at which it opens into a line (10.336033 B/R³ for no thickness,
+//! 10.32919 for D/R = .001, `tests/planar_touch.rs`) must be 2 · 1.0955 (2B/κ)^¼ long (see `observe::sites`), whatever κ.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::{history, verify};
+use supercoil::math::Vec3;
+use supercoil::observe::observe;
+use supercoil::observe::report::{Observation, SiteReport};
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
+use supercoil::solve::{Drive, Options, Progress, Solver, Status, StepReport};
+
+fn penalty(kappa: f64, diameter: f64) -> ContactLaw {
+    ContactLaw::Penalty { stiffness: kappa * (0.5 * diameter).powi(4) }
+}
+
+fn seen(solver: &Solver, report: &StepReport) -> Observation {
+    assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(report));
+    let engine = solver.engine();
+    observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+}
+
+/// "P" and "L" for point and line, along the rod from the seam.
+fn topology(sites: &[SiteReport]) -> String {
+    sites.iter().map(|site| if site.kind == "line" { 'L' } else { 'P' }).collect()
+}
+
+fn ring(elements: usize, diameter: f64, law: ContactLaw) -> Solver {
+    let section = Section::isotropic(1.0, 1.5, 1e7, 1e7, 0.5 * diameter);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    Solver::new(Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }, Options::default()).unwrap()
+}
+
+/// Excess links with the topology there.
+type Expected<'a> = &'a [(f64, &'a str)];
+
+const THIN: Expected = &[
+    (1.1, ""),
+    (1.3, "P"),
+    (1.6, "P"),
+    (1.9, "P"),
+    (2.0, "PP"),
+    (2.3, "PP"),
+    (2.44, "PP"),
+    (2.48, "PPP"),
+    (2.56, "PPP"),
+    (2.62, "PLP"),
+    (2.8, "PLP"),
+    (3.0, "PLP"),
+];
+const THICK: Expected = &[
+    (1.1, ""),
+    (1.3, "P"),
+    (1.6, "P"),
+    (1.88, "P"),
+    (2.0, "PP"),
+    (2.3, "PP"),
+    (2.34, "PPP"),
+    (2.37, "PPP"),
+    (2.41, "PLP"),
+    (2.6, "PLP"),
+    (3.0, "PLP"),
+];
+
+/// The topology under a penalty raised from 1e8 in decades, at each of the decades `looked_at`.
+fn under_penalties(elements: usize, diameter: f64, expected: Expected, looked_at: std::ops::RangeInclusive<i32>) {
+    let mut solver = ring(elements, diameter, penalty(1e8, diameter));
+    for &(excess_link, wanted) in expected {
+        solver.engine_mut().set_contact_law(penalty(1e8, diameter)).unwrap();
+        let mut report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
+        for decade in 9..=*looked_at.end() {
+            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade), diameter)).unwrap();
+            report = solver.settle(&Drive::default());
+            if looked_at.contains(&decade) {
+                let found = topology(&seen(&solver, &report).sites);
+                println!("D/L {diameter}, ΔLk {excess_link}, κ = 1e{decade}: {found}");
+                assert_eq!(found, wanted, "ΔLk {excess_link}, κ = 1e{decade}");
+            }
+        }
+        seen(&solver, &report);
+    }
+}
+
+#[test]
+fn thin_ring_under_penalties() {
+    under_penalties(128, 0.01, THIN, 11..=12);
+}
+
+#[test]
+fn thick_ring_under_penalties() {
+    under_penalties(128, 0.03, THICK, 11..=11);
+}
+
+/// The default law: a stiffness of 1.6e11 B/L⁴, gaps closed to 1e-8 ε by offsets.
+#[test]
+fn thin_ring_under_the_default_law() {
+    let mut solver = ring(128, 0.01, Contact::default().law);
+    for &(excess_link, wanted) in THIN {
+        let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
+        let found = topology(&seen(&solver, &report).sites);
+        println!("ΔLk {excess_link}: {found}");
+        assert_eq!(found, wanted, "ΔLk {excess_link}");
+    }
+}
+
+#[test]
+fn a_point_opens_when_its_zone_is_as_long_as_predicted() {
+    let diameter = 1e-3;
+    let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, 0.5 * diameter);
+    let oval = |k: i32| TAU * f64::from(k) / 48.0;
+    let points = (0..48).map(|k| Vec3::new(1.02 * oval(k).cos(), 0.98 * oval(k).sin(), 0.0)).collect();
+    let mut rod = Rod::new("ring", &Shape::Points(points), true, section, 96, 3, Natural::Straight).unwrap();
+    let scale = TAU / rod.length;
+    rod.length = TAU;
+    rod.positions.iter_mut().for_each(|r| *r *= scale);
+    let contact = Contact { law: penalty(1e6, diameter) };
+    let model = Model { rods: vec![rod], planar: true, contact, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    for p in [3.3, 3.6, 4.0, 4.4, 4.8, 5.1, 5.3, 6.0, 7.0, 8.0, 9.0, 9.8, 10.32919] {
+        let report = solver.step_to(&[Ramp::Pressure { rod: 0, to: p }]).unwrap();
+        seen(&solver, &report);
+    }
+    // nodes are .022 apart: beyond 1e7 the elements cannot bend within a layer (B/κ)^¼
+    for kappa in [1e6, 3e6, 1e7] {
+        solver.engine_mut().set_contact_law(penalty(kappa, diameter)).unwrap();
+        let report = solver.settle(&Drive::default());
+        let seen = seen(&solver, &report);
+        assert_eq!(topology(&seen.sites), "P");
+        let [from, to] = seen.sites[0].arc_a;
+        let length = (to - from).rem_euclid(TAU);
+        let predicted = 2.0 * 1.095544 * (2.0 / kappa).powf(0.25);
+        verify(
+            "ring under pressure, D/R = .001, at 10.32919 B/R³",
+            &format!("length of the point's zone over that predicted, κ = {kappa:e}"),
+            length / predicted,
+            1.0,
+            0.02,
+        );
+    }
+}
