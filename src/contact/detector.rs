@@ -44,13 +44,13 @@ pub struct Contacts {
 /// ```
 ///
 /// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of one curve that are
-/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; cubics by
-/// subdivision that drops only what provably holds no minimum (along a contact line of cubics, one site for each pair of segments; see
-/// [`Options::sampling`]). No tolerance is a length. The result depends on the curves only (with
+/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; pairs of cubics by
+/// cutting up their square of parameters, where every part is discarded or accepted on bounds of slopes and second derivatives of the distance in Bernstein
+/// form, roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No tolerance is a length. The result depends on the curves only (with
 /// `margin` 0 not even on earlier calls), never on the number of threads.
 ///
-/// **Special cases.** Parallel straight segments, coincident ones too: one site per pair of segments, marked `flat`, in the middle of the overlap, and the zones tell
-/// the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
+/// **Special cases.** Parallel straight segments, coincident ones too, and cubics parallel or coincident to rounding: one site per pair of segments, marked `flat`, in the
+/// middle of the overlap, and the zones tell the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
 /// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
 /// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
 ///
@@ -251,7 +251,7 @@ impl Detector {
             return;
         }
         let first = out.len();
-        closest::minima(&a, &b, reach, 1.0 / self.options.sampling as f64, |u, v, flat| {
+        closest::minima(&a, &b, reach, self.options.sampling, |u, v, flat| {
             out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
         });
         vertex_minima(strands, i, j, reach, false, out);
