@@ -134,11 +134,17 @@ impl Search {
         }
         let wide = cell.enlarged();
         let bounds = Bounds::new(a, b, &wide);
-        if bounds.beyond(self.reach) || bounds.slopes() {
+        // What is level is neither dropped nor shortened on the strength of its coordinates' rounding.
+        let level = bounds.level(self.noise);
+        let [along_t, along_u] = bounds.slopes();
+        if bounds.beyond(self.reach) || along_t || (along_u && !level) {
             return Verdict::Dropped;
         }
         let curvatures = bounds.curvatures();
         let [tt, _, uu] = curvatures;
+        if level && tt[0] > 0.0 {
+            return self.cut(cell, &wide, &bounds, &curvatures, true);
+        }
         // At a corner of the square the way down may lead into another pair of segments.
         let corner = (cell.u[0] <= 0.0 || cell.u[1] >= 1.0) && (low <= 0.0 || high >= 1.0);
         if tt[1] < 0.0 || (uu[1] < 0.0 && !corner) {
@@ -152,12 +158,14 @@ impl Search {
                 Newton::Unsure => {}
             }
         }
-        self.cut(cell, &wide, &bounds, &curvatures)
+        self.cut(cell, &wide, &bounds, &curvatures, false)
     }
 
-    /// Narrower, along a valley, or in two.
-    fn cut(&self, cell: &Cell, wide: &Cell, bounds: &Bounds, curvatures: &[[f64; 2]; 3]) -> Verdict {
-        let [Some(part_u), Some(part_t)] = bounds.clipped() else { return Verdict::Dropped };
+    /// Narrower, along a valley, or in two; a level cell only across.
+    fn cut(&self, cell: &Cell, wide: &Cell, bounds: &Bounds, curvatures: &[[f64; 2]; 3], level: bool) -> Verdict {
+        let [part_u, part_t] = bounds.clipped();
+        let part_u = if level { Some([0.0, 1.0]) } else { part_u };
+        let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return Verdict::Dropped };
         // Not to less than a part of it at once: bounds of second derivatives over very narrow cells are lost in rounding.
         let narrowed = |range: [f64; 2], wide: [f64; 2], part: [f64; 2]| {
             let at = |x: f64| wide[0] + x * (wide[1] - wide[0]);
@@ -169,10 +177,7 @@ impl Search {
             };
             [range[0].max(at(from)), range[1].min(at(to))]
         };
-        // What is level is not shortened on the strength of its coordinates' rounding.
-        let level = curvatures[0][0] > 0.0 && bounds.level(self.noise);
-        let u = if level { cell.u } else { narrowed(cell.u, wide.u, part_u) };
-        let t = narrowed(cell.t, wide.t, part_t);
+        let (u, t) = (narrowed(cell.u, wide.u, part_u), narrowed(cell.t, wide.t, part_t));
         if u[0] > u[1] || t[0] > t[1] {
             return Verdict::Dropped;
         }

@@ -155,13 +155,13 @@ impl Bounds {
         self.w.iter().flatten().all(|w| w.dot(&middle) > limit)
     }
 
-    /// D_t or D_u keeps its sign.
-    pub(super) fn slopes(&self) -> bool {
+    /// D_t keeps its sign, D_u keeps its sign.
+    pub(super) fn slopes(&self) -> [bool; 2] {
         let one_sign = |c: &[[f64; 6]; 6]| {
             let up = c[0][0] > 0.0;
             c.iter().flatten().all(|&x| if up { x > self.rounding } else { x < -self.rounding })
         };
-        one_sign(&self.q) || one_sign(&self.g)
+        [one_sign(&self.q), one_sign(&self.g)]
     }
 
     /// |D_u| is everywhere below what can be told from 0 if the coordinates are uncertain by `noise`.
