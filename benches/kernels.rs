@@ -8,7 +8,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
 use supercoil::contact::curve::{Cubic, CurveInput, CurveSet};
-use supercoil::contact::detect::{LawParameters, Want, evaluate};
+use supercoil::contact::detect::{Want, evaluate};
+use supercoil::contact::law::Law;
 use supercoil::math::Vec3;
 use supercoil::math::shape_functions::Table;
 use supercoil::rod::element::{self, ElementNodes, ElementOutput};
@@ -57,7 +58,7 @@ fn contact_terms(c: &mut Criterion) {
     let set = CurveSet::new(vec![strand(0.0), strand(std::f64::consts::PI)]).unwrap();
     let pairs: Vec<[u32; 2]> =
         (0..500u32).flat_map(|i| (i.saturating_sub(2)..(i + 3).min(500)).map(move |j| [i, 500 + j])).collect();
-    let law = LawParameters { stiffness: 100.0, geometric: 1.0 };
+    let law = Law::Linear { stiffness: 100.0 };
     let run = |want| evaluate(&set, black_box(&pairs), law, &|_| [0.0; 2], want);
     let total: Vec3 = run(Want::Gradient).iter().flat_map(|t| t.gradient).sum();
     let pressed: f64 = run(Want::Gradient).iter().flat_map(|t| &t.zones).map(|z| z.half_force).sum();

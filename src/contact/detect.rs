@@ -13,8 +13,9 @@ use rayon::prelude::*;
 
 use super::capsule::Capsule;
 use super::curve::CurveSet;
-use super::law::response;
-use super::zone::{FootKind, Pair, Piece, Sample};
+use super::law::{Law, Response};
+use super::projection::smooth_joint;
+use super::zone::{FootKind, Joint, Pair, Piece, Sample};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 
@@ -73,28 +74,31 @@ pub enum Want {
     Hessian,
 }
 
-/// The law's numbers for [`evaluate`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LawParameters {
-    /// κ \[F/L²\].
-    pub stiffness: f64,
-    /// Factor on the pressure in the geometric part of the Hessian: 1 for the exact Hessian; κ_old/κ_new right after the stiffness
-    /// was raised, when pressures are that much too large for the forces they are about to balance.
-    pub geometric: f64,
+/// Offsets c at both ends of a segment \[L\].
+pub type Offsets<'a> = dyn Fn(usize) -> [f64; 2] + Sync + 'a;
+
+/// What decides over pressures.
+#[derive(Clone, Copy)]
+pub(crate) struct Pressures<'a> {
+    pub(crate) law: Law,
+    pub(crate) offset: &'a Offsets<'a>,
+    /// The law that the present pressures come from, if it has just been replaced: they are kept, and linearised is the new law about
+    /// the overlap at which it has the same pressure. A Newton step then moves the strands there.
+    pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
 }
 
 /// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
 ///
-/// `law.stiffness` κ \[F/L²\]; `offset(segment)` the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over
-/// candidates in the current rayon pool; the result does not depend on the number of threads.
+/// `offset(segment)` is the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over candidates in the current rayon
+/// pool; the result does not depend on the number of threads.
 pub fn evaluate(
     set: &CurveSet,
     candidates: &[[u32; 2]],
-    law: LawParameters,
-    offset: &(dyn Fn(usize) -> [f64; 2] + Sync),
+    law: Law,
+    offset: &Offsets,
     want: Want,
 ) -> Vec<PairTerm> {
-    evaluate_within(set, &capsules_of(set), candidates, law, offset, want)
+    evaluate_within(set, &capsules_of(set), candidates, &Pressures { law, offset, before: None }, want)
 }
 
 /// Capsules of all segments.
@@ -107,8 +111,7 @@ pub(crate) fn evaluate_within(
     set: &CurveSet,
     capsules: &[Capsule],
     candidates: &[[u32; 2]],
-    law: LawParameters,
-    offset: &(dyn Fn(usize) -> [f64; 2] + Sync),
+    pressures: &Pressures,
     want: Want,
 ) -> Vec<PairTerm> {
     const CHUNK: usize = 64;
@@ -121,14 +124,15 @@ pub(crate) fn evaluate_within(
                 let (i, j) = (i as usize, j as usize);
                 let nearest = capsules[i].distance_lower_bound(&capsules[j]);
                 for (slave, master) in [(i, j), (j, i)] {
-                    let pair = pair_of(set, slave, master, offset(slave));
+                    let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
+                    let pair = pair_of(set, slave, master, reaching(slave));
                     if nearest >= pair.reach[0].max(pair.reach[1]) {
                         continue;
                     }
                     pieces.clear();
                     pair.pieces(&mut pieces);
                     if !pieces.is_empty() {
-                        found.push(pair_term(set, slave, master, &pair, &pieces, law, want));
+                        found.push(pair_term(set, slave, master, &pair, &pieces, pressures, want));
                     }
                 }
             }
@@ -146,7 +150,16 @@ pub fn pair_of(set: &CurveSet, slave: usize, master: usize, offset: [f64; 2]) ->
         open_start: set.prev(master).is_none(),
         open_end: set.next(master).is_none(),
         reach: offset.map(|c| contact_distance + c),
+        joints: joints_of(set, master),
     }
+}
+
+/// Smooth joints at the start and end of a segment.
+fn joints_of(set: &CurveSet, segment: usize) -> [Option<Joint>; 2] {
+    let own = &set.segments[segment];
+    let before = set.prev(segment).map(|p| &set.segments[p]).filter(|prev| smooth_joint(prev, own));
+    let after = set.next(segment).map(|n| &set.segments[n]).filter(|next| smooth_joint(own, next));
+    [before, after.map(|_| own)].map(|cubic| cubic.map(|c| Joint { tangent: c.b[3] - c.b[2] }))
 }
 
 fn pair_term(
@@ -155,7 +168,7 @@ fn pair_term(
     master: usize,
     pair: &Pair,
     pieces: &[Piece],
-    law: LawParameters,
+    pressures: &Pressures,
     want: Want,
 ) -> PairTerm {
     let mut term = PairTerm {
@@ -168,8 +181,9 @@ fn pair_term(
     };
     let length = set.lengths[slave];
     let contact_distance = set.radius_of(slave) + set.radius_of(master);
+    let local = Local { pressures, contact_distance, offset: (pressures.offset)(slave) };
     for piece in pieces {
-        let [half_force, first, second] = integrate(&mut term, pair, piece, length, contact_distance, law);
+        let [half_force, first, second] = integrate(&mut term, pair, piece, length, &local);
         let min_gap = piece.nearest.distance - contact_distance;
         term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
     }
@@ -183,12 +197,11 @@ fn integrate(
     pair: &Pair,
     piece: &Piece,
     length: f64,
-    contact_distance: f64,
-    law: LawParameters,
+    local: &Local,
 ) -> [f64; 3] {
     let rule = gauss(POINTS_PER_PIECE);
     let width = piece.u[1] - piece.u[0];
-    let parts = (width * length / contact_distance).ceil().clamp(1.0, 64.0);
+    let parts = (width * length / local.contact_distance).ceil().clamp(1.0, 64.0);
     let mut moments = [0.0; 3];
     for part in 0..parts as usize {
         for (&x, &w) in rule.points.iter().zip(rule.weights) {
@@ -196,13 +209,42 @@ fn integrate(
             let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
             let sample = pair.sample(piece.u[0] + width * fraction, guess, piece.kind);
             let weight = 0.5 * w * width * length / parts;
-            let force = weight * add_sample(term, pair, piece.kind, &sample, weight, law);
+            let force = weight * add_sample(term, pair, piece.kind, &sample, weight, local);
             moments[0] += force;
             moments[1] += force * sample.u;
             moments[2] += force * sample.u * sample.u;
         }
     }
     moments
+}
+
+/// The laws on one slave segment.
+struct Local<'a> {
+    pressures: &'a Pressures<'a>,
+    contact_distance: f64,
+    offset: [f64; 2],
+}
+
+impl Local<'_> {
+    /// The response at a sample and the pressure that the geometric stiffness belongs to.
+    fn response(&self, pair: &Pair, sample: &Sample) -> (Response, f64) {
+        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * sample.u;
+        let law = &self.pressures.law;
+        let Some((before, _)) = self.pressures.before else {
+            let response = law.response(between(pair.reach) - sample.distance, self.contact_distance);
+            return (response, response.pressure);
+        };
+        let pressure = before.response(between(pair.reach) - sample.distance, self.contact_distance).pressure;
+        let overlap = law.overlap(pressure, self.contact_distance);
+        let there = law.response(overlap, self.contact_distance);
+        let way = self.contact_distance + between(self.offset) - sample.distance - overlap;
+        let response = Response {
+            energy: there.energy + (pressure + 0.5 * there.stiffness * way) * way,
+            pressure: pressure + there.stiffness * way,
+            stiffness: there.stiffness,
+        };
+        (response, pressure)
+    }
 }
 
 fn bernstein_weights(u: f64) -> [f64; 4] {
@@ -222,11 +264,10 @@ fn add_sample(
     kind: FootKind,
     sample: &Sample,
     weight: f64,
-    parameters: LawParameters,
+    local: &Local,
 ) -> f64 {
-    let reach = pair.reach[0] + (pair.reach[1] - pair.reach[0]) * sample.u;
-    let law = response(parameters.stiffness, reach - sample.distance);
-    if law.pressure == 0.0 {
+    let (law, carried) = local.response(pair, sample);
+    if carried == 0.0 {
         return 0.0;
     }
     let (b, db, ddb) = pair.master.derivatives(sample.v);
@@ -239,8 +280,7 @@ fn add_sample(
     }
     let Some(hessian) = term.hessian.as_deref_mut() else { return law.pressure };
     let nn = normal * normal.transpose();
-    let geometric = law.pressure * parameters.geometric;
-    let over_d = geometric / sample.distance;
+    let over_d = carried / sample.distance;
     let plain = (nn * (law.stiffness + over_d) - Mat3::identity() * over_d) * weight;
     let schur = match kind {
         FootKind::Orthogonal => {
@@ -250,7 +290,7 @@ fn add_sample(
                 let along = db * (-w[m] / sample.distance);
                 if m < 4 { along } else { along - normal * slopes[m - 4] }
             });
-            Some((q, weight * geometric / d_vv))
+            Some((q, weight * carried / d_vv))
         }
         FootKind::Start | FootKind::End => None,
     };
@@ -291,12 +331,14 @@ mod tests {
             hessian: Some(Box::new([[Mat3::zeros(); 8]; 8])),
             zones: Vec::new(),
         };
-        let pair = Pair { slave: a, master: b, open_start: false, open_end, reach };
+        let pair = Pair { slave: a, master: b, open_start: false, open_end, reach, joints: [None; 2] };
         let mut pieces = Vec::new();
         pair.pieces(&mut pieces);
         assert!(!pieces.is_empty());
+        let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_| [0.0; 2], before: None };
+        let local = Local { pressures: &pressures, contact_distance: 0.05, offset: [0.0; 2] };
         for piece in &pieces {
-            integrate(&mut term, &pair, piece, 1.3, 0.05, LawParameters { stiffness: 1e3, geometric: 1.0 });
+            integrate(&mut term, &pair, piece, 1.3, &local);
         }
         term
     }

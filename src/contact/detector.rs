@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
 use super::curve::{Cubic, CurveInput, CurveSet};
-use super::detect::{self, LawParameters, PairTerm, Want};
+use super::detect::{self, PairTerm, Want};
 use super::exclusion::Exclusion;
 use super::input::{Curve, Strands};
 use super::interval::{self, Part, Zone};
+use super::law::Law;
 use super::options::{Neighbours, Options};
 use super::site::{self, Minimum, Site};
 use super::vertex::vertex_minima;
@@ -129,8 +130,7 @@ impl Detector {
             !exclusion.excluded(i, j) && !adjacent(&strands, i, j)
         };
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        let law = LawParameters { stiffness, geometric: 1.0 };
-        Ok(detect::evaluate(&self.set, &pairs, law, &|_| [0.0; 2], want))
+        Ok(detect::evaluate(&self.set, &pairs, Law::Linear { stiffness }, &|_| [0.0; 2], want))
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see

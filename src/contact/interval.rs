@@ -9,7 +9,8 @@ use std::cell::Cell;
 use super::capsule::segment_distance;
 use super::curve::angle;
 use super::input::Strands;
-use super::zone::Pair;
+use super::projection::smooth_joint;
+use super::zone::{Joint, Pair};
 use crate::math::Vec3;
 
 /// A maximal interval of one curve whose points have a point of the partner interval within range.
@@ -97,6 +98,11 @@ pub(crate) fn parts(
         open_start: corner(strands.prev(j).filter(thick), Some(j)),
         open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
+        joints: [
+            strands.prev(j).map(|p| strands.cubic(p)).filter(|prev| smooth_joint(prev, &master)),
+            strands.next(j).filter(|&n| smooth_joint(&master, &strands.cubic(n))).map(|_| master),
+        ]
+        .map(|cubic| cubic.map(|c| Joint { tangent: c.b[3] - c.b[2] })),
     };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);

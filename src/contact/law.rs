@@ -1,10 +1,28 @@
-//! Contact laws: pressure per reference length as a function of gap.
+//! Contact laws: pressure per reference length as a function of overlap e = c − gap.
 //!
-//! Both laws are p = κ⟨c − gap⟩ with energy ½κ⟨c − gap⟩² per length: the penalty law has offset c = 0; the augmented
-//! Lagrangian raises the offset field c until the gap is non-negative to a tolerance, after which p is the
-//! multiplier. The law is C¹ in the energy's gradient; p vanishes where contact ends.
+//! The linear law p = κ⟨e⟩ with offset c = 0 is the penalty; the augmented Lagrangian raises the offset field c until the gap is
+//! non-negative to a tolerance, after which p is the multiplier. The core law p = p₀ x²/(1 − x), x = ⟨e⟩/depth, sets in
+//! gently and lets no overlap reach its depth: one set of numbers carries pressures of many decades, and where strands press
+//! harder the law is stiffer. Searches begin with it. Both are C¹ in p or better inside, p vanishes where contact ends.
 
-/// Value, pressure and stiffness of the law at one point.
+/// How pressure depends on overlap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// p = κ⟨e⟩.
+    Linear {
+        /// κ \[F/L²\].
+        stiffness: f64,
+    },
+    /// p = p₀ x²/(1 − x), x = ⟨e⟩/depth; infinite energy from depth on.
+    Core {
+        /// p₀ \[F/L\]: the pressure at x = .618.
+        pressure: f64,
+        /// Depth over the contact distance (sum of both radii).
+        depth: f64,
+    },
+}
+
+/// Value, pressure and stiffness of a law at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// Energy per length \[F\].
@@ -15,26 +33,87 @@ pub struct Response {
     pub stiffness: f64,
 }
 
-/// Response at overlap e = c − gap \[L\]; zero for e ≤ 0.
-#[inline]
-pub fn response(stiffness: f64, overlap: f64) -> Response {
-    if overlap <= 0.0 {
-        return Response { energy: 0.0, pressure: 0.0, stiffness: 0.0 };
+impl Law {
+    /// Response at an overlap \[L\] of strands with this contact distance \[L\]; zero for overlap ≤ 0.
+    #[inline]
+    pub fn response(&self, overlap: f64, contact_distance: f64) -> Response {
+        if overlap <= 0.0 {
+            return Response { energy: 0.0, pressure: 0.0, stiffness: 0.0 };
+        }
+        match *self {
+            Self::Linear { stiffness } => {
+                let pressure = stiffness * overlap;
+                Response { energy: 0.5 * pressure * overlap, pressure, stiffness }
+            }
+            Self::Core { pressure, depth } => {
+                let depth = depth * contact_distance;
+                let x = overlap / depth;
+                let left = 1.0 - x;
+                if left <= 0.0 {
+                    let infinite = f64::INFINITY;
+                    return Response { energy: infinite, pressure: infinite, stiffness: infinite };
+                }
+                Response {
+                    energy: pressure * depth * -((-x).ln_1p() + x + 0.5 * x * x),
+                    pressure: pressure * x * x / left,
+                    stiffness: pressure / depth * x * (2.0 - x) / (left * left),
+                }
+            }
+        }
     }
-    let pressure = stiffness * overlap;
-    Response { energy: 0.5 * pressure * overlap, pressure, stiffness }
+
+    /// The overlap \[L\] at which the law has this pressure \[F/L\].
+    #[inline]
+    pub fn overlap(&self, pressure: f64, contact_distance: f64) -> f64 {
+        match *self {
+            Self::Linear { stiffness } => pressure / stiffness,
+            Self::Core { pressure: scale, depth } => {
+                let y = pressure / scale;
+                // x = (√(y² + 4y) − y)/2, without cancellation
+                2.0 * y / ((y * y + 4.0 * y).sqrt() + y).max(f64::MIN_POSITIVE) * depth * contact_distance
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const LAWS: [Law; 2] = [Law::Linear { stiffness: 5.0 }, Law::Core { pressure: 0.3, depth: 0.4 }];
+
     #[test]
-    fn pressure_is_minus_the_slope_of_the_energy() {
-        let h = 1e-6;
-        for overlap in [-0.3, 0.0, 0.2, 1.7] {
-            let slope = (response(5.0, overlap + h).energy - response(5.0, overlap - h).energy) / (2.0 * h);
-            assert!((slope - response(5.0, overlap).pressure).abs() < 1e-5);
+    fn pressure_is_the_slope_of_the_energy_and_stiffness_that_of_the_pressure() {
+        let h = 1e-5;
+        for law in LAWS {
+            for overlap in [-0.3, 0.0, 0.1, 0.5, 0.75] {
+                let at = |e: f64| law.response(e, 2.0);
+                let slope = (at(overlap + h).energy - at(overlap - h).energy) / (2.0 * h);
+                let here = at(overlap);
+                assert!((slope - here.pressure).abs() < 1e-4 * (1.0 + here.pressure), "{law:?} {overlap}");
+                if overlap != 0.0 {
+                    let slope = (at(overlap + h).pressure - at(overlap - h).pressure) / (2.0 * h);
+                    assert!((slope - here.stiffness).abs() < 1e-4 * (1.0 + here.stiffness), "{law:?} {overlap}");
+                }
+            }
         }
+    }
+
+    #[test]
+    fn overlap_is_the_inverse_of_pressure() {
+        for law in LAWS {
+            for pressure in [1e-12, 1e-3, 0.3, 40.0, 1e9] {
+                let back = law.response(law.overlap(pressure, 2.0), 2.0).pressure;
+                // near the depth the overlap resolves the pressure no better than this
+                assert!((back / pressure - 1.0).abs() < 1e-12 * (1.0 + pressure), "{law:?} {pressure} {back}");
+            }
+            assert_eq!(law.overlap(0.0, 2.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn a_core_holds_at_its_depth() {
+        assert_eq!(LAWS[1].response(0.8, 2.0).energy, f64::INFINITY);
+        assert!(LAWS[1].response(0.8 * (1.0 - 1e-9), 2.0).pressure > 1e8);
     }
 }

@@ -194,7 +194,7 @@ fn rises_before_end(q: &[f64; 6]) -> bool {
 }
 
 /// Same tangent direction on both sides to rounding (1e-12 rad); false if a tangent vanishes.
-fn smooth_joint(prev: &Cubic, next: &Cubic) -> bool {
+pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic) -> bool {
     let (a, b) = (prev.edges()[2], next.edges()[0]);
     let (sa, sb) = (a.amax(), b.amax());
     if sa == 0.0 || sb == 0.0 {

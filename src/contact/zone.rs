@@ -75,6 +75,46 @@ pub struct Pair<'a> {
     pub open_end: bool,
     /// Reach at u = 0 and u = 1, linear between \[L\].
     pub reach: [f64; 2],
+    /// Where the master continues smoothly before its start and beyond its end.
+    pub joints: [Option<Joint>; 2],
+}
+
+/// A smooth joint at an end of the master. A foot that rests on it all along belongs to the segment after it: rounding must neither lose it
+/// nor count it twice, so both segments judge by one tangent, that of the segment before.
+#[derive(Debug, Clone, Copy)]
+pub struct Joint {
+    /// Tangent of the curve there, of any length.
+    pub tangent: Vec3,
+}
+
+/// Feet nearer to a joint than this (in v) are given to a segment by the joint's tangent.
+const NEAR_JOINT: f64 = 1e-7;
+
+/// On which side of an end of the master the foot is, over the slave: the sign of a cubic in Bernstein form.
+struct Side {
+    coefficients: [f64; 4],
+    joined: bool,
+    tangent_norm_sq: f64,
+}
+
+impl Side {
+    fn new(slave: &Cubic, foot: &Vec3, tangent: &Vec3, joined: bool) -> Self {
+        let mut coefficients = slave.b.map(|p| (p - foot).dot(tangent));
+        let size = slave.b.iter().fold(foot.amax(), |size, p| size.max(p.amax()));
+        let noise = 8.0 * f64::EPSILON * size * tangent.amax();
+        if joined && coefficients.iter().all(|c| c.abs() <= noise) {
+            coefficients = [0.0; 4];
+        }
+        Self { coefficients, joined, tangent_norm_sq: tangent.norm_squared() }
+    }
+
+    fn at(&self, u: f64) -> f64 {
+        let [mut a, mut b, mut c, d] = self.coefficients;
+        let mix = |x: f64, y: f64| x + (y - x) * u;
+        (a, b, c) = (mix(a, b), mix(b, c), mix(c, d));
+        (a, b) = (mix(a, b), mix(b, c));
+        mix(a, b)
+    }
 }
 
 impl Pair<'_> {
@@ -139,7 +179,8 @@ impl Pair<'_> {
 
     /// All pieces of this pair, appended to `out`.
     pub fn pieces(&self, out: &mut Vec<Piece>) {
-        let (breaks, count) = self.breaks();
+        let sides = self.sides();
+        let (breaks, count) = breaks(&sides);
         for window in breaks[..count].windows(2) {
             let (start, end) = (window[0], window[1]);
             if end - start <= 16.0 * f64::EPSILON {
@@ -149,8 +190,23 @@ impl Pair<'_> {
             let a = self.slave.point(middle);
             let mut feet = Feet::new();
             local_minima(self.master, &a, f64::INFINITY, &mut feet);
-            for foot in feet.as_slice().iter().filter(|f| f.u > 0.0 && f.u < 1.0) {
-                self.branch(start, end, foot.u, FootKind::Orthogonal, out);
+            // ours are feet after the start and before the end
+            let ours = [sides[0].at(middle) >= 0.0, sides[1].at(middle) < 0.0];
+            let near = |v: f64| [v < NEAR_JOINT, v > 1.0 - NEAR_JOINT];
+            let foreign = |v: f64, k: usize| near(v)[k] && sides[k].joined && !ours[k];
+            let inside = |v: &f64| {
+                let within = [sides[0].joined && ours[0] || *v > 0.0, sides[1].joined && ours[1] || *v < 1.0];
+                within == [true; 2] && !foreign(*v, 0) && !foreign(*v, 1)
+            };
+            let mut seen = [false; 2];
+            for v in feet.as_slice().iter().map(|f| f.u).filter(inside) {
+                seen = [seen[0] || near(v)[0], seen[1] || near(v)[1]];
+                self.branch(start, end, v, FootKind::Orthogonal, out);
+            }
+            for k in 0..2 {
+                if sides[k].joined && ours[k] && !seen[k] && self.rests_on_joint(&sides[k], middle, k as f64) {
+                    self.branch(start, end, k as f64, FootKind::Orthogonal, out);
+                }
             }
             let (b0, db0, _) = self.master.derivatives(0.0);
             if self.open_start && (a - b0).dot(&db0) <= 0.0 {
@@ -163,26 +219,22 @@ impl Pair<'_> {
         }
     }
 
-    /// 0, 1 and the slave parameters whose foot passes an end of the master, ascending.
-    fn breaks(&self) -> ([f64; 8], usize) {
-        let mut breaks = [0.0; 8];
-        let mut count = 1;
-        for (foot, tangent) in [
-            (self.master.b[0], self.master.b[1] - self.master.b[0]),
-            (self.master.b[3], self.master.b[3] - self.master.b[2]),
-        ] {
-            let coefficients = self.slave.b.map(|p| (p - foot).dot(&tangent));
-            let mut found = Roots::new();
-            roots(&coefficients, &mut found);
-            for &u in found.as_slice() {
-                breaks[count] = u;
-                count += 1;
-            }
-        }
-        breaks[count] = 1.0;
-        count += 1;
-        breaks[..count].sort_unstable_by(f64::total_cmp);
-        (breaks, count)
+    /// The end of the master at v is a foot of the slave's point at u to rounding, and a local minimum of the distance.
+    fn rests_on_joint(&self, side: &Side, u: f64, v: f64) -> bool {
+        let a = self.slave.point(u);
+        let (b, db, ddb) = self.master.derivatives(v);
+        let tangent = side.tangent_norm_sq;
+        side.at(u).abs() <= NEAR_JOINT * tangent && db.norm_squared() > (a - b).dot(&ddb)
+    }
+
+    fn sides(&self) -> [Side; 2] {
+        let b = &self.master.b;
+        let own = [(b[0], b[1] - b[0]), (b[3], b[3] - b[2])];
+        std::array::from_fn(|k| {
+            let (foot, tangent) = own[k];
+            let joint = self.joints[k];
+            Side::new(self.slave, &foot, &joint.map_or(tangent, |j| j.tangent), joint.is_some())
+        })
     }
 
     /// Pieces of the branch over [start, end] whose foot at the middle is `v_middle`.
@@ -298,6 +350,24 @@ impl Pair<'_> {
     }
 }
 
+/// 0, 1 and the slave parameters whose foot passes an end of the master, ascending.
+fn breaks(sides: &[Side; 2]) -> ([f64; 8], usize) {
+    let mut breaks = [0.0; 8];
+    let mut count = 1;
+    for side in sides {
+        let mut found = Roots::new();
+        roots(&side.coefficients, &mut found);
+        for &u in found.as_slice() {
+            breaks[count] = u;
+            count += 1;
+        }
+    }
+    breaks[count] = 1.0;
+    count += 1;
+    breaks[..count].sort_unstable_by(f64::total_cmp);
+    (breaks, count)
+}
+
 /// Function whose root is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Target {
@@ -318,7 +388,7 @@ mod tests {
     }
 
     fn pair<'a>(slave: &'a Cubic, master: &'a Cubic, reach: f64) -> Pair<'a> {
-        Pair { slave, master, open_start: false, open_end: false, reach: [reach; 2] }
+        Pair { slave, master, open_start: false, open_end: false, reach: [reach; 2], joints: [None; 2] }
     }
 
     /// Perpendicular straight strands at height h: the zone is |x| < √(reach² − h²), exactly.
@@ -362,6 +432,35 @@ mod tests {
         assert!((pieces[0].nearest.u - 1.0 / 2.1).abs() < 1e-14);
     }
 
+    /// A slave that crosses right above a joint of the master, in any attitude and to rounding on either side of it: together the two
+    /// segments cover the zone once.
+    #[test]
+    fn a_zone_whose_foot_rests_on_a_joint_is_covered_once() {
+        let mut state = 99u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let exact = 2.0 * (0.25f64 - 0.09).sqrt();
+        for trial in 0..3000 {
+            let axis = Vec3::new(random(), random(), random());
+            let turn = nalgebra::Rotation3::new(axis * 6.0);
+            let [t, n, m] = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| turn * e);
+            let joint = Vec3::new(random(), random(), random()) * 5.0;
+            let bend = n * 0.3 + m * 0.1;
+            let before = Cubic::from_hermite(joint - t + bend, t, joint, t);
+            let after = Cubic::from_hermite(joint, t * 0.7, joint + t + bend, t);
+            let off = t * [0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-12, -1e-9][trial % 7];
+            let slave = Cubic::straight(joint + off + m * 0.3 - n, joint + off + m * 0.3 + n);
+            let shared = Some(Joint { tangent: before.b[3] - before.b[2] });
+            let mut pieces = Vec::new();
+            Pair { joints: [None, shared], ..pair(&slave, &before, 0.5) }.pieces(&mut pieces);
+            Pair { joints: [shared, None], ..pair(&slave, &after, 0.5) }.pieces(&mut pieces);
+            let covered: f64 = pieces.iter().map(|p| 2.0 * (p.u[1] - p.u[0])).sum();
+            assert!((covered - exact).abs() < 0.02, "trial {trial}: {covered} {exact} {pieces:?}");
+        }
+    }
+
     /// Against brute force: curved strands, the excess is negative exactly inside the pieces.
     #[test]
     fn curved_pairs_agree_with_dense_sampling() {
@@ -379,7 +478,7 @@ mod tests {
             let b = Cubic {
                 b: [point(-0.7, -0.7, 0.0), point(-0.2, -0.2, 0.0), point(0.2, 0.2, 0.0), point(0.7, 0.7, 0.0)],
             };
-            let p = Pair { slave: &a, master: &b, open_start: false, open_end: true, reach: [0.25, 0.35] };
+            let p = Pair { open_end: true, reach: [0.25, 0.35], ..pair(&a, &b, 0.0) };
             let mut pieces = Vec::new();
             p.pieces(&mut pieces);
             num_pieces += pieces.len();

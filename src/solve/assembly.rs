@@ -377,7 +377,13 @@ impl Engine {
         // Hessians live for one part of the candidates only: nine kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |segment| side.offset(segment);
-            let mut terms = detect::evaluate_within(&side.set, &capsules, pairs, side.law, &offset, want);
+            let earlier = side.before.as_ref().filter(|_| tangent.is_some());
+            let offset_before = |segment: usize| {
+                side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]))
+            };
+            let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
+            let pressures = detect::Pressures { law: side.law, offset: &offset, before };
+            let mut terms = detect::evaluate_within(&side.set, &capsules, pairs, &pressures, want);
             let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
                 terms.par_iter().map(|term| side.map_term(term, state)).collect();
             for (term, (gradient, block)) in terms.iter_mut().zip(mapped) {
@@ -483,7 +489,8 @@ impl ContactSide {
         self.is_current = false;
         self.place(state);
         self.exclusion.update(&self.set)?;
-        let largest = self.offsets.iter().copied().fold(0.0, f64::max);
+        let earlier = self.before.iter().flat_map(|(_, offsets)| offsets);
+        let largest = self.offsets.iter().chain(earlier).copied().fold(0.0, f64::max);
         // in steps, so that a slowly growing offset does not rebuild the list every time
         let range = (0.02f64 * self.min_radius).max(2.0 * largest).log2().ceil().exp2();
         let margin = 0.5 * self.min_radius;

@@ -2,8 +2,8 @@
 
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::curve::{Cubic, CurveInput, CurveSet};
-use crate::contact::detect::LawParameters;
 use crate::contact::exclusion::Exclusion;
+use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::quaternion::to_array;
 use crate::math::shape_functions::Table;
@@ -39,10 +39,12 @@ pub struct ContactSide {
     pub broad_phase: BroadPhase,
     /// Separate search for the step bound (ranges differ every time).
     pub step_search: BroadPhase,
-    /// κ and the factor on pressures in the geometric stiffness.
-    pub law: LawParameters,
+    /// Pressure against overlap.
+    pub law: Law,
     /// Offsets c per node \[L\] (all rods; zero for a plain penalty).
     pub offsets: Vec<f64>,
+    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see [`Pressures`].
+    pub(crate) before: Option<(Law, Vec<f64>)>,
     /// Smallest contact radius \[L\].
     pub min_radius: f64,
     /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for contact), there is
@@ -58,14 +60,11 @@ impl ContactSide {
 }
 
 impl ContactSide {
-    /// Multiplies the stiffness by `factor` and scales the offsets so that contacts keep their gap and, nearly, their force: it is
-    /// proportional to κ c along lines and to κ c^{3/2} at points. `line` tells the nodes on lines.
-    pub(crate) fn scale_stiffness(&mut self, factor: f64, line: &[bool]) {
-        self.law.stiffness *= factor;
-        self.law.geometric = factor.min(1.0 / factor).sqrt();
-        for (offset, on_line) in self.offsets.iter_mut().zip(line) {
-            *offset *= factor.powf(if *on_line { -1.0 } else { -2.0 / 3.0 });
-        }
+    /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
+    pub(crate) fn change_law(&mut self, law: Law, offsets: Vec<f64>) {
+        let old = std::mem::replace(&mut self.offsets, offsets);
+        let (law, offsets) = self.before.take().unwrap_or((std::mem::replace(&mut self.law, law), old));
+        self.before = Some((law, offsets));
     }
 
     /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve.
@@ -79,31 +78,6 @@ impl ContactSide {
             }
             distance -= self.set.lengths[here];
         }
-    }
-
-    /// Nodes on lines: those in runs of segments with zones that are longer than two contact distances.
-    pub(crate) fn nodes_on_lines(&self, touched: &[bool]) -> Vec<bool> {
-        let mut line = vec![false; touched.len()];
-        for curve in &self.set.curves {
-            let mut run: Vec<usize> = Vec::new();
-            let mut length = 0.0;
-            let last = curve.first + curve.count - 1;
-            for segment in curve.first..=last {
-                let inside = self.nodes[segment].iter().all(|&n| touched[n]);
-                if inside {
-                    run.push(segment);
-                    length += self.set.lengths[segment];
-                }
-                if !inside || segment == last {
-                    if length > 4.0 * curve.radius {
-                        run.iter().flat_map(|&s| self.nodes[s]).for_each(|n| line[n] = true);
-                    }
-                    run.clear();
-                    length = 0.0;
-                }
-            }
-        }
-        line
     }
 }
 
@@ -221,12 +195,26 @@ impl Engine {
         };
         InputError::positive("contact.stiffness", stiffness)?;
         let raised = stiffness * self.scales.bending / side.min_radius.powi(4);
-        side.law = LawParameters { stiffness: raised, geometric: (side.law.stiffness / raised).min(1.0) };
-        if matches!(law, ContactLaw::Penalty { .. }) {
-            side.offsets.fill(0.0);
-        }
+        let offsets = if matches!(law, ContactLaw::Penalty { .. }) {
+            vec![0.0; side.offsets.len()]
+        } else {
+            side.offsets.clone()
+        };
+        side.change_law(Law::Linear { stiffness: raised }, offsets);
         self.model.contact.law = law;
         Ok(())
+    }
+
+    /// Stiffness of the contact law asked for \[F/L²\]; 0 without contact.
+    pub(crate) fn contact_stiffness(&self) -> f64 {
+        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        self.model.contact.law.stiffness().unwrap_or(0.0) * self.scales.bending / radius.powi(4)
+    }
+
+    /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.
+    pub(crate) fn pressure_scale(&self) -> f64 {
+        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        0.5 * self.scales.bending / radius.powi(3)
     }
 
     /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
@@ -350,8 +338,9 @@ impl Engine {
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
             step_search: BroadPhase::new(),
-            law: LawParameters { stiffness: dimensionless * self.scales.bending / min_radius.powi(4), geometric: 1.0 },
+            law: Law::Linear { stiffness: dimensionless * self.scales.bending / min_radius.powi(4) },
             offsets: vec![0.0; self.num_nodes()],
+            before: None,
             min_radius,
             is_current: false,
         }))

@@ -10,6 +10,7 @@
 //! the shift τ in K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
 
 use crate::error::SolveError;
+use crate::math::Vec3;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
@@ -32,10 +33,9 @@ const MAX_REJECTIONS: usize = 30;
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is good enough.
 const ENOUGH: f64 = 0.1;
-/// Accepted steps in a row, none rejected between them, after which the shift falls fastest.
-const CLEAN: usize = 2;
-/// Or, near the end, steps smaller than this (relative to the node spacing, or rad).
-const SMALL_STEP: f64 = 1e-2;
+/// Largest rotation of a node in one step, rad.
+const MAX_RADIUS: f64 = 2.0;
+const FIRST_RADIUS: f64 = 0.5;
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
@@ -45,6 +45,17 @@ const TOL_CONTACT_CHANGE: f64 = 1e-6;
 const TOL_SADDLE: f64 = 1e-8;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
+
+/// A step and the quadratic model along it.
+struct Step {
+    increment: Vec<f64>,
+    /// g·Δ.
+    slope: f64,
+    /// ΔᵀKΔ.
+    curvature: f64,
+    /// ΔᵀMΔ.
+    inertia: f64,
+}
 
 /// A step after its corrections.
 #[derive(Clone)]
@@ -74,21 +85,40 @@ impl Workspace {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let mut state = engine.state.clone();
-        let (mut rejections, mut at_saddle, mut clean) = (0, 0, CLEAN);
+        let (mut rejections, mut at_saddle) = (0, 0);
+        let mut radius = FIRST_RADIUS;
         let mut stress = engine.actual_stress(&state);
         self.shift = 0.0;
         while report.iterations.len() < options.max_iterations {
             self.refresh(engine, &state)?;
             let drive_now = drive.scaled(remaining);
             let residual = self.linearise(engine, &state, &stress, &drive_now);
-            let (mut longest, mut rejected_here) = (1.0, 0);
+            let mut longest = 1.0;
             loop {
                 if self.must_stop(options) {
                     return Ok(report);
                 }
                 self.convexify(engine, report.iterations.len())?;
-                let step = self.solve_step(engine, &residual, &drive_now, report.iterations.len())?;
-                let size = increment_size(engine, &step);
+                let at = report.iterations.len();
+                let mut step = self.model_step(engine, &residual, &drive_now, at)?;
+                for _ in 0..3 {
+                    let turn = extent(engine, &residual, &step.increment);
+                    if remaining > 0.0 || turn <= 1.5 * radius {
+                        break;
+                    }
+                    let stride = self.stride(&step);
+                    self.shift = ((stride + self.shift) * turn / radius - stride).max(2.0 * self.shift).max(FIRST_SHIFT);
+                    self.factorise(engine, self.shift);
+                    step = self.model_step(engine, &residual, &drive_now, at)?;
+                }
+                let turn = extent(engine, &residual, &step.increment);
+                let small = increment_size(engine, &step.increment) <= options.tol_increment;
+                if remaining == 0.0 && turn < 0.5 * radius && self.shift > 0.0 && !small {
+                    let raw = self.raw_step(engine, &residual);
+                    self.add_softest(engine, &residual, &mut step, &raw, radius - turn);
+                }
+                let turn = extent(engine, &residual, &step.increment);
+                let size = increment_size(engine, &step.increment);
                 let pushed = remaining > 0.0;
                 let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
                 // shorter along the same direction first: it costs no factorisation
@@ -105,7 +135,7 @@ impl Workspace {
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
                 let indefinite = self.shift > 0.0;
-                let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE;
+                let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
                 let falls = gain >= 0.05 * trial.expected - noise;
                 let acceptable = tiny || if driven { trial.settled } else { falls };
                 let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
@@ -121,20 +151,22 @@ impl Workspace {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
                     if let Some(side) = &mut engine.contact {
-                        side.law.geometric = 1.0;
+                        side.before = None;
                     }
                     let ratio = gain / trial.expected;
-                    clean = if rejected_here == 0 { clean + 1 } else { 0 };
+                    let taken = trial.fraction * turn;
                     if tiny {
                         self.shift = 0.0;
-                    } else if rejected_here == 0 && trial.rounds <= 2 && (0.8..1.25).contains(&ratio) {
-                        // the model was right: let the eigenvalues alone decide
-                        self.shift /= if clean >= CLEAN || size < SMALL_STEP { 100.0 } else { 10.0 };
-                    } else if rejected_here == 0
-                        && trial.rounds <= 5
-                        && (driven || gain >= 0.5 * trial.expected - noise)
-                    {
-                        self.shift /= 6.0;
+                    } else {
+                        let unseen = trial.expected.abs() <= 10.0 * noise;
+                        if unseen || trial.rounds <= 3 && (0.75..1.33).contains(&ratio) {
+                            radius = radius.max(3.0 * taken).min(MAX_RADIUS);
+                        } else if gain < 0.25 * trial.expected {
+                            radius = 0.5 * taken;
+                        } else if trial.fraction < 1.0 {
+                            radius = taken;
+                        }
+                        self.shift *= 0.5 * (turn / radius).min(1.0);
                     }
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them
@@ -153,13 +185,16 @@ impl Workspace {
                     report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3);
                     break;
                 }
-                // the potential cannot resolve the decrease that is left: this is as far as rounding lets anyone go
-                if self.shift == 0.0 && remaining == 0.0 && trial.expected.abs() <= noise {
+                // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it says nothing): this is
+                // as far as rounding lets anyone go
+                if self.shift == 0.0
+                    && remaining == 0.0
+                    && trial.expected.abs() < noise * trial.fraction * (2.0 - trial.fraction)
+                {
                     report.converged = true;
                     break;
                 }
                 rejections += 1;
-                rejected_here += 1;
                 if rejections > MAX_REJECTIONS || report.iterations.len() >= options.max_iterations {
                     return self.finish(engine, &state, report);
                 }
@@ -170,8 +205,9 @@ impl Workspace {
                         return self.finish(engine, &state, report);
                     }
                 } else {
-                    let raised = 4.0f64.powi(rejected_here.min(3)) * self.shift;
-                    self.shift = raised.max(self.stride(engine, &residual, &step));
+                    radius = 0.25 * radius.min(turn);
+                    let stride = self.stride(&step);
+                    self.shift = ((stride + self.shift) * turn / radius - stride).max(4.0 * self.shift).max(FIRST_SHIFT);
                 }
             }
             if report.converged {
@@ -188,6 +224,9 @@ impl Workspace {
         mut report: NewtonReport,
     ) -> Result<NewtonReport, SolveError> {
         engine.state = state.clone();
+        if let Some(side) = &mut engine.contact {
+            side.before = None;
+        }
         self.shift = 0.0;
         self.refresh(engine, state)?;
         report.num_unstable = self.count_unstable(engine)?;
@@ -223,11 +262,62 @@ impl Workspace {
         Ok(())
     }
 
-    /// The shift that would about halve a step: its stiffness over its mass.
-    fn stride(&self, engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
-        let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
-        let inertia = self.free_dot(engine, step, |i| engine.masses[i] * step[i]);
-        let stride = work / inertia - self.shift;
+    /// The Newton step with the factorisation at hand and what the model says of it.
+    fn model_step(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        drive: &Drive,
+        iteration: usize,
+    ) -> Result<Step, SolveError> {
+        let increment = self.raw_step(engine, residual);
+        let slope = self.free_dot(engine, &increment, |i| residual.gradient[i]);
+        let work = -slope - self.free_dot(engine, &increment, |i| self.tangent.drive[i]);
+        let inertia = self.free_dot(engine, &increment, |i| engine.masses[i] * increment[i]);
+        let step = Step { increment, slope, curvature: work - self.shift * inertia, inertia };
+        self.finished(step, drive, iteration)
+    }
+
+    fn finished(&self, mut step: Step, drive: &Drive, iteration: usize) -> Result<Step, SolveError> {
+        self.neutral.remove(&mut step.increment);
+        drive.add_to(&mut step.increment);
+        match step.increment.iter().position(|x| !x.is_finite()) {
+            Some(index) => {
+                Err(SolveError::NotFinite { iteration, quantity: "increment", index, value: step.increment[index] })
+            }
+            None => Ok(step),
+        }
+    }
+
+    /// Adds to a step that shifts keep short as much of the softest direction as turns a node by `turn`, if the model falls along it.
+    fn add_softest(&self, engine: &Engine, residual: &Residual, step: &mut Step, raw: &[f64], turn: f64) {
+        let way = &self.softest;
+        if way.len() != raw.len() {
+            return;
+        }
+        let product = self.multiply(engine, &self.tangent.values, way);
+        let curvature = self.free_dot(engine, way, |i| product[i]);
+        let inertia = self.free_dot(engine, way, |i| engine.masses[i] * way[i]);
+        if curvature >= -0.2 * self.shift * inertia {
+            return;
+        }
+        let slope = self.free_dot(engine, way, |i| residual.gradient[i]);
+        let mixed = self.free_dot(engine, way, |i| engine.masses[i] * raw[i]);
+        let cross = -slope - self.shift * mixed;
+        let mut clean = way.clone();
+        self.neutral.remove(&mut clean);
+        let scale = turn / extent(engine, residual, &clean) * if slope + cross > 0.0 { -1.0 } else { 1.0 };
+        for (s, w) in step.increment.iter_mut().zip(&clean) {
+            *s += scale * w;
+        }
+        step.slope += scale * slope;
+        step.curvature += 2.0 * scale * cross + scale * scale * curvature;
+        step.inertia += 2.0 * scale * mixed + scale * scale * inertia;
+    }
+
+    /// Stiffness over mass of a step.
+    fn stride(&self, step: &Step) -> f64 {
+        let stride = step.curvature / step.inertia;
         if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
     }
 
@@ -238,20 +328,18 @@ impl Workspace {
         engine: &mut Engine,
         state: &State,
         residual: &Residual,
-        step: &[f64],
+        step: &Step,
         longest: f64,
         pushed: bool,
     ) -> Result<Trial, SolveError> {
-        let safe = engine.step_fraction(state, step)?.min(longest);
-        let work = -self.free_dot(engine, step, |i| residual.gradient[i] + self.tangent.drive[i]);
-        let slope = self.free_dot(engine, step, |i| residual.gradient[i]);
-        let inertia = self.free_dot(engine, step, |i| engine.masses[i] * step[i]);
-        let base: Vec<f64> = step.iter().map(|x| x * safe).collect();
+        let safe = engine.step_fraction(state, &step.increment)?.min(longest);
+        let work = step.curvature + self.shift * step.inertia;
+        let base: Vec<f64> = step.increment.iter().map(|x| x * safe).collect();
         let mut trial = Trial {
             state: state.retract(&base, 1.0),
             increment: base.clone(),
             potential: f64::NAN,
-            expected: -safe * slope - 0.5 * safe * safe * (work - self.shift * inertia),
+            expected: -safe * step.slope - 0.5 * safe * safe * step.curvature,
             fraction: safe,
             rounds: 0,
             contact_change: 0.0,
@@ -284,7 +372,8 @@ impl Workspace {
             }
             last = size;
             trial.rounds += 1;
-            trial.settled = size < SMALL_CORRECTION;
+            let tight = engine.contact.as_ref().is_some_and(|side| side.before.is_some());
+            trial.settled = size < if tight { 1e-2 * SMALL_CORRECTION } else { SMALL_CORRECTION };
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
             trial.excess = Some(excess);
@@ -338,4 +427,17 @@ fn relative_change(before: &[f64], after: &[f64]) -> f64 {
     let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / largest }
+}
+
+/// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact
+/// distance.
+fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
+    let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
+    let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
+    let Some(side) = &engine.contact else { return turn };
+    let sliding = |term: &crate::contact::detect::PairTerm| {
+        let [a, _, b, _] = side.term_nodes(term);
+        (part(a, 0) - part(b, 0)).norm() / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
+    };
+    residual.terms.iter().map(sliding).fold(turn, f64::max)
 }

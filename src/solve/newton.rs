@@ -65,7 +65,7 @@ pub struct Workspace {
     factor: Option<Factor>,
     pub(crate) tangent: Tangent,
     /// Neutral motions at the last linearisation.
-    neutral: Neutral,
+    pub(crate) neutral: Neutral,
     border: Option<Border>,
     /// Candidate list the pattern was made for.
     generation: u64,
@@ -218,15 +218,21 @@ impl Workspace {
         drive: &Drive,
         iteration: usize,
     ) -> Result<Vec<f64>, SolveError> {
-        let rhs: Vec<f64> = residual.gradient.iter().zip(&self.tangent.drive).map(|(g, d)| -g - d).collect();
-        let mut step = self.solve_last(engine, &rhs);
-        self.add_moment_skew(engine, &mut step);
+        let mut step = self.raw_step(engine, residual);
         self.neutral.remove(&mut step);
         drive.add_to(&mut step);
         match step.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(SolveError::NotFinite { iteration, quantity: "increment", index, value: step[index] }),
             None => Ok(step),
         }
+    }
+
+    /// Increment from the last factorisation with some neutral motion in it.
+    pub(crate) fn raw_step(&mut self, engine: &Engine, residual: &Residual) -> Vec<f64> {
+        let rhs: Vec<f64> = residual.gradient.iter().zip(&self.tangent.drive).map(|(g, d)| -g - d).collect();
+        let mut step = self.solve_last(engine, &rhs);
+        self.add_moment_skew(engine, &mut step);
+        step
     }
 
     /// Response of all unknowns to forces by the last factorisation, moments' skew part included, neutral parts taken out.

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::exclusion::Exclusion;
+use crate::contact::law::Law;
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::solve::engine::Engine;
@@ -59,9 +60,8 @@ pub struct Restart {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct ContactRestart {
-    /// \[F/L²\]
+    /// Of the linear law \[F/L²\].
     stiffness: f64,
-    geometric: f64,
     /// Per node \[L\].
     offsets: Vec<f64>,
 }
@@ -72,8 +72,7 @@ impl Solver {
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
         let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history } = self;
         let contact = engine.contact.as_ref().map(|side| ContactRestart {
-            stiffness: side.law.stiffness,
-            geometric: side.law.geometric,
+            stiffness: engine.contact_stiffness() / 10f64.powi(*stages_left),
             offsets: side.offsets.clone(),
         });
         Restart {
@@ -112,8 +111,8 @@ impl Solver {
         match (&mut self.engine.contact, contact) {
             (None, None) => {}
             (Some(side), Some(saved)) if saved.offsets.len() == side.offsets.len() => {
-                side.law.stiffness = saved.stiffness;
-                side.law.geometric = saved.geometric;
+                side.law = Law::Linear { stiffness: saved.stiffness };
+                side.before = None;
                 side.offsets = saved.offsets;
             }
             _ => return Err(refuse("has contact where the model has none, or the other way round")),

@@ -4,7 +4,7 @@
 //! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most
 //! negative direction.
 
-use crate::contact::detect::LawParameters;
+use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
 use crate::solve::newton::{Iteration, NewtonReport};
@@ -12,9 +12,13 @@ use crate::solve::path::Solver;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 
-/// Stages of a softened law at the start of a load step, and the factor between them.
-const SOFT_STAGES: i32 = 3;
+/// Depths of the core law that a load step with contact goes through, over the contact distance.
+const DEPTHS: [f64; 4] = [0.4, 0.08, 0.016, 0.004];
+/// Tolerance of the searches on the way.
+const TOL_ON_THE_WAY: f64 = 1e-2;
+/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
 const SOFTENING: f64 = 10.0;
+const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
 /// once would buckle into its tenth mode.
 const TURNS_AT_ONCE: f64 = 1.0;
@@ -23,9 +27,6 @@ const PREDICTED_ITERATIONS: usize = 20;
 const LARGEST_PREDICTED_TURN: f64 = 0.3;
 /// Iterations spent on one hardening stage before it is given up.
 const HARDENING_ITERATIONS: usize = 100;
-/// Augmentations under the soft law, and the gap error relative to the radius at which they end: hardening keeps gaps.
-const SOFT_AUGMENTATIONS: usize = 4;
-const TOL_SOFT: f64 = 1e-3;
 /// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
 pub(super) const TOL_OPENING: f64 = 1e-6;
 
@@ -90,10 +91,11 @@ pub struct StepReport {
 }
 
 /// Snapshot that a failed step returns to.
+#[derive(Clone)]
 pub(crate) struct Snapshot {
     stages_left: i32,
     state: State,
-    contact: Option<(LawParameters, Vec<f64>)>,
+    contact: Option<(Law, Vec<f64>)>,
 }
 
 /// How far the contact conditions are from met, by nodes and in all.
@@ -101,8 +103,6 @@ pub(crate) struct Snapshot {
 pub(super) struct ContactErrors {
     /// Smallest gap near each node (window of one contact distance along its zone) \[L\]; infinite where nothing is in reach.
     pub(super) gaps: Vec<f64>,
-    /// Whether a zone lies in a segment that meets at the node.
-    touched: Vec<bool>,
     /// Worst penetration over the smallest contact radius.
     pub(super) penetration: f64,
     /// Worst gap that an offset holds open over the smallest contact radius.
@@ -187,22 +187,25 @@ impl Solver {
     }
 
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut softened = false;
+        let mut soft = None;
         for part in drive.parts(TURNS_AT_ONCE) {
-            if self.softens()? {
-                self.scale_contact(SOFTENING.powi(self.stages_left - SOFT_STAGES));
-                self.stages_left = SOFT_STAGES;
-                softened = true;
+            let near = self.is_near_contact()?;
+            if self.augments() {
+                let pressure = *soft.get_or_insert_with(|| self.engine.pressure_scale());
+                self.change_law(Law::Core { pressure, depth: DEPTHS[0] });
             }
-            self.search(&part, report)?;
+            self.search_roughly(near && soft.is_some(), &part, report)?;
             if report.status != Status::Converged {
                 break;
             }
         }
-        if softened {
-            let outcome = self.harden(report);
-            report.softening = SOFTENING.powi(self.stages_left);
-            outcome?;
+        if let Some(pressure) = soft {
+            if self.is_near_contact()? {
+                self.harden(pressure, report)?;
+            } else {
+                self.stages_left = 0;
+                self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() });
+            }
         }
         self.enforce_gaps(report)
     }
@@ -230,50 +233,60 @@ impl Solver {
         Ok(())
     }
 
-    /// Hardens the softened law in stages. Under a soft law strands slide several zone widths per iteration; hardening keeps gaps, so
-    /// these are closed before. Where the mesh is too coarse for the hard law (lines of contact break up into points between
-    /// nodes) hardening ends early.
-    fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        for _ in 0..SOFT_AUGMENTATIONS {
-            let errors = self.contact_errors();
-            if report.status != Status::Converged || errors.penetration.max(errors.opening) < TOL_SOFT {
-                break;
+    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
+    /// of contact break up into points between nodes.
+    fn harden(&mut self, pressure: f64, report: &mut StepReport) -> Result<(), SolveError> {
+        for depth in &DEPTHS[1..] {
+            if report.status != Status::Converged {
+                return Ok(());
             }
-            self.augment(&errors.gaps);
-            self.search(&Drive::default(), report)?;
+            self.change_law(Law::Core { pressure, depth: *depth });
+            self.search_roughly(true, &Drive::default(), report)?;
         }
-        while report.status == Status::Converged && self.stages_left > 0 {
-            let before = self.snapshot();
-            self.scale_contact(SOFTENING);
+        if report.status != Status::Converged {
+            return Ok(());
+        }
+        let before = self.snapshot();
+        for softer in 0..=MAX_SOFTER {
+            self.stages_left = softer;
+            report.softening = SOFTENING.powi(softer);
+            self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening });
             let patience = std::mem::replace(&mut self.options.newton.max_iterations, HARDENING_ITERATIONS);
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
-            if outcome.is_err() || report.status != Status::Converged {
-                self.restore(before)?;
-                report.status = Status::Converged;
-                report.num_unstable = 0;
-                return Ok(());
+            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER {
+                return outcome;
             }
-            self.stages_left -= 1;
+            self.restore(before.clone())?;
+            (report.status, report.num_unstable) = (Status::Converged, 0);
         }
         Ok(())
     }
 
-    /// Whether load steps begin under a softened law: an augmented Lagrangian with strands near each other.
-    fn softens(&mut self) -> Result<bool, SolveError> {
-        if !matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) {
-            return Ok(false);
+    /// A search that only prepares the next one.
+    fn search_roughly(&mut self, rough: bool, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+        let fine = self.options.newton.tol_increment;
+        if rough {
+            self.options.newton.tol_increment = fine.max(TOL_ON_THE_WAY);
         }
+        let outcome = self.search(drive, report);
+        self.options.newton.tol_increment = fine;
+        outcome
+    }
+
+    fn augments(&self) -> bool {
+        matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
+    }
+
+    fn is_near_contact(&mut self) -> Result<bool, SolveError> {
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
         Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
     }
 
-    fn scale_contact(&mut self, factor: f64) {
-        let touched = self.contact_errors().touched;
+    fn change_law(&mut self, law: Law) {
         if let Some(side) = &mut self.engine.contact {
-            let line = side.nodes_on_lines(&touched);
-            side.scale_stiffness(factor, &line);
+            side.change_law(law, vec![0.0; side.offsets.len()]);
         }
     }
 
@@ -335,7 +348,7 @@ impl Solver {
         let penetration = gaps.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
         let held = (0..gaps.len()).filter(|&n| touched[n] && gaps[n].is_finite() && side.offsets[n] > 0.0);
         let opening = held.map(|n| gaps[n]).fold(0.0, f64::max) / side.min_radius;
-        ContactErrors { gaps, touched, penetration, opening }
+        ContactErrors { gaps, penetration, opening }
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero.
@@ -361,6 +374,7 @@ impl Solver {
         if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
             side.law = law;
             side.offsets = offsets;
+            side.before = None;
         }
         let state = self.engine.state.clone();
         self.engine.update_contact(&state).map(|_| ())

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::contact::capsule::Capsule;
+use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::engine::{ContactSide, Engine};
@@ -30,6 +30,9 @@ struct Keep {
 const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, longest: 16.0 };
 /// For the step as it is taken: corrections may use up half of what the step left.
 const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, longest: 32.0 };
+/// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod bulges by much
+/// more than the rod's thickness: with that for an error no step near contact would be left.
+const TOL_DISTANCE: f64 = 0.05;
 impl Engine {
     /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
     pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
@@ -107,9 +110,14 @@ impl ContactSide {
             .map(|&[i, j]| {
                 let (i, j) = (i as usize, j as usize);
                 let approach = relative_motion(&motions[i], &motions[j]);
-                let distance = capsules[i].distance_lower_bound(&capsules[j]);
                 let contact_distance = set.radius_of(i) + set.radius_of(j);
-                let allowed = (distance - keep.distance * contact_distance).max(keep.deep * distance);
+                let allowed = |distance: f64| (distance - keep.distance * contact_distance).max(keep.deep * distance);
+                let mut distance = capsules[i].distance_lower_bound(&capsules[j]);
+                let tol = TOL_DISTANCE * contact_distance;
+                if approach * cut > allowed(distance) && capsules[i].bulge + capsules[j].bulge > tol {
+                    distance = distance_lower_bound_within(&set.segments[i], &set.segments[j], tol);
+                }
+                let allowed = allowed(distance);
                 if approach * cut > allowed { allowed / approach } else { cut }
             })
             .reduce(|| cut, f64::min);
