@@ -91,13 +91,7 @@ pub(crate) struct Pressures<'a> {
 ///
 /// `offset(segment)` is the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over candidates in the current rayon
 /// pool; the result does not depend on the number of threads.
-pub fn evaluate(
-    set: &CurveSet,
-    candidates: &[[u32; 2]],
-    law: Law,
-    offset: &Offsets,
-    want: Want,
-) -> Vec<PairTerm> {
+pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
     evaluate_within(set, &capsules_of(set), candidates, &Pressures { law, offset, before: None }, want)
 }
 
@@ -192,13 +186,7 @@ fn pair_term(
 
 /// Integrates one piece and returns ½∫p uᵏ ds for k = 0, 1, 2; long pieces are divided so that each part is shorter than the
 /// contact distance.
-fn integrate(
-    term: &mut PairTerm,
-    pair: &Pair,
-    piece: &Piece,
-    length: f64,
-    local: &Local,
-) -> [f64; 3] {
+fn integrate(term: &mut PairTerm, pair: &Pair, piece: &Piece, length: f64, local: &Local) -> [f64; 3] {
     let rule = gauss(POINTS_PER_PIECE);
     let width = piece.u[1] - piece.u[0];
     let parts = (width * length / local.contact_distance).ceil().clamp(1.0, 64.0);
@@ -258,14 +246,7 @@ fn bernstein_slopes(u: f64) -> [f64; 4] {
 }
 
 /// Adds weight × the law at one sample; returns the pressure.
-fn add_sample(
-    term: &mut PairTerm,
-    pair: &Pair,
-    kind: FootKind,
-    sample: &Sample,
-    weight: f64,
-    local: &Local,
-) -> f64 {
+fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample, weight: f64, local: &Local) -> f64 {
     let (law, carried) = local.response(pair, sample);
     if carried == 0.0 {
         return 0.0;

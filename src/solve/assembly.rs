@@ -378,9 +378,8 @@ impl Engine {
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |segment| side.offset(segment);
             let earlier = side.before.as_ref().filter(|_| tangent.is_some());
-            let offset_before = |segment: usize| {
-                side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]))
-            };
+            let offset_before =
+                |segment: usize| side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]));
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
             let mut terms = detect::evaluate_within(&side.set, &capsules, pairs, &pressures, want);

@@ -107,7 +107,8 @@ impl Workspace {
                         break;
                     }
                     let stride = self.stride(&step);
-                    self.shift = ((stride + self.shift) * turn / radius - stride).max(2.0 * self.shift).max(FIRST_SHIFT);
+                    self.shift =
+                        ((stride + self.shift) * turn / radius - stride).max(2.0 * self.shift).max(FIRST_SHIFT);
                     self.factorise(engine, self.shift);
                     step = self.model_step(engine, &residual, &drive_now, at)?;
                 }
@@ -135,7 +136,9 @@ impl Workspace {
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
                 let indefinite = self.shift > 0.0;
-                let at_rest = tiny && self.shift == 0.0 && trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
+                let at_rest = tiny
+                    && self.shift == 0.0
+                    && trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
                 let falls = gain >= 0.05 * trial.expected - noise;
                 let acceptable = tiny || if driven { trial.settled } else { falls };
                 let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
@@ -207,7 +210,8 @@ impl Workspace {
                 } else {
                     radius = 0.25 * radius.min(turn);
                     let stride = self.stride(&step);
-                    self.shift = ((stride + self.shift) * turn / radius - stride).max(4.0 * self.shift).max(FIRST_SHIFT);
+                    self.shift =
+                        ((stride + self.shift) * turn / radius - stride).max(4.0 * self.shift).max(FIRST_SHIFT);
                 }
             }
             if report.converged {
