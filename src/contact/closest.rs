@@ -65,7 +65,7 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, m
         Search { a, b, reach: max_distance / scale * (1.0 + 1e-14), noise: 16.0 * f64::EPSILON * (far / scale) };
     let mut found = search.run(CELLS * sampling);
     // The same minimum may have been found in two cells.
-    found.sort_by(|x, y| x.flat.cmp(&y.flat));
+    found.sort_by_key(|x| x.flat);
     for (k, c) in found.iter().enumerate() {
         let same = |t: &Closest| (t.u - c.u).abs().max((t.v - c.v).abs()) <= 4.0 * BORDER + 2.0 * (t.radius + c.radius);
         if !found[..k].iter().any(same) {

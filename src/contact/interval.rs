@@ -87,7 +87,9 @@ pub(crate) fn parts(
         straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap()));
         return;
     }
-    let (slave, master) = (strands.cubic(i), strands.cubic(j));
+    // Near the origin: far from it the ends would be lost in rounding.
+    let origin = strands.ends(j).0;
+    let (slave, master) = (strands.cubic(i).relative_to(&origin), strands.cubic(j).relative_to(&origin));
     let corner = |before: Option<usize>, after: Option<usize>| match (before, after) {
         (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
         _ => true,
