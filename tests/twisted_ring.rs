@@ -108,7 +108,7 @@ fn plectoneme_of_the_thin_ring() {
     assert!((seen.links[0].writhe / 4.18363 - 1.0).abs() < 5e-3, "writhe {}", seen.links[0].writhe);
 }
 
-/// Raising the penalty tenfold costs at most ten Newton steps in every contact state, each ending superlinearly; at κ = 1e14 the
+/// Raising the penalty tenfold costs at most eight Newton steps in every contact state, each ending superlinearly; at κ = 1e14 the
 /// force is the hard one.
 #[test]
 fn decades_of_the_penalty_converge_superlinearly() {
@@ -129,7 +129,7 @@ fn decades_of_the_penalty_converge_superlinearly() {
                 report.iterations, report.penetration
             );
             assert_eq!(report.status, Status::Converged);
-            assert!(report.iterations <= 10, "{} steps", report.iterations);
+            assert!(report.iterations <= 8, "{} steps", report.iterations);
             assert_superlinear(&report, excess_link, decade);
         }
         let (_, seen) = to(&mut solver, excess_link);
@@ -139,12 +139,13 @@ fn decades_of_the_penalty_converge_superlinearly() {
     }
 }
 
-/// The last two steps together gain three and a half digits, the last alone all but two. Two digits a step are what is left in the line
-/// state, whatever κ; at points it is more. A linear rate (.95 with sloppy zone ends) or a limit cycle fails.
+/// The last step gains all but two digits, and either the last two together three and a half or the last more than twice what the one before
+/// gained (searches so short that the tolerance is met on the way down). A linear rate (.95 with sloppy zone ends) or a limit cycle fails.
 fn assert_superlinear(report: &StepReport, excess_link: f64, decade: i32) {
     let sizes: Vec<f64> = report.history.iter().flatten().map(|i| i.increment).collect();
     let [.., e1, e2, e3] = sizes[..] else { return };
-    assert!(e3 <= 2e-2 * e2 && e3 <= 3e-4 * e1, "ΔLk {excess_link} κ 1e{decade}: {sizes:?}");
+    let falls = e3 <= 3e-4 * e1 || e3 / e2 <= 0.5 * e2 / e1;
+    assert!(e3 <= 2e-2 * e2 && falls, "ΔLk {excess_link} κ 1e{decade}: {sizes:?}");
 }
 
 /// A load step far too long: from the flat ring to line contact at once. Wherever it ends, no strand has passed another: the link

@@ -125,8 +125,8 @@ fn nearest_parts(a: &Cubic, b: &Cubic, tol: f64, halvings: usize, known: f64) ->
 mod tests {
     use super::*;
 
-    /// Two arcs that bulge towards each other by twenty times what is between them: the capsules overlap, the halved ones do not,
-    /// and the bound is below the distance by no more than asked for.
+    /// Two arcs that bulge towards each other by twenty times what is between them: the bound of halved ones is below the distance by no
+    /// more than asked for.
     #[test]
     fn halved_capsules_come_as_near_as_asked_for() {
         let arc = |top: f64, sign: f64, x: f64| Cubic {
@@ -141,7 +141,8 @@ mod tests {
             let (a, b) = (arc(0.0, 1.0, 0.0), arc(0.05, -1.0, x));
             let sampled = (0..=400).flat_map(|i| (0..=400).map(move |j| (f64::from(i) / 400.0, f64::from(j) / 400.0)));
             let nearest = sampled.map(|(u, v)| (a.point(u) - b.point(v)).norm()).fold(f64::INFINITY, f64::min);
-            assert!(distance_lower_bound(&a, &b) < nearest - 1e-2);
+            // the plain bound knows the bulges only, not where they are
+            assert!(x < 0.5 || distance_lower_bound(&a, &b) < nearest - 0.1);
             for tol in [1e-2, 1e-3, 1e-4] {
                 let bound = distance_lower_bound_within(&a, &b, tol);
                 assert!(bound <= nearest && bound >= nearest - tol - 2e-5, "{bound} {nearest} {tol}");

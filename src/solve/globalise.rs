@@ -16,6 +16,7 @@ use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
+use crate::solve::timing::timed;
 
 /// Smallest shift that is tried, in units of B/L⁴.
 const FIRST_SHIFT: f64 = 10.0;
@@ -41,6 +42,8 @@ const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
 /// increments far below any length of the rods still matter to it.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
+/// Contact forces below this part of a rod's stretching stiffness are rounding of its strains.
+const LIGHT: f64 = 1e-8;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
 /// Relative size of changes of the potential that rounding makes.
@@ -158,19 +161,15 @@ impl Workspace {
                     }
                     let ratio = gain / trial.expected;
                     let taken = trial.fraction * turn;
-                    if tiny {
-                        self.shift = 0.0;
-                    } else {
-                        let unseen = trial.expected.abs() <= 10.0 * noise;
-                        if unseen || trial.rounds <= 3 && (0.75..1.33).contains(&ratio) {
-                            radius = radius.max(3.0 * taken).min(MAX_RADIUS);
-                        } else if gain < 0.25 * trial.expected {
-                            radius = 0.5 * taken;
-                        } else if trial.fraction < 1.0 {
-                            radius = taken;
-                        }
-                        self.shift *= 0.5 * (turn / radius).min(1.0);
+                    let unseen = trial.expected.abs() <= 10.0 * noise;
+                    if unseen || trial.rounds <= 3 && (0.75..4.0).contains(&ratio) {
+                        radius = radius.max(3.0 * taken).min(MAX_RADIUS);
+                    } else if gain < 0.25 * trial.expected {
+                        radius = 0.5 * taken;
+                    } else if trial.fraction < 1.0 {
+                        radius = taken;
                     }
+                    self.shift *= 0.5 * (turn / radius).min(1.0);
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them
                     stress = engine.predicted_stress(&state, &trial.increment);
@@ -185,7 +184,9 @@ impl Workspace {
                     // (large shifts make any step tiny: the residual must have gone too)
                     let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
-                    report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3);
+                    // what moves without a change of the potential or a force is rounding along motions that nothing resists
+                    let idle = !indefinite && trial.expected.abs() < noise && balanced;
+                    report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3 || idle);
                     break;
                 }
                 // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it says nothing): this is
@@ -336,7 +337,7 @@ impl Workspace {
         longest: f64,
         pushed: bool,
     ) -> Result<Trial, SolveError> {
-        let safe = engine.step_fraction(state, &step.increment)?.min(longest);
+        let safe = timed(&mut self.timings.detection, || engine.step_fraction(state, &step.increment))?.min(longest);
         let work = step.curvature + self.shift * step.inertia;
         let base: Vec<f64> = step.increment.iter().map(|x| x * safe).collect();
         let mut trial = Trial {
@@ -354,12 +355,13 @@ impl Workspace {
         let mut best: Option<Trial> = None;
         loop {
             // contact that cannot be resolved there is a step too long, not the end
-            if engine.update_contact(&trial.state).is_err() {
+            if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
                 break;
             }
-            let there = engine.residual(&trial.state);
+            let there = timed(&mut self.timings.assembly, || engine.residual(&trial.state));
             trial.potential = there.potential.total();
-            trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
+            trial.contact_change =
+                relative_change(&residual.contact_gradient, &there.contact_gradient, LIGHT * engine.stiffest());
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
@@ -382,7 +384,7 @@ impl Workspace {
             trial.increment = wanted;
             trial.excess = Some(excess);
         }
-        engine.update_contact(state)?;
+        timed(&mut self.timings.detection, || engine.update_contact(state))?;
         // among changes that rounding makes, the corrected state is the better one
         Ok(match best {
             Some(best) if !trial.settled && trial.expected > noise(residual) => best,
@@ -426,11 +428,10 @@ fn noise(residual: &Residual) -> f64 {
     ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
 }
 
-/// Largest difference over the largest value before; 0 where all is 0.
-fn relative_change(before: &[f64], after: &[f64]) -> f64 {
-    let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-    let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
-    if change == 0.0 { 0.0 } else { change / largest }
+/// Largest difference over the largest value before, or over `floor` where all are below it.
+fn relative_change(before: &[f64], after: &[f64], floor: f64) -> f64 {
+    let largest = before.iter().fold(floor, |a, b| a.max(b.abs()));
+    before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs())) / largest
 }
 
 /// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact

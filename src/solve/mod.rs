@@ -21,6 +21,7 @@ pub mod settle;
 pub mod stability;
 pub mod state;
 pub mod step_bound;
+mod timing;
 
 use crate::error::InputError;
 
@@ -33,6 +34,7 @@ pub use path::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};
 pub use restart::Restart;
 pub use settle::{Status, StepReport};
 pub use state::{Drive, State};
+pub use timing::Timings;
 
 /// Choices of a run; the defaults suit DNA loops and cables alike.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,6 +8,7 @@ use crate::solve::interrupt::Interrupt;
 use crate::solve::neutral::Neutral;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
+use crate::solve::timing::{Timings, timed};
 use crate::sparse::{Factor, Pattern};
 
 /// Choices of one equilibrium search; lengths are relative to the node spacing, rotations in rad.
@@ -74,6 +75,8 @@ pub struct Workspace {
     unshifted: Vec<f64>,
     /// Last estimate of the softest direction.
     pub(crate) softest: Vec<f64>,
+    /// Where the time went.
+    pub(crate) timings: Timings,
     /// A search was given up because it was asked to.
     pub(crate) interrupted: bool,
 }
@@ -190,12 +193,15 @@ impl Workspace {
 
     /// Brings contact candidates, pattern and symbolic analysis up to date with a state.
     pub(crate) fn refresh(&mut self, engine: &mut Engine, state: &State) -> Result<(), SolveError> {
-        engine.update_contact(state)?;
+        timed(&mut self.timings.detection, || engine.update_contact(state))?;
         let generation = engine.contact.as_ref().map_or(0, |side| side.broad_phase.generation());
         if self.pattern.is_none() || generation != self.generation {
-            let pattern = engine.build_pattern();
-            self.factor = Some(Factor::analyse(&pattern)?);
-            self.pattern = Some(pattern);
+            timed(&mut self.timings.symbolic, || {
+                let pattern = engine.build_pattern();
+                self.factor = Some(Factor::analyse(&pattern)?);
+                self.pattern = Some(pattern);
+                Ok(())
+            })?;
             self.generation = generation;
         }
         Ok(())
@@ -203,7 +209,9 @@ impl Workspace {
 
     pub(crate) fn linearise(&mut self, engine: &Engine, state: &State, stress: &[[Six; 3]], drive: &Drive) -> Residual {
         let Some(pattern) = &self.pattern else { return Residual::default() };
-        let mut residual = engine.linearise(state, Some(stress), drive, pattern, &mut self.tangent);
+        let tangent = &mut self.tangent;
+        let mut residual =
+            timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, pattern, tangent));
         self.neutral = Neutral::of(engine, state);
         self.neutral.add_pins(engine, state, pattern, &mut self.tangent.values);
         self.neutral.remove_sliding_force(&mut residual.gradient);
@@ -256,7 +264,7 @@ impl Workspace {
                 }
             }
         }
-        let inertia = factor.factorise(pattern, values);
+        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }
@@ -318,7 +326,7 @@ impl Workspace {
                 }
             }
         }
-        factor.solve(&mut rhs);
+        timed(&mut self.timings.solve, || factor.solve(&mut rhs));
         expand(engine, pattern, &rhs)
     }
 

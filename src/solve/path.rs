@@ -14,6 +14,7 @@ use crate::solve::predictor::History;
 use crate::solve::restart::{Place, Restart};
 use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::Drive;
+use crate::solve::timing::Timings;
 
 /// What the observer sees after every accepted step.
 #[derive(Debug)]
@@ -205,6 +206,11 @@ impl Solver {
         }
         let target = self.target(ramps, 1.0);
         Ok(self.attempt(&target, None))
+    }
+
+    /// Where the time of all searches of this solver went.
+    pub fn timings(&self) -> Timings {
+        self.workspace.timings
     }
 
     /// Number of unstable directions at the present state.

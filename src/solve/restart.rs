@@ -126,7 +126,9 @@ impl Solver {
 
     /// Drops all that depends on how the present state was reached.
     pub(crate) fn forget_the_way(&mut self) -> Result<(), SolveError> {
+        let timings = self.workspace.timings;
         self.workspace = Workspace::default();
+        self.workspace.timings = timings;
         self.engine.forget_the_way()
     }
 }

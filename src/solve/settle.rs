@@ -14,6 +14,11 @@ use crate::solve::state::{Drive, State};
 
 /// Depths of the core law that a load step with contact goes through, over the contact distance.
 const DEPTHS: [f64; 4] = [0.4, 0.08, 0.016, 0.004];
+/// The one of them that a state is tried with first that nothing moves away from, and the iterations spent on each search then.
+const SHALLOW: usize = 2;
+const SHALLOW_ITERATIONS: usize = 200;
+/// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
+const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
@@ -88,6 +93,14 @@ pub struct StepReport {
     pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
     pub history: Vec<Vec<Iteration>>,
+}
+
+impl StepReport {
+    /// Another attempt from where the last one began: iterations stay counted.
+    fn start_again(&mut self) {
+        (self.status, self.num_unstable) = (Status::Converged, 0);
+        (self.augmentations, self.departures, self.softening) = (0, 0, 1.0);
+    }
 }
 
 /// Snapshot that a failed step returns to.
@@ -166,8 +179,7 @@ impl Solver {
             return Ok(true);
         }
         self.restore(before)?;
-        (report.status, report.num_unstable) = (Status::Converged, 0);
-        (report.augmentations, report.departures) = (0, 0);
+        report.start_again();
         Ok(false)
     }
 
@@ -186,28 +198,72 @@ impl Solver {
         self.enforce_gaps(report)
     }
 
+    /// A state that nothing moves away from is tried first with strands almost hard: a soft start would unwind and rewind long plectonemes
+    /// by many turns.
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut soft = None;
+        if *drive == Drive::default() && self.augments() && self.is_near_contact()? {
+            let before = self.snapshot();
+            let patience = std::mem::replace(&mut self.options.newton.max_iterations, SHALLOW_ITERATIONS);
+            let outcome = self.approach(SHALLOW, drive, report);
+            self.options.newton.max_iterations = patience;
+            if outcome.is_ok() && report.status == Status::Converged || self.workspace.interrupted {
+                return outcome.and_then(|()| self.enforce_gaps(report));
+            }
+            self.restore(before)?;
+            report.start_again();
+        }
+        self.approach(0, drive, report)?;
+        self.enforce_gaps(report)
+    }
+
+    /// Applies the drive under the core law of depth `DEPTHS[first]`, or a deeper one if strands overlap by more, and hardens it.
+    fn approach(&mut self, first: usize, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+        let mut index = None;
         for part in drive.parts(TURNS_AT_ONCE) {
             let near = self.is_near_contact()?;
             if self.augments() {
-                let pressure = *soft.get_or_insert_with(|| self.engine.pressure_scale());
-                self.change_law(Law::Core { pressure, depth: DEPTHS[0] });
+                index = Some(self.soften(first, report)?);
             }
-            self.search_roughly(near && soft.is_some(), &part, report)?;
+            if report.status == Status::Converged {
+                self.search_roughly(near && index.is_some(), &part, report)?;
+            }
             if report.status != Status::Converged {
-                break;
+                return Ok(());
             }
         }
-        if let Some(pressure) = soft {
-            if self.is_near_contact()? {
-                self.harden(pressure, report)?;
-            } else {
-                self.stages_left = 0;
-                self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() });
-            }
+        let Some(index) = index else { return Ok(()) };
+        if self.is_near_contact()? {
+            return self.harden(&DEPTHS[index + 1..], report);
         }
-        self.enforce_gaps(report)
+        self.stages_left = 0;
+        self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, true);
+        Ok(())
+    }
+
+    /// Puts the core law in force that is deep enough for the overlaps there are, and returns its index in [`DEPTHS`].
+    fn soften(&mut self, first: usize, report: &mut StepReport) -> Result<usize, SolveError> {
+        let pressure = self.engine.pressure_scale();
+        let overlap = self.contact_errors().penetration;
+        let fits = |overlap: f64| (0..=first).rev().find(|&k| overlap < 0.8 * 2.0 * DEPTHS[k]);
+        let at_rest = overlap < AT_REST;
+        let mut index = fits(overlap);
+        if index.is_none() {
+            // strands deep inside each other come apart under a law without a core first
+            let stiffness = self.engine.pressure_scale() / (DEPTHS[0] * 2.0 * self.min_radius());
+            self.change_law(Law::Linear { stiffness }, false);
+            self.search_roughly(true, &Drive::default(), report)?;
+            index = fits(self.contact_errors().penetration);
+        }
+        if index.is_none() && report.status == Status::Converged {
+            report.status = Status::Penetration;
+        }
+        let index = index.unwrap_or(0);
+        self.change_law(Law::Core { pressure, depth: DEPTHS[index] }, at_rest);
+        Ok(index)
+    }
+
+    fn min_radius(&self) -> f64 {
+        self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius)
     }
 
     /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
@@ -235,22 +291,20 @@ impl Solver {
 
     /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
     /// of contact break up into points between nodes.
-    fn harden(&mut self, pressure: f64, report: &mut StepReport) -> Result<(), SolveError> {
-        for depth in &DEPTHS[1..] {
+    fn harden(&mut self, depths: &[f64], report: &mut StepReport) -> Result<(), SolveError> {
+        let pressure = self.engine.pressure_scale();
+        for depth in depths {
+            self.change_law(Law::Core { pressure, depth: *depth }, true);
+            self.search_roughly(true, &Drive::default(), report)?;
             if report.status != Status::Converged {
                 return Ok(());
             }
-            self.change_law(Law::Core { pressure, depth: *depth });
-            self.search_roughly(true, &Drive::default(), report)?;
-        }
-        if report.status != Status::Converged {
-            return Ok(());
         }
         let before = self.snapshot();
         for softer in 0..=MAX_SOFTER {
             self.stages_left = softer;
             report.softening = SOFTENING.powi(softer);
-            self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening });
+            self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening }, true);
             let patience = std::mem::replace(&mut self.options.newton.max_iterations, HARDENING_ITERATIONS);
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
@@ -284,9 +338,13 @@ impl Solver {
         Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
     }
 
-    fn change_law(&mut self, law: Law) {
+    /// Replaces the law, without offsets; `carry` the pressures of a state at rest over to it.
+    fn change_law(&mut self, law: Law, carry: bool) {
         if let Some(side) = &mut self.engine.contact {
             side.change_law(law, vec![0.0; side.offsets.len()]);
+            if !carry {
+                side.before = None;
+            }
         }
     }
 

@@ -1,0 +1,113 @@
+//! Long supercoiled rods: what a Newton iteration costs, part by part, and how many a plectoneme start takes to come to rest.
+//!
+//! ```text
+//! cargo bench --bench long_rods                       # iterations at 1e3 … 1e5 nodes, rest at 1e3
+//! cargo bench --bench long_rods -- --max 1000000 --rest 10000
+//! ```
+//!
+//! DNA in closed plectonemes at supercoiling density −0.06, D = 5 nm, nodes a third of D apart (`examples/ecoli_length.toml` is one of 1e6 nodes). An
+//! iteration's cost is the mean over the first iterations from the start shape, symbolic analysis included as often as it is made. Times on the clock, threads as
+//! rayon finds them. Writes `target/long_rods/long_rods.csv`.
+
+#![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::scene::Model;
+use supercoil::solve::{NewtonOptions, Options, Solver, Status};
+
+/// Iterations that are timed.
+const ITERATIONS: usize = 4;
+const SPACING: f64 = 5.0 / 3.0;
+
+fn solver(nodes: usize, max_iterations: usize) -> Solver {
+    let elements = nodes / 3;
+    let length = SPACING * (3 * elements) as f64;
+    let turns = -0.06 * length / (0.34 * 10.5);
+    let plectoneme = Plectoneme::of_link(length, 5.0, 205.7, 308.6, turns).unwrap();
+    let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
+    let rod = Rod::new("dna", &Shape::Plectoneme(plectoneme), true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = rod.with_excess_link(turns).unwrap();
+    let newton = NewtonOptions { max_iterations, ..NewtonOptions::default() };
+    Solver::new(Model { rods: vec![rod], ..Model::default() }, Options { newton, ..Options::default() }).unwrap()
+}
+
+/// Peak memory of the process so far, MiB; 0 where the system does not tell.
+fn peak_memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok()).map_or(0.0, |kib| kib / 1024.0)
+}
+
+/// Least-squares slope of log(time) against log(nodes).
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = logs.len() as f64;
+    let (mx, my) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+    let (xy, xx) = logs.iter().fold((0.0, 0.0), |s, p| (s.0 + (p.0 - mx) * (p.1 - my), s.1 + (p.0 - mx).powi(2)));
+    xy / xx
+}
+
+fn main() {
+    let list: Vec<String> = std::env::args().collect();
+    let number = |name: &str, default: usize| -> usize {
+        let value = list.iter().position(|a| a == name).and_then(|k| list.get(k + 1));
+        value.map_or(default, |v| v.parse().unwrap())
+    };
+    let (max, rest) = (number("--max", 100_000), number("--rest", 1000));
+    let sizes: Vec<usize> =
+        [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000].into_iter().filter(|n| *n <= max).collect();
+    let parts = ["detection", "assembly", "symbolic", "factor", "solve", "rest", "all"];
+    println!("milliseconds per Newton iteration (the first {ITERATIONS} from a plectoneme)\n");
+    println!("{:>9} {} {:>12}", "nodes", parts.map(|p| format!("{p:>10}")).join(" "), "peak MiB");
+    let mut rows: Vec<(usize, [f64; 7])> = Vec::new();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/long_rods");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut csv = csv::Writer::from_path(folder.join("long_rods.csv")).unwrap();
+    csv.write_record(["nodes", "part", "milliseconds_per_iteration"]).unwrap();
+    for nodes in sizes {
+        let mut solver = solver(nodes, ITERATIONS);
+        let started = Instant::now();
+        let report = solver.step_to(&[]).unwrap();
+        let all = started.elapsed();
+        let timings = solver.timings();
+        let count = report.iterations as f64;
+        let each = |d: Duration| d.as_secs_f64() * 1e3 / count;
+        let row = [timings.detection, timings.assembly, timings.symbolic, timings.factor, timings.solve]
+            .into_iter()
+            .chain([all - timings.total(), all])
+            .map(each)
+            .collect::<Vec<_>>();
+        let row: [f64; 7] = row.try_into().unwrap();
+        for (part, time) in parts.iter().zip(row) {
+            csv.write_record([nodes.to_string(), (*part).to_owned(), time.to_string()]).unwrap();
+        }
+        println!("{nodes:>9} {} {:>12.0}", row.map(|t| format!("{t:>10.2}")).join(" "), peak_memory());
+        rows.push((nodes, row));
+    }
+    println!();
+    for (k, part) in parts.iter().enumerate().filter(|_| rows.len() > 1) {
+        let points: Vec<(f64, f64)> = rows.iter().map(|(n, row)| (*n as f64, row[k])).collect();
+        println!("exponent {part}: {:.2}", exponent(&points));
+    }
+    println!();
+    for nodes in [1_000, 3_000, 10_000, 100_000, 1_000_000].into_iter().filter(|n| *n <= rest) {
+        let mut solver = solver(nodes, NewtonOptions::default().max_iterations);
+        let started = Instant::now();
+        let report = solver.step_to(&[]).unwrap();
+        let last = report.history.last().and_then(|h| h.last()).map_or(f64::NAN, |i| i.residual);
+        println!(
+            "rest of {nodes} nodes: {}, {} iterations in {} searches, relative residual {last:.1e}, penetration {:.1e} radii, {:.1} s",
+            report.status,
+            report.iterations,
+            report.history.len(),
+            report.penetration,
+            started.elapsed().as_secs_f64()
+        );
+        assert_eq!(report.status, Status::Converged);
+        let wanted = solver.engine().state().seams[0];
+        assert!(wanted.is_finite() && report.penetration < 1e-7);
+    }
+}

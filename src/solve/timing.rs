@@ -1,0 +1,34 @@
+//! Where the time of searches goes.
+
+use std::time::{Duration, Instant};
+
+/// Time on the clock spent in the parts of searches so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Timings {
+    /// Moving contact curves, turning bounds, candidate pairs, the step bound.
+    pub detection: Duration,
+    /// Elements and contact terms: gradients and tangents.
+    pub assembly: Duration,
+    /// Sparsity pattern, ordering and symbolic analysis.
+    pub symbolic: Duration,
+    /// Numeric factorisation.
+    pub factor: Duration,
+    /// Solves with it.
+    pub solve: Duration,
+}
+
+impl Timings {
+    /// Sum of all parts.
+    #[must_use]
+    pub fn total(&self) -> Duration {
+        self.detection + self.assembly + self.symbolic + self.factor + self.solve
+    }
+}
+
+/// Runs and adds the time it took.
+pub(crate) fn timed<R>(sum: &mut Duration, work: impl FnOnce() -> R) -> R {
+    let started = Instant::now();
+    let result = work();
+    *sum += started.elapsed();
+    result
+}
