@@ -4,6 +4,7 @@
 //! cargo bench --bench scaling                       # 1e4, 1e5, 1e6 segments, 1 and 2 threads: a few minutes
 //! cargo bench --bench scaling -- --max 100000       # smaller
 //! cargo bench --bench scaling -- --repeat 9 --input packed
+//! cargo bench --bench scaling -- --round packed --segments 100000 --write points.f64   # one round for rivals_external/compare.py
 //! ```
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
@@ -35,6 +36,9 @@ struct Arguments {
     max: usize,
     repeat: usize,
     input: Option<String>,
+    round: Option<String>,
+    segments: usize,
+    write: Option<String>,
 }
 
 fn arguments() -> Arguments {
@@ -46,6 +50,9 @@ fn arguments() -> Arguments {
         max: number("--max", 1_000_000),
         repeat: number("--repeat", 5),
         input: value("--input"),
+        round: value("--round"),
+        segments: number("--segments", 1_000_000),
+        write: value("--write"),
     }
 }
 
@@ -170,6 +177,36 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     }
 }
 
+/// What is compared with other programs: medians on one thread of an input, and its points as little-endian f64 in a file if asked for.
+fn round(name: &str, arguments: &Arguments) {
+    let kind = *Kind::ALL.iter().find(|kind| kind.name() == name).unwrap();
+    let points = kind.points(arguments.segments);
+    let neighbours = inputs::neighbours(&points);
+    println!("ours neighbours {neighbours}");
+    if let Some(file) = &arguments.write {
+        let bytes: Vec<u8> =
+            points.iter().flat_map(|p| p.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>()).collect();
+        std::fs::write(file, bytes).unwrap();
+        return;
+    }
+    let curve = [Curve::polyline(&points, RADIUS)];
+    // The same neighbours as the others leave out.
+    let options = Options { zones: false, neighbours: Neighbours::Segments(neighbours), ..Options::default() };
+    let mut detector = Detector::new(options);
+    detector.detect(&curve).unwrap();
+    let mut stage = |stage: Stage| median(arguments.repeat, || detector.run_stage(&curve, stage).unwrap());
+    let (refit, boxes, candidates) = (stage(Stage::Refit), stage(Stage::Boxes), stage(Stage::Candidates));
+    println!("ours refit {:.6}\nours boxes {:.6}\nours candidates {:.6}", refit.0, boxes.0, candidates.0);
+    println!("ours refit+candidates {:.6}\nours pairs {}\nours near {}", refit.0 + candidates.0, boxes.1, candidates.1);
+    let turning = Options { zones: false, ..Options::default() };
+    for (name, options) in [("whole", options), ("whole-by-turning", turning)] {
+        let mut detector = Detector::new(options);
+        detector.detect(&curve).unwrap();
+        let whole = median(arguments.repeat, || detector.detect(&curve).unwrap().sites.len());
+        println!("ours {name} {:.6}\nours sites {}", whole.0, whole.1);
+    }
+}
+
 /// Slope of log(time) against log(segments).
 fn exponent(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
@@ -224,6 +261,10 @@ fn report(rows: &[Row]) {
 
 fn main() {
     let arguments = arguments();
+    if let Some(name) = &arguments.round {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        return pool.install(|| round(name, &arguments));
+    }
     let mut rows = Vec::new();
     println!("input       segments thr stage               ms        ns/segment  found");
     for kind in Kind::ALL {

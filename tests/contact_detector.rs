@@ -332,3 +332,33 @@ fn terms_are_the_slope_of_the_energy() {
         }
     }
 }
+
+/// Far from the origin terms and zones are those at the origin, if the shift itself rounds nothing: pairs are looked at in coordinates of their own. (In global
+/// ones the ends of zones drowned in rounding, and were looked for until the iterations ran out.)
+#[test]
+fn terms_and_zones_do_not_know_the_origin() {
+    let exact = |c: &[Cubic]| -> Vec<Cubic> {
+        c.iter().map(|c| Cubic { b: c.b.map(|p| p.map(|x| (x * 1048576.0).round() / 1048576.0)) }).collect()
+    };
+    let (a, b) = (exact(&helix(40, 2.0, 0.0, 2.0)), exact(&helix(40, 2.0, 2.9, 2.0)));
+    let far = |c: &[Cubic]| -> Vec<Cubic> {
+        c.iter().map(|c| Cubic { b: c.b.map(|p| p + Vec3::new(131072.0, -262144.0, 65536.0)) }).collect()
+    };
+    let find = |a: &[Cubic], b: &[Cubic]| {
+        let curves = [Curve::cubics(a, 1.2), Curve::cubics(b, 1.2)];
+        let mut detector = Detector::new(options(0.0, Neighbours::Turning));
+        let terms = detector.terms(&curves, 1.0, Want::Gradient).unwrap();
+        (terms, detector.detect(&curves).unwrap().zones.clone())
+    };
+    let ((near, near_zones), (moved, moved_zones)) = (find(&a, &b), find(&far(&a), &far(&b)));
+    assert!(near.len() == moved.len() && near.len() > 50, "{} {}", near.len(), moved.len());
+    for (x, y) in near.iter().zip(&moved) {
+        assert_eq!((x.slave, x.master), (y.slave, y.master));
+        assert!((x.energy - y.energy).abs() <= 1e-13 * x.energy.abs(), "{} {}", x.energy, y.energy);
+        assert!(x.gradient.iter().zip(&y.gradient).all(|(p, q)| (p - q).norm() <= 1e-13), "{x:?} {y:?}");
+    }
+    assert!(near_zones.len() == moved_zones.len() && !near_zones.is_empty());
+    for (x, y) in near_zones.iter().zip(&moved_zones) {
+        assert!((x.arc[0] - y.arc[0]).abs() + (x.arc[1] - y.arc[1]).abs() < 1e-12, "{x:?} {y:?}");
+    }
+}

@@ -13,28 +13,9 @@ use supercoil::contact::projection::{Feet, feet_on_segment, local_minima, statio
 use supercoil::math::Vec3;
 use supercoil::math::bernstein::{Crossing, Roots, eval, roots};
 
-/// splitmix64: a fixed, dependency-free stream for the big counts.
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-    /// Uniform in [−1, 1).
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
-    }
-    fn below(&mut self, n: u64) -> u64 {
-        self.bits() % n
-    }
-}
+#[path = "common/random.rs"]
+mod random;
+use random::Random;
 
 fn exclusion(set: &CurveSet) -> Exclusion {
     let mut e = Exclusion::new();

@@ -119,6 +119,11 @@ impl Cubic {
         turning
     }
 
+    /// The curve in coordinates relative to a point.
+    pub(crate) fn relative_to(&self, origin: &Vec3) -> Self {
+        Self { b: self.b.map(|p| p - origin) }
+    }
+
     /// True if `next` starts where this curve ends, to 1e-6 of their size (and the ulps of points far from the origin).
     pub(crate) fn joins(&self, next: &Self) -> bool {
         let size: f64 = self.edges().iter().chain(&next.edges()).map(Vec3::amax).sum();

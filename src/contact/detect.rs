@@ -123,6 +123,10 @@ pub(crate) fn evaluate_within(
                     if nearest >= pair.reach[0].max(pair.reach[1]) {
                         continue;
                     }
+                    // Near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain.
+                    let origin = set.segments[j].b[0];
+                    let near = [slave, master].map(|k| set.segments[k].relative_to(&origin));
+                    let pair = Pair { slave: &near[0], master: &near[1], ..pair };
                     pieces.clear();
                     pair.pieces(&mut pieces);
                     if !pieces.is_empty() {

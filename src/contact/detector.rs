@@ -45,18 +45,18 @@ pub struct Contacts {
 /// ```
 ///
 /// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of one curve that are
-/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; cubics by
-/// subdivision that drops only what provably holds no minimum (along a contact line of cubics, one site for each pair of segments; see
-/// [`Options::sampling`]). No tolerance is a length. The result depends on the curves only (with
+/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; pairs of cubics by
+/// cutting up their square of parameters, where every part is discarded or accepted on bounds of slopes and second derivatives of the distance in Bernstein
+/// form, roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No tolerance is a length. The result depends on the curves only (with
 /// `margin` 0 not even on earlier calls), never on the number of threads.
 ///
-/// **Special cases.** Parallel straight segments, coincident ones too: one site per pair of segments, marked `flat`, in the middle of the overlap, and the zones tell
-/// the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
+/// **Special cases.** Parallel straight segments, coincident ones too, and cubics parallel or coincident to rounding: one site per pair of segments, marked `flat`, in the
+/// middle of the overlap, and the zones tell the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
 /// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
 /// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
 ///
 /// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
-/// bytes a candidate pair, 144 a site, and a copy of the points if `margin` > 0.
+/// bytes a candidate pair, 144 a site, 160 a part of a zone (two for each pair of segments along a contact line), and a copy of the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
     pub(super) options: Options,
@@ -66,6 +66,9 @@ pub struct Detector {
     start: Vec<f64>,
     lengths: Vec<f64>,
     minima: Vec<Minimum>,
+    /// Parts of zones, by pieces of the candidate list, and what they are joined in.
+    parts: Vec<Vec<Part>>,
+    joining: interval::Workspace,
     pub(super) contacts: Contacts,
     set: CurveSet,
 }
@@ -251,7 +254,7 @@ impl Detector {
             return;
         }
         let first = out.len();
-        closest::minima(&a, &b, reach, 1.0 / self.options.sampling as f64, |u, v, flat| {
+        closest::minima(&a, &b, reach, self.options.sampling, |u, v, flat| {
             out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
         });
         vertex_minima(strands, i, j, reach, false, out);
@@ -273,29 +276,36 @@ impl Detector {
                 && turning(i, m.u, j, m.v).min(turning(j, m.v, i, m.u)) < std::f64::consts::FRAC_PI_2)
     }
 
-    pub(super) fn find_zones(&self, strands: &Strands) -> Vec<Zone> {
-        let find = |chunk: &[[u32; 2]]| {
-            let mut parts: Vec<Part> = Vec::new();
+    pub(super) fn find_zones(&mut self, strands: &Strands) -> Vec<Zone> {
+        let mut lists = std::mem::take(&mut self.parts);
+        let mut joining = std::mem::take(&mut self.joining);
+        let this = &*self;
+        let find = |(chunk, parts): (&[[u32; 2]], &mut Vec<Part>)| {
+            parts.clear();
             for &[i, j] in chunk {
                 let (i, j) = (i as usize, j as usize);
-                if self.exclusion.excluded(i, j) || adjacent(strands, i, j) {
+                if this.exclusion.excluded(i, j) || adjacent(strands, i, j) {
                     continue;
                 }
-                let arc = |s: usize, u: f64| self.arc(strands, s, u);
+                let arc = |s: usize, u: f64| this.arc(strands, s, u);
                 let nearest = Cell::new(None);
-                interval::parts(strands, &arc, i, j, self.options.range, &nearest, &mut parts);
-                interval::parts(strands, &arc, j, i, self.options.range, &nearest, &mut parts);
+                interval::parts(strands, &arc, i, j, this.options.range, &nearest, parts);
+                interval::parts(strands, &arc, j, i, this.options.range, &nearest, parts);
             }
-            parts
         };
+        let pairs = this.broad.pairs();
+        lists.resize_with(pairs.len().div_ceil(CHUNK), Vec::new);
+        pairs.par_chunks(CHUNK).zip(lists.par_iter_mut()).for_each(find);
         let far = strands.control_points().flatten().map(Vec3::amax).fold(0.0, f64::max);
-        let lists: Vec<Vec<Part>> = self.broad.pairs().par_chunks(CHUNK).map(find).collect();
-        interval::join(&lists, strands.len(), |curve| {
+        let tolerance = |curve: usize| {
             let c = &strands.curves[curve];
-            let mean = (self.start[c.first + c.count - 1] + self.lengths[c.first + c.count - 1]) / c.count as f64;
+            let mean = (this.start[c.first + c.count - 1] + this.lengths[c.first + c.count - 1]) / c.count as f64;
             // Far from the origin the coordinates' own rounding.
             1e-9 * mean + 256.0 * f64::EPSILON * far
-        })
+        };
+        let zones = interval::join(&lists, strands.len(), tolerance, &mut joining);
+        (self.parts, self.joining) = (lists, joining);
+        zones
     }
 
     /// The curves as a set of cubics, in the old buffers if their numbers have not changed.

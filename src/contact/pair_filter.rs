@@ -13,7 +13,8 @@
 //! and a far cheaper division). Only differences of f64 coordinates are cast, so offsets do not matter, and the projections are shortened by
 //! [`SAFETY`]: pairs within 2e-6 of their size of the limit are kept.
 
-use super::input::Strands;
+use super::input::{Shape, Strand, Strands};
+use super::radius::Radius;
 use crate::math::Vec3;
 
 /// Pairs tested together.
@@ -22,6 +23,9 @@ type Lane = [f32; LANES];
 
 /// Bound of the rounding of the projections, relative to |w|₁ × the largest component: 3 casts, 3 products and 5 sums.
 const SAFETY: f32 = 16.0 * f32::EPSILON;
+
+/// f32 holds fourth powers of sizes within this factor of the radius; pairs beyond are kept.
+const LARGEST: f64 = 1e7;
 
 /// Vectors of four pairs.
 #[derive(Clone, Copy, Default)]
@@ -97,7 +101,9 @@ impl Batch {
         }
         let mut far = 0;
         for l in 0..LANES {
-            far |= u32::from(excess[l] > 0.0) << l;
+            // Beyond the sizes whose fourth powers f32 holds nothing is said.
+            let usual = size[l] > 1.0 / LARGEST as f32 && size[l] < LARGEST as f32;
+            far |= u32::from(excess[l] > 0.0 && usual) << l;
         }
         !far
     }
@@ -119,26 +125,42 @@ fn larger(x: f32, y: f32) -> f32 {
 /// Appends to `out`, in order, the pairs whose capsules are not provably farther apart than both radii + `reach` \[L\]. `bulges` holds the
 /// capsule radius of each segment, or nothing if all are straight.
 pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[[u32; 2]], out: &mut Vec<[u32; 2]>) {
-    let radius = strands.largest_radius();
-    let unit = 1.0 / radius;
-    // f32 holds fourth powers of sizes within 1e±8 radii; pairs beyond get no limit and are kept, as are all in units nobody uses.
-    let usual = 1e-7..1e7;
+    let unit = 1.0 / strands.largest_radius();
+    // In units nobody uses all pairs are kept.
     let sane = unit.is_finite() && unit > 1e-300;
+    let limit = |distance: f64| {
+        let limit = distance * unit;
+        if sane && limit < LARGEST { (limit as f32).next_up() } else { f32::INFINITY }
+    };
+    // The usual case without looking up curve and radius for each pair.
+    if let [Strand { shape: Shape::Polyline(points), radius: Radius::Constant(radius), .. }] = strands.curves[..] {
+        let ends = |k: usize| (points[k], points[if k + 1 < points.len() { k + 1 } else { 0 }]);
+        let limit = limit(radius + radius + reach);
+        return filter(ends, |_, _| limit, unit, pairs, out);
+    }
+    let bulge = |k: usize| if bulges.is_empty() { 0.0 } else { bulges[k] };
+    let limit = |a: usize, b: usize| limit(strands.reach_of(a) + strands.reach_of(b) + reach + (bulge(a) + bulge(b)));
+    filter(|k| strands.ends(k), limit, unit, pairs, out);
+}
+
+#[inline(always)]
+fn filter(
+    ends: impl Fn(usize) -> (Vec3, Vec3),
+    limit: impl Fn(usize, usize) -> f32,
+    unit: f64,
+    pairs: &[[u32; 2]],
+    out: &mut Vec<[u32; 2]>,
+) {
     let mut batch = Batch::default();
     for &[i, j] in pairs {
         let (a, b) = (i as usize, j as usize);
-        let ((a0, a1), (b0, b1)) = (strands.ends(a), strands.ends(b));
-        let (d, e, r) = (a1 - a0, b1 - b0, a0 - b0);
+        let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
         let l = batch.count;
-        batch.d.set(l, &d, unit);
-        batch.e.set(l, &e, unit);
-        batch.r.set(l, &r, unit);
+        batch.d.set(l, &(a1 - a0), unit);
+        batch.e.set(l, &(b1 - b0), unit);
+        batch.r.set(l, &(a0 - b0), unit);
         batch.pairs[l] = [i, j];
-        let bulge = if bulges.is_empty() { 0.0 } else { bulges[a] + bulges[b] };
-        let limit = (strands.reach_of(a) + strands.reach_of(b) + reach + bulge) * unit;
-        let size = d.amax().max(e.amax()).max(r.amax()) * unit;
-        let fits = sane && usual.contains(&size) && limit < 1e7;
-        batch.limit[l] = if fits { (limit as f32).next_up() } else { f32::INFINITY };
+        batch.limit[l] = limit(a, b);
         batch.count += 1;
         if batch.count == LANES {
             flush(&mut batch, out);

@@ -19,6 +19,11 @@ impl Random {
         low + (high - low) * 0.5 * (self.unit() + 1.0)
     }
 
+    /// Uniform among 0..n.
+    pub fn below(&mut self, n: u64) -> u64 {
+        (((self.unit() + 1.0) * 0.5 * n as f64) as u64).min(n - 1)
+    }
+
     /// Each coordinate uniform in [−1, 1).
     pub fn vector(&mut self) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit())
