@@ -184,8 +184,10 @@ impl Workspace {
                     // (large shifts make any step tiny: the residual must have gone too)
                     let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
-                    // what moves without a change of the potential or a force is rounding along motions that nothing resists
-                    let idle = !indefinite && trial.expected.abs() < noise && balanced;
+                    // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
+                    let settling =
+                        matches!(report.iterations[..], [.., before, last] if last.increment < 0.5 * before.increment);
+                    let idle = !indefinite && !settling && trial.expected.abs() < noise && balanced;
                     report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3 || idle);
                     break;
                 }
