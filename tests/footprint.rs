@@ -43,5 +43,12 @@ fn natural_strains_are_kept_only_where_they_vary() {
     let uniform = Natural::Uniform { kappa: [1.0, 0.0, 0.0] };
     assert_eq!(sizes(false, Contact::NONE, 0.0, Natural::Straight).natural_strains, 0);
     assert_eq!(sizes(false, Contact::NONE, 0.0, uniform).natural_strains, 0);
-    assert_eq!(sizes(false, Contact::NONE, 0.0, Natural::AsShaped).natural_strains, 120);
+    // a circle has the same curvature everywhere
+    assert_eq!(sizes(false, Contact::NONE, 0.0, Natural::AsShaped).natural_strains, 0);
+    let section = Section::isotropic(1.0, 1.5, 1e4, 1e4, 0.0);
+    let points =
+        (0..60).map(|k| std::f64::consts::TAU * f64::from(k) / 60.0).map(|t| Vec3::new(2.0 * t.cos(), t.sin(), 0.0));
+    let oval = Rod::new("oval", &Shape::Points(points.collect()), true, section, 40, 3, Natural::AsShaped).unwrap();
+    let mut engine = Engine::new(Model { rods: vec![oval], contact: Contact::NONE, ..Model::default() }, None).unwrap();
+    assert_eq!(engine.footprint().unwrap().natural_strains, 120);
 }

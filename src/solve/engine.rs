@@ -236,11 +236,6 @@ impl Engine {
         self.model.contact.law.stiffness().unwrap_or(0.0) * self.scales.bending / radius.powi(4)
     }
 
-    /// Largest stretching stiffness \[F\].
-    pub(crate) fn stiffest(&self) -> f64 {
-        self.material.iter().map(|m| m[2]).fold(0.0, f64::max)
-    }
-
     /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.
     pub(crate) fn pressure_scale(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);

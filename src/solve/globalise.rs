@@ -42,8 +42,8 @@ const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
 /// increments far below any length of the rods still matter to it.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
-/// Contact forces below this part of a rod's stretching stiffness are rounding of its strains.
-const LIGHT: f64 = 1e-8;
+/// Increments this much below the tolerance are rest whatever contact forces do: strands that touch without a load.
+const IMMOBILE: f64 = 1e-4;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
 /// Relative size of changes of the potential that rounding makes.
@@ -139,9 +139,9 @@ impl Workspace {
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
                 let indefinite = self.shift > 0.0;
-                let at_rest = tiny
-                    && self.shift == 0.0
-                    && trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
+                let light = size <= IMMOBILE * options.tol_increment;
+                let balances = light || trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
+                let at_rest = tiny && self.shift == 0.0 && balances;
                 let falls = gain >= 0.05 * trial.expected - noise;
                 let acceptable = tiny || if driven { trial.settled } else { falls };
                 let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
@@ -362,8 +362,7 @@ impl Workspace {
             }
             let there = timed(&mut self.timings.assembly, || engine.residual(&trial.state));
             trial.potential = there.potential.total();
-            trial.contact_change =
-                relative_change(&residual.contact_gradient, &there.contact_gradient, LIGHT * engine.stiffest());
+            trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
@@ -430,10 +429,11 @@ fn noise(residual: &Residual) -> f64 {
     ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
 }
 
-/// Largest difference over the largest value before, or over `floor` where all are below it.
-fn relative_change(before: &[f64], after: &[f64], floor: f64) -> f64 {
-    let largest = before.iter().fold(floor, |a, b| a.max(b.abs()));
-    before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs())) / largest
+/// Largest difference over the largest value before; 0 where all is 0.
+fn relative_change(before: &[f64], after: &[f64]) -> f64 {
+    let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
+    if change == 0.0 { 0.0 } else { change / largest }
 }
 
 /// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact

@@ -218,14 +218,15 @@ impl Solver {
 
     /// Applies the drive under the core law of depth `DEPTHS[first]`, or a deeper one if strands overlap by more, and hardens it.
     fn approach(&mut self, first: usize, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut index = None;
+        let (mut index, mut rough) = (None, false);
         for part in drive.parts(TURNS_AT_ONCE) {
             let near = self.is_near_contact()?;
             if self.augments() {
                 index = Some(self.soften(first, report)?);
             }
+            rough = near && index.is_some();
             if report.status == Status::Converged {
-                self.search_roughly(near && index.is_some(), &part, report)?;
+                self.search_roughly(rough, &part, report)?;
             }
             if report.status != Status::Converged {
                 return Ok(());
@@ -237,7 +238,7 @@ impl Solver {
         }
         self.stages_left = 0;
         self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, true);
-        Ok(())
+        if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
     /// Puts the core law in force that is deep enough for the overlaps there are, and returns its index in [`DEPTHS`].

@@ -109,6 +109,10 @@ impl ContactSide {
             .with_min_len(256)
             .map(|&[i, j]| {
                 let (i, j) = (i as usize, j as usize);
+                if set.next(i) == Some(j) || set.next(j) == Some(i) {
+                    // joined for good; the limit on rotations keeps them from folding
+                    return cut;
+                }
                 let approach = relative_motion(&motions[i], &motions[j]);
                 let contact_distance = set.radius_of(i) + set.radius_of(j);
                 let allowed = |distance: f64| (distance - keep.distance * contact_distance).max(keep.deep * distance);
