@@ -46,6 +46,8 @@ const TOL_CONTACT_CHANGE: f64 = 1e-6;
 const IMMOBILE: f64 = 1e-4;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
+/// Relative residual below which steps that change nothing are rounding.
+const TOL_IDLE: f64 = 1e-11;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
 
@@ -187,7 +189,8 @@ impl Workspace {
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
                     let settling =
                         matches!(report.iterations[..], [.., before, last] if last.increment < 0.5 * before.increment);
-                    let idle = !indefinite && !settling && trial.expected.abs() < noise && balanced;
+                    let at_floor = report.iterations.last().is_some_and(|i| i.residual <= TOL_IDLE);
+                    let idle = !indefinite && !settling && trial.expected.abs() < noise && at_floor;
                     report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3 || idle);
                     break;
                 }
