@@ -7,7 +7,10 @@
 //! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and the step
 //! is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or closes along the
 //! way the corrections may not converge; the best state they passed is as good as any if it lies low enough. The trust region is
-//! the shift τ in K + τM: at least so large that no negative eigenvalue is left, larger after a rejected step.
+//! a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at least so large that no negative eigenvalue is
+//! left, larger until the step is within the radius. Where the eigenvalue asks for a larger shift than the radius does, the
+//! step is lengthened along the softest direction (the hard case of Moré & Sorensen 1983): a slope of negative curvature is left in few
+//! steps instead of many that its own shift keeps short.
 
 use crate::error::SolveError;
 use crate::math::Vec3;
@@ -34,9 +37,11 @@ const MAX_REJECTIONS: usize = 30;
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is good enough.
 const ENOUGH: f64 = 0.1;
-/// Largest rotation of a node in one step, rad.
-const MAX_RADIUS: f64 = 2.0;
+/// Trust radius at the start and at most, rad (see [`extent`]).
 const FIRST_RADIUS: f64 = 0.5;
+const MAX_RADIUS: f64 = 2.0;
+/// Larger shifts tried to bring a step within the radius.
+const MAX_SHORTENINGS: usize = 3;
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
@@ -99,33 +104,16 @@ impl Workspace {
             let drive_now = drive.scaled(remaining);
             let residual = self.linearise(engine, &state, &stress, &drive_now);
             let mut longest = 1.0;
+            let pushed = remaining > 0.0;
             loop {
                 if self.must_stop(options) {
                     return Ok(report);
                 }
-                self.convexify(engine, report.iterations.len())?;
                 let at = report.iterations.len();
-                let mut step = self.model_step(engine, &residual, &drive_now, at)?;
-                for _ in 0..3 {
-                    let turn = extent(engine, &residual, &step.increment);
-                    if remaining > 0.0 || turn <= 1.5 * radius {
-                        break;
-                    }
-                    let stride = self.stride(&step);
-                    self.shift =
-                        ((stride + self.shift) * turn / radius - stride).max(2.0 * self.shift).max(FIRST_SHIFT);
-                    self.factorise(engine, self.shift);
-                    step = self.model_step(engine, &residual, &drive_now, at)?;
-                }
-                let turn = extent(engine, &residual, &step.increment);
-                let small = increment_size(engine, &step.increment) <= options.tol_increment;
-                if remaining == 0.0 && turn < 0.5 * radius && self.shift > 0.0 && !small {
-                    let raw = self.raw_step(engine, &residual);
-                    self.add_softest(engine, &residual, &mut step, &raw, radius - turn);
-                }
+                let within = if pushed { f64::INFINITY } else { radius };
+                let step = self.step_within(engine, &residual, &drive_now, within, (at, options.tol_increment))?;
                 let turn = extent(engine, &residual, &step.increment);
                 let size = increment_size(engine, &step.increment);
-                let pushed = remaining > 0.0;
                 let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
                 // shorter along the same direction first: it costs no factorisation
                 for shorter in if pushed { [].as_slice() } else { &SHORTER } {
@@ -161,16 +149,7 @@ impl Workspace {
                     if let Some(side) = &mut engine.contact {
                         side.before = None;
                     }
-                    let ratio = gain / trial.expected;
-                    let taken = trial.fraction * turn;
-                    let unseen = trial.expected.abs() <= 10.0 * noise;
-                    if unseen || trial.rounds <= 3 && (0.75..4.0).contains(&ratio) {
-                        radius = radius.max(3.0 * taken).min(MAX_RADIUS);
-                    } else if gain < 0.25 * trial.expected {
-                        radius = 0.5 * taken;
-                    } else if trial.fraction < 1.0 {
-                        radius = taken;
-                    }
+                    radius = next_radius(radius, turn, &trial, gain, trial.expected.abs() <= 10.0 * noise);
                     self.shift *= 0.5 * (turn / radius).min(1.0);
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them
@@ -215,9 +194,7 @@ impl Workspace {
                     }
                 } else {
                     radius = 0.25 * radius.min(turn);
-                    let stride = self.stride(&step);
-                    self.shift =
-                        ((stride + self.shift) * turn / radius - stride).max(4.0 * self.shift).max(FIRST_SHIFT);
+                    self.shift = self.shift_for(&step, turn / radius).max(4.0 * self.shift);
                 }
             }
             if report.converged {
@@ -325,10 +302,42 @@ impl Workspace {
         step.inertia += 2.0 * scale * mixed + scale * scale * inertia;
     }
 
-    /// Stiffness over mass of a step.
-    fn stride(&self, step: &Step) -> f64 {
-        let stride = step.curvature / step.inertia;
-        if stride.is_finite() { stride.max(FIRST_SHIFT) } else { FIRST_SHIFT }
+    /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is near enough). Where
+    /// the model is not convex and the step falls short of the radius, the softest direction makes up for it. `at` is the iteration
+    /// and the tolerance below which a step is left as it is.
+    fn step_within(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        drive: &Drive,
+        radius: f64,
+        (at, tol): (usize, f64),
+    ) -> Result<Step, SolveError> {
+        self.convexify(engine, at)?;
+        let mut step = self.model_step(engine, residual, drive, at)?;
+        let mut turn = extent(engine, residual, &step.increment);
+        for _ in 0..MAX_SHORTENINGS {
+            if turn <= 1.5 * radius {
+                break;
+            }
+            self.shift = self.shift_for(&step, turn / radius).max(2.0 * self.shift);
+            self.factorise(engine, self.shift);
+            step = self.model_step(engine, residual, drive, at)?;
+            turn = extent(engine, residual, &step.increment);
+        }
+        let small = increment_size(engine, &step.increment) <= tol;
+        if radius.is_finite() && turn < 0.5 * radius && self.shift > 0.0 && !small {
+            let raw = self.raw_step(engine, residual);
+            self.add_softest(engine, residual, &mut step, &raw, radius - turn);
+        }
+        Ok(step)
+    }
+
+    /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that the step has.
+    fn shift_for(&self, step: &Step, shorter: f64) -> f64 {
+        let ratio = step.curvature / step.inertia;
+        let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
+        ((stiffness + self.shift) * shorter - stiffness).max(FIRST_SHIFT)
     }
 
     /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the potential there. While
@@ -437,6 +446,21 @@ fn relative_change(before: &[f64], after: &[f64]) -> f64 {
     let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / largest }
+}
+
+/// The trust radius after a step was accepted whose model expected more or less than it gained; `unseen` changes of the potential say
+/// nothing against it.
+fn next_radius(radius: f64, turn: f64, trial: &Trial, gain: f64, unseen: bool) -> f64 {
+    let taken = trial.fraction * turn;
+    if unseen || trial.rounds <= 3 && (0.75..4.0).contains(&(gain / trial.expected)) {
+        radius.max(3.0 * taken).min(MAX_RADIUS)
+    } else if gain < 0.25 * trial.expected {
+        0.5 * taken
+    } else if trial.fraction < 1.0 {
+        taken
+    } else {
+        radius
+    }
 }
 
 /// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact

@@ -1,8 +1,9 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
-//! A load step with contact begins under a softened law, which is hardened in stages; then the offsets of the augmented
-//! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most
-//! negative direction.
+//! A load step with contact begins under a core law that strands may sink into. It is hardened in stages, each of which takes the pressures
+//! of the one before for its own: the first step of a stage moves the strands to where the new law has them. Then the offsets of the
+//! augmented Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along
+//! their most negative direction.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
