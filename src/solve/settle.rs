@@ -172,7 +172,7 @@ impl Solver {
             return Ok(false);
         }
         let before = self.snapshot();
-        let patience = std::mem::replace(&mut self.options.newton.max_iterations, PREDICTED_ITERATIONS);
+        let patience = self.be_patient_for(PREDICTED_ITERATIONS);
         let outcome = self.search_predicted(drive, &increment, report);
         self.options.newton.max_iterations = patience;
         if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
@@ -204,7 +204,7 @@ impl Solver {
     fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         if *drive == Drive::default() && self.augments() && self.is_near_contact()? {
             let before = self.snapshot();
-            let patience = std::mem::replace(&mut self.options.newton.max_iterations, SHALLOW_ITERATIONS);
+            let patience = self.be_patient_for(SHALLOW_ITERATIONS);
             let outcome = self.approach(SHALLOW, drive, report);
             self.options.newton.max_iterations = patience;
             if outcome.is_ok() && report.status == Status::Converged || self.workspace.interrupted {
@@ -307,7 +307,7 @@ impl Solver {
             self.stages_left = softer;
             report.softening = SOFTENING.powi(softer);
             self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening }, true);
-            let patience = std::mem::replace(&mut self.options.newton.max_iterations, HARDENING_ITERATIONS);
+            let patience = self.be_patient_for(HARDENING_ITERATIONS);
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
             if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER {
@@ -317,6 +317,13 @@ impl Solver {
             (report.status, report.num_unstable) = (Status::Converged, 0);
         }
         Ok(())
+    }
+
+    /// Allows searches at most so many iterations, never more than the caller does, and returns what the caller allows.
+    fn be_patient_for(&mut self, iterations: usize) -> usize {
+        let allowed = self.options.newton.max_iterations;
+        self.options.newton.max_iterations = allowed.min(iterations);
+        allowed
     }
 
     /// A search that only prepares the next one.
