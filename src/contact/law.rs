@@ -5,8 +5,10 @@
 //! gently and lets no overlap reach its depth: one set of numbers carries pressures of many decades, and where strands press
 //! harder the law is stiffer. Searches begin with it. Both are C¹ in p or better inside, p vanishes where contact ends.
 
+use serde::{Deserialize, Serialize};
+
 /// How pressure depends on overlap.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     /// p = κ⟨e⟩.
     Linear {

@@ -57,14 +57,12 @@ impl ContactSide {
     pub fn offset(&self, segment: usize) -> [f64; 2] {
         self.nodes[segment].map(|n| self.offsets[n])
     }
-}
 
-impl ContactSide {
     /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
     pub(crate) fn change_law(&mut self, law: Law, offsets: Vec<f64>) {
-        let old = std::mem::replace(&mut self.offsets, offsets);
-        let (law, offsets) = self.before.take().unwrap_or((std::mem::replace(&mut self.law, law), old));
-        self.before = Some((law, offsets));
+        let old = (std::mem::replace(&mut self.law, law), std::mem::replace(&mut self.offsets, offsets));
+        // under a law that no step was taken under there are no pressures
+        self.before.get_or_insert(old);
     }
 
     /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve.
@@ -219,7 +217,7 @@ impl Engine {
             return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
         };
         InputError::positive("contact.stiffness", stiffness)?;
-        let raised = stiffness * self.scales.bending / side.min_radius.powi(4);
+        let raised = law_stiffness(stiffness, &self.scales, side.min_radius);
         let offsets = if matches!(law, ContactLaw::Penalty { .. }) {
             vec![0.0; side.offsets.len()]
         } else {
@@ -233,7 +231,12 @@ impl Engine {
     /// Stiffness of the contact law asked for \[F/L²\]; 0 without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
-        self.model.contact.law.stiffness().unwrap_or(0.0) * self.scales.bending / radius.powi(4)
+        law_stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), &self.scales, radius)
+    }
+
+    /// The rod of a node.
+    pub(crate) fn rod_of(&self, node: usize) -> usize {
+        self.first_node.partition_point(|&first| first <= node) - 1
     }
 
     /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.
@@ -363,13 +366,18 @@ impl Engine {
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
             step_search: BroadPhase::new(),
-            law: Law::Linear { stiffness: dimensionless * self.scales.bending / min_radius.powi(4) },
+            law: Law::Linear { stiffness: law_stiffness(dimensionless, &self.scales, min_radius) },
             offsets: vec![0.0; self.num_nodes()],
             before: None,
             min_radius,
             is_current: false,
         }))
     }
+}
+
+/// κ \[F/L²\] of a dimensionless stiffness κ ε⁴/B.
+fn law_stiffness(dimensionless: f64, scales: &Scales, radius: f64) -> f64 {
+    dimensionless * scales.bending / radius.powi(4)
 }
 
 /// The contact centreline between two neighbouring nodes: the cubic Hermite curve through r_a, r_b with the nodes' own

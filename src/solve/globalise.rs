@@ -59,6 +59,10 @@ const ROUNDING: f64 = 1e-11;
 /// A step and the quadratic model along it.
 struct Step {
     increment: Vec<f64>,
+    /// The increment as it was solved for, neutral motions in it.
+    raw: Vec<f64>,
+    /// See [`extent`].
+    extent: f64,
     /// g·Δ.
     slope: f64,
     /// ΔᵀKΔ.
@@ -112,7 +116,6 @@ impl Workspace {
                 let at = report.iterations.len();
                 let within = if pushed { f64::INFINITY } else { radius };
                 let step = self.step_within(engine, &residual, &drive_now, within, (at, options.tol_increment))?;
-                let turn = extent(engine, &residual, &step.increment);
                 let size = increment_size(engine, &step.increment);
                 let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
                 // shorter along the same direction first: it costs no factorisation
@@ -149,8 +152,8 @@ impl Workspace {
                     if let Some(side) = &mut engine.contact {
                         side.before = None;
                     }
-                    radius = next_radius(radius, turn, &trial, gain, trial.expected.abs() <= 10.0 * noise);
-                    self.shift *= 0.5 * (turn / radius).min(1.0);
+                    radius = next_radius(radius, step.extent, &trial, gain, trial.expected.abs() <= 10.0 * noise);
+                    self.shift *= 0.5 * (step.extent / radius).min(1.0);
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them
                     stress = engine.predicted_stress(&state, &trial.increment);
@@ -193,8 +196,8 @@ impl Workspace {
                         return self.finish(engine, &state, report);
                     }
                 } else {
-                    radius = 0.25 * radius.min(turn);
-                    self.shift = self.shift_for(&step, turn / radius).max(4.0 * self.shift);
+                    radius = 0.25 * radius.min(step.extent);
+                    self.shift = self.shift_for(&step, step.extent / radius).max(4.0 * self.shift);
                 }
             }
             if report.converged {
@@ -257,29 +260,19 @@ impl Workspace {
         drive: &Drive,
         iteration: usize,
     ) -> Result<Step, SolveError> {
-        let increment = self.raw_step(engine, residual);
-        let slope = self.free_dot(engine, &increment, |i| residual.gradient[i]);
-        let work = -slope - self.free_dot(engine, &increment, |i| self.tangent.drive[i]);
-        let inertia = self.free_dot(engine, &increment, |i| engine.masses[i] * increment[i]);
-        let step = Step { increment, slope, curvature: work - self.shift * inertia, inertia };
-        self.finished(step, drive, iteration)
+        let raw = self.raw_step(engine, residual);
+        let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
+        let work = -slope - self.free_dot(engine, &raw, |i| self.tangent.drive[i]);
+        let inertia = self.free_dot(engine, &raw, |i| engine.masses[i] * raw[i]);
+        let increment = self.finished_step(raw.clone(), drive, iteration)?;
+        let extent = extent(engine, residual, &increment);
+        Ok(Step { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
     }
 
-    fn finished(&self, mut step: Step, drive: &Drive, iteration: usize) -> Result<Step, SolveError> {
-        self.neutral.remove(&mut step.increment);
-        drive.add_to(&mut step.increment);
-        match step.increment.iter().position(|x| !x.is_finite()) {
-            Some(index) => {
-                Err(SolveError::NotFinite { iteration, quantity: "increment", index, value: step.increment[index] })
-            }
-            None => Ok(step),
-        }
-    }
-
-    /// Adds to a step that shifts keep short as much of the softest direction as turns a node by `turn`, if the model falls along it.
-    fn add_softest(&self, engine: &Engine, residual: &Residual, step: &mut Step, raw: &[f64], turn: f64) {
+    /// Adds to a step that shifts keep short as much of the softest direction as takes it `farther`, if the model falls along it.
+    fn add_softest(&self, engine: &Engine, residual: &Residual, step: &mut Step, farther: f64) {
         let way = &self.softest;
-        if way.len() != raw.len() {
+        if way.len() != step.raw.len() {
             return;
         }
         let product = self.multiply(engine, &self.tangent.values, way);
@@ -289,14 +282,15 @@ impl Workspace {
             return;
         }
         let slope = self.free_dot(engine, way, |i| residual.gradient[i]);
-        let mixed = self.free_dot(engine, way, |i| engine.masses[i] * raw[i]);
+        let mixed = self.free_dot(engine, way, |i| engine.masses[i] * step.raw[i]);
         let cross = -slope - self.shift * mixed;
         let mut clean = way.clone();
         self.neutral.remove(&mut clean);
-        let scale = turn / extent(engine, residual, &clean) * if slope + cross > 0.0 { -1.0 } else { 1.0 };
+        let scale = farther / extent(engine, residual, &clean) * if slope + cross > 0.0 { -1.0 } else { 1.0 };
         for (s, w) in step.increment.iter_mut().zip(&clean) {
             *s += scale * w;
         }
+        step.extent = extent(engine, residual, &step.increment);
         step.slope += scale * slope;
         step.curvature += 2.0 * scale * cross + scale * scale * curvature;
         step.inertia += 2.0 * scale * mixed + scale * scale * inertia;
@@ -315,20 +309,18 @@ impl Workspace {
     ) -> Result<Step, SolveError> {
         self.convexify(engine, at)?;
         let mut step = self.model_step(engine, residual, drive, at)?;
-        let mut turn = extent(engine, residual, &step.increment);
         for _ in 0..MAX_SHORTENINGS {
-            if turn <= 1.5 * radius {
+            if step.extent <= 1.5 * radius {
                 break;
             }
-            self.shift = self.shift_for(&step, turn / radius).max(2.0 * self.shift);
+            self.shift = self.shift_for(&step, step.extent / radius).max(2.0 * self.shift);
             self.factorise(engine, self.shift);
             step = self.model_step(engine, residual, drive, at)?;
-            turn = extent(engine, residual, &step.increment);
         }
         let small = increment_size(engine, &step.increment) <= tol;
-        if radius.is_finite() && turn < 0.5 * radius && self.shift > 0.0 && !small {
-            let raw = self.raw_step(engine, residual);
-            self.add_softest(engine, residual, &mut step, &raw, radius - turn);
+        if radius.is_finite() && step.extent < 0.5 * radius && self.shift > 0.0 && !small {
+            let farther = radius - step.extent;
+            self.add_softest(engine, residual, &mut step, farther);
         }
         Ok(step)
     }
@@ -450,8 +442,8 @@ fn relative_change(before: &[f64], after: &[f64]) -> f64 {
 
 /// The trust radius after a step was accepted whose model expected more or less than it gained; `unseen` changes of the potential say
 /// nothing against it.
-fn next_radius(radius: f64, turn: f64, trial: &Trial, gain: f64, unseen: bool) -> f64 {
-    let taken = trial.fraction * turn;
+fn next_radius(radius: f64, extent: f64, trial: &Trial, gain: f64, unseen: bool) -> f64 {
+    let taken = trial.fraction * extent;
     if unseen || trial.rounds <= 3 && (0.75..4.0).contains(&(gain / trial.expected)) {
         radius.max(3.0 * taken).min(MAX_RADIUS)
     } else if gain < 0.25 * trial.expected {

@@ -226,7 +226,17 @@ impl Workspace {
         drive: &Drive,
         iteration: usize,
     ) -> Result<Vec<f64>, SolveError> {
-        let mut step = self.raw_step(engine, residual);
+        let raw = self.raw_step(engine, residual);
+        self.finished_step(raw, drive, iteration)
+    }
+
+    /// A raw step with its neutral parts taken out and what is prescribed put in.
+    pub(crate) fn finished_step(
+        &self,
+        mut step: Vec<f64>,
+        drive: &Drive,
+        iteration: usize,
+    ) -> Result<Vec<f64>, SolveError> {
         self.neutral.remove(&mut step);
         drive.add_to(&mut step);
         match step.iter().position(|x| !x.is_finite()) {

@@ -70,7 +70,7 @@ impl Solver {
             }
         }
         let fine_node = |node: usize| {
-            let rod = coarse.first_node.partition_point(|&first| first <= node) - 1;
+            let rod = coarse.rod_of(node);
             fine.engine.first_node[rod] + 2 * (node - coarse.first_node[rod])
         };
         fine.turned = self.turned.iter().map(|(&node, &turns)| (fine_node(node), turns)).collect();

@@ -60,8 +60,7 @@ pub struct Restart {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct ContactRestart {
-    /// Of the linear law \[F/L²\].
-    stiffness: f64,
+    law: Law,
     /// Per node \[L\].
     offsets: Vec<f64>,
 }
@@ -71,10 +70,8 @@ impl Solver {
     /// to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
         let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history } = self;
-        let contact = engine.contact.as_ref().map(|side| ContactRestart {
-            stiffness: engine.contact_stiffness() / 10f64.powi(*stages_left),
-            offsets: side.offsets.clone(),
-        });
+        let contact =
+            engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
         Restart {
             place,
             state: engine.state.clone(),
@@ -111,7 +108,7 @@ impl Solver {
         match (&mut self.engine.contact, contact) {
             (None, None) => {}
             (Some(side), Some(saved)) if saved.offsets.len() == side.offsets.len() => {
-                side.law = Law::Linear { stiffness: saved.stiffness };
+                side.law = saved.law;
                 side.before = None;
                 side.offsets = saved.offsets;
             }

@@ -97,6 +97,27 @@ pub struct StepReport {
 }
 
 impl StepReport {
+    /// Of a state that is at rest without anything having been done.
+    pub(crate) fn settled() -> Self {
+        Self {
+            status: Status::Converged,
+            iterations: 0,
+            augmentations: 0,
+            departures: 0,
+            num_unstable: 0,
+            penetration: 0.0,
+            softening: 1.0,
+            predicted: false,
+            error: None,
+            history: Vec::new(),
+        }
+    }
+
+    /// Of a step that was not even tried.
+    pub(crate) fn refused(error: SolveError) -> Self {
+        Self { status: Status::BrokeDown, error: Some(error), ..Self::settled() }
+    }
+
     /// Another attempt from where the last one began: iterations stay counted.
     fn start_again(&mut self) {
         (self.status, self.num_unstable) = (Status::Converged, 0);
@@ -131,18 +152,7 @@ impl Solver {
 
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
     pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
-        let mut report = StepReport {
-            status: Status::Converged,
-            iterations: 0,
-            augmentations: 0,
-            departures: 0,
-            num_unstable: 0,
-            penetration: 0.0,
-            softening: 1.0,
-            predicted: false,
-            error: None,
-            history: Vec::new(),
-        };
+        let mut report = StepReport::settled();
         let settled = match predicted {
             Some(increment) => self.settle_predicted(drive, increment, &mut report),
             None => Ok(false),
@@ -223,7 +233,7 @@ impl Solver {
         for part in drive.parts(TURNS_AT_ONCE) {
             let near = self.is_near_contact()?;
             if self.augments() {
-                index = Some(self.soften(first, report)?);
+                index = Some(self.soften(first, near, report)?);
             }
             rough = near && index.is_some();
             if report.status == Status::Converged {
@@ -242,17 +252,18 @@ impl Solver {
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
-    /// Puts the core law in force that is deep enough for the overlaps there are, and returns its index in [`DEPTHS`].
-    fn soften(&mut self, first: usize, report: &mut StepReport) -> Result<usize, SolveError> {
+    /// Puts the core law in force that is deep enough for the overlaps there are (none unless strands are `near` each other), and returns its
+    /// index in [`DEPTHS`].
+    fn soften(&mut self, first: usize, near: bool, report: &mut StepReport) -> Result<usize, SolveError> {
         let pressure = self.engine.pressure_scale();
-        let overlap = self.contact_errors().penetration;
+        let overlap = if near { self.contact_errors().penetration } else { 0.0 };
         let fits = |overlap: f64| (0..=first).rev().find(|&k| overlap < 0.8 * 2.0 * DEPTHS[k]);
         let at_rest = overlap < AT_REST;
         let mut index = fits(overlap);
         if index.is_none() {
             // strands deep inside each other come apart under a law without a core first
-            let stiffness = self.engine.pressure_scale() / (DEPTHS[0] * 2.0 * self.min_radius());
-            self.change_law(Law::Linear { stiffness }, false);
+            let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
+            self.change_law(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, false);
             self.search_roughly(true, &Drive::default(), report)?;
             index = fits(self.contact_errors().penetration);
         }
@@ -262,10 +273,6 @@ impl Solver {
         let index = index.unwrap_or(0);
         self.change_law(Law::Core { pressure, depth: DEPTHS[index] }, at_rest);
         Ok(index)
-    }
-
-    fn min_radius(&self) -> f64 {
-        self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius)
     }
 
     /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.

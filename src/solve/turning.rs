@@ -9,35 +9,11 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::MAX_TURN;
 use crate::solve::engine::Engine;
-use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::Drive;
 
 /// Turns between neighbouring nodes that one load step may add, on average over the nodes between what is turned and what is held: more
 /// could take a segment past half a turn and out on the other side.
 const MAX_ADDED: f64 = 0.3;
-
-impl StepReport {
-    /// Of a state that is at rest without anything having been done.
-    pub(crate) fn settled() -> Self {
-        Self {
-            status: Status::Converged,
-            iterations: 0,
-            augmentations: 0,
-            departures: 0,
-            num_unstable: 0,
-            penetration: 0.0,
-            softening: 1.0,
-            predicted: false,
-            error: None,
-            history: Vec::new(),
-        }
-    }
-
-    /// Of a step that was not even tried.
-    pub(crate) fn refused(error: SolveError) -> Self {
-        Self { status: Status::BrokeDown, error: Some(error), ..Self::settled() }
-    }
-}
 
 impl Engine {
     /// Refuses the present state if frames of neighbouring nodes have turned too far against each other.
@@ -67,7 +43,7 @@ impl Engine {
             }
         }
         for (node, _, rotation) in drive.nodes.iter().filter(|(_, _, rotation)| *rotation != Vec3::zeros()) {
-            let rod = self.first_node.partition_point(|first| first <= node) - 1;
+            let rod = self.rod_of(*node);
             let turns = rotation.norm() / TAU / self.segments_to_held(rod, *node) as f64;
             if turns > MAX_ADDED {
                 let last = *node + 1 == self.first_node[rod + 1];
