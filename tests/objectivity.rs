@@ -12,8 +12,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
 mod common;
+#[path = "common/random.rs"]
+mod random;
 
 use common::{elastic_energy, end_of, history, strains, strains_of, verify};
+use random::Random;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
@@ -28,23 +31,14 @@ fn beam(order: usize, elements: usize) -> Rod {
     Rod::new("beam", &shape, false, section, elements, order, Natural::Straight).unwrap()
 }
 
-/// Numbers in (−1, 1), always the same.
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut x = seed;
-    move || {
-        x = x.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 #[test]
 fn strains_and_energy_do_not_see_rigid_motions() {
-    let mut next = numbers(7);
+    let mut next = Random(7);
     let mut worst = [0.0f64; 2];
     for order in 1..=3 {
         for _ in 0..100 {
             let rod = beam(order, 3);
-            let mut vector = |size: f64| Vec3::new(next(), next(), next()) * size;
+            let mut vector = |size: f64| next.vector() * size;
             let positions: Vec<Vec3> = rod.positions.iter().map(|r| r + vector(0.02)).collect();
             let frames: Vec<Quat> = rod.frames.iter().map(|q| Quat::from_scaled_axis(vector(0.5)) * q).collect();
             let (turn, shift) = (Quat::from_scaled_axis(vector(40.0)), vector(1.0));

@@ -6,23 +6,18 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; numbers for whoever asks with --nocapture
 
+#[path = "common/random.rs"]
+mod random;
+
 use std::ops::ControlFlow;
 
 use nalgebra::{DMatrix, Rotation3};
+use random::Random;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::{Model, Ramp, Stage};
 use supercoil::solve::{Options, Status, run};
-
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        low + (high - low) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 /// |Δ(−1)| of a closed polygon: the minor of the colouring matrix, one row per crossing (twice the arc above minus both arcs below).
 fn determinant(points: &[Vec3]) -> f64 {

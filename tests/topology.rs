@@ -1,21 +1,13 @@
 //! Link, twist and writhe: published values, invariance under deformation, scale, offset and number of threads.
 
+#[path = "common/random.rs"]
+mod random;
+
 use std::f64::consts::TAU;
+
+use random::Random;
 use supercoil::math::Vec3;
 use supercoil::observe::link::{link_numbers, linking_number, ribbon_twist, writhe};
-
-/// A fixed sequence of numbers in (−1, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
-}
 
 fn torus_knot(n: usize) -> Vec<Vec3> {
     let at = |t: f64| {

@@ -9,6 +9,8 @@ mod inputs;
 mod plectoneme;
 
 mod common;
+#[path = "common/random.rs"]
+mod random;
 
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -16,6 +18,7 @@ use std::time::Instant;
 use common::verify;
 use inputs::Kind;
 use plectoneme::plectoneme;
+use random::Random;
 use supercoil::math::Vec3;
 use supercoil::observe::link::{writhe, writhe_smooth};
 
@@ -35,14 +38,10 @@ fn torus_knot(p: f64, q: f64, n: usize) -> Vec<Vec3> {
 
 /// A walk of `n` unit steps of random direction, closed by a steady drift.
 fn random_walk(n: usize, seed: u64) -> Vec<Vec3> {
-    let mut state = seed;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
+    let mut numbers = Random(seed);
     let mut points = vec![Vec3::zeros()];
     for k in 0..n {
-        points.push(points[k] + Vec3::new(random(), random(), random()).normalize());
+        points.push(points[k] + numbers.vector().normalize());
     }
     let drift = points[n] / n as f64;
     (0..n).map(|k| points[k] - drift * k as f64).collect()

@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use super::capsule::Capsule;
 use super::curve::CurveSet;
 use super::law::{Law, Response};
-use super::projection::smooth_joint;
 use super::zone::{FootKind, Joint, Pair, Piece, Sample};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
@@ -118,15 +117,25 @@ pub(crate) fn evaluate_within(
                 let (i, j) = (i as usize, j as usize);
                 let nearest = capsules[i].distance_lower_bound(&capsules[j]);
                 for (slave, master) in [(i, j), (j, i)] {
+                    let contact_distance = set.radius_of(slave) + set.radius_of(master);
                     let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
-                    let pair = pair_of(set, slave, master, reaching(slave));
-                    if nearest >= pair.reach[0].max(pair.reach[1]) {
+                    let reach = reaching(slave).map(|c| contact_distance + c);
+                    if nearest >= reach[0].max(reach[1]) {
                         continue;
                     }
-                    // Near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain.
-                    let origin = set.segments[j].b[0];
-                    let near = [slave, master].map(|k| set.segments[k].relative_to(&origin));
-                    let pair = Pair { slave: &near[0], master: &near[1], ..pair };
+                    // Near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain. The same origin for
+                    // every master, so that two that meet at a joint find the same bits there.
+                    let near = |k: usize| set.segments[k].relative_to(&set.segments[slave].b[0]);
+                    let (own, foreign) = (near(slave), near(master));
+                    let (before, after) = (set.prev(master), set.next(master));
+                    let pair = Pair {
+                        slave: &own,
+                        master: &foreign,
+                        open_start: before.is_none(),
+                        open_end: after.is_none(),
+                        reach,
+                        joints: Joint::both(before.map(near), &foreign, after.map(near)),
+                    };
                     pieces.clear();
                     pair.pieces(&mut pieces);
                     if !pieces.is_empty() {
@@ -137,27 +146,6 @@ pub(crate) fn evaluate_within(
             found
         })
         .collect()
-}
-
-/// The pair's geometry and reach ε_a + ε_b + c.
-pub fn pair_of(set: &CurveSet, slave: usize, master: usize, offset: [f64; 2]) -> Pair<'_> {
-    let contact_distance = set.radius_of(slave) + set.radius_of(master);
-    Pair {
-        slave: &set.segments[slave],
-        master: &set.segments[master],
-        open_start: set.prev(master).is_none(),
-        open_end: set.next(master).is_none(),
-        reach: offset.map(|c| contact_distance + c),
-        joints: joints_of(set, master),
-    }
-}
-
-/// Smooth joints at the start and end of a segment.
-fn joints_of(set: &CurveSet, segment: usize) -> [Option<Joint>; 2] {
-    let own = &set.segments[segment];
-    let before = set.prev(segment).map(|p| &set.segments[p]).filter(|prev| smooth_joint(prev, own));
-    let after = set.next(segment).map(|n| &set.segments[n]).filter(|next| smooth_joint(own, next));
-    [before, after.map(|_| own)].map(|cubic| cubic.map(|c| Joint { tangent: c.b[3] - c.b[2] }))
 }
 
 fn pair_term(

@@ -9,7 +9,6 @@ use std::cell::Cell;
 use super::capsule::segment_distance;
 use super::curve::angle;
 use super::input::Strands;
-use super::projection::smooth_joint;
 use super::zone::{Joint, Pair};
 use crate::math::Vec3;
 
@@ -87,9 +86,11 @@ pub(crate) fn parts(
         straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap()));
         return;
     }
-    // Near the origin: far from it the ends would be lost in rounding.
-    let origin = strands.ends(j).0;
-    let (slave, master) = (strands.cubic(i).relative_to(&origin), strands.cubic(j).relative_to(&origin));
+    // Near the origin: far from it the ends would be lost in rounding. The same origin for every master, so that two that meet at a joint
+    // find the same bits there.
+    let origin = strands.ends(i).0;
+    let near = |k: usize| strands.cubic(k).relative_to(&origin);
+    let (slave, master) = (near(i), near(j));
     let corner = |before: Option<usize>, after: Option<usize>| match (before, after) {
         (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
         _ => true,
@@ -100,11 +101,7 @@ pub(crate) fn parts(
         open_start: corner(strands.prev(j).filter(thick), Some(j)),
         open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
-        joints: [
-            strands.prev(j).map(|p| strands.cubic(p)).filter(|prev| smooth_joint(prev, &master)),
-            strands.next(j).filter(|&n| smooth_joint(&master, &strands.cubic(n))).map(|_| master),
-        ]
-        .map(|cubic| cubic.map(|c| Joint { tangent: c.b[3] - c.b[2] })),
+        joints: Joint::both(strands.prev(j).map(near), &master, strands.next(j).map(near)),
     };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
@@ -309,15 +306,13 @@ impl Groups<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::random::Random;
 
     /// The interval of a line within reach of a segment against sampling.
     #[test]
     fn intervals_match_sampling() {
-        let mut state = 5u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut numbers = Random(5);
+        let mut random = || numbers.unit();
         let mut found = 0;
         for case in 0..4000 {
             let mut vector = || Vec3::new(random(), random(), random());

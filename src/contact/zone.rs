@@ -14,7 +14,7 @@
 //! curve is C¹ across that change.
 
 use super::curve::Cubic;
-use super::projection::{Feet, local_minima};
+use super::projection::{Feet, local_minima, smooth_joint};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
@@ -85,6 +85,18 @@ pub struct Pair<'a> {
 pub struct Joint {
     /// Tangent of the curve there, of any length.
     pub tangent: Vec3,
+}
+
+impl Joint {
+    /// Joints at the start and the end of `own`, whose curve goes on as `before` and `after`, none where it has a kink.
+    ///
+    /// All three in the same coordinates, the same for the segments that meet: each of them must find the same bits.
+    pub(crate) fn both(before: Option<Cubic>, own: &Cubic, after: Option<Cubic>) -> [Option<Self>; 2] {
+        let of = |first: &Cubic, second: &Cubic| {
+            smooth_joint(first, second).then(|| Self { tangent: first.b[3] - first.b[2] })
+        };
+        [before.and_then(|before| of(&before, own)), after.and_then(|after| of(own, &after))]
+    }
 }
 
 /// Feet nearer to a joint than this (in v) are given to a segment by the joint's tangent.
@@ -382,6 +394,7 @@ enum Target {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::random::Random;
 
     fn line(from: [f64; 3], to: [f64; 3]) -> Cubic {
         Cubic::straight(Vec3::from(from), Vec3::from(to))
@@ -436,11 +449,8 @@ mod tests {
     /// segments cover the zone once.
     #[test]
     fn a_zone_whose_foot_rests_on_a_joint_is_covered_once() {
-        let mut state = 99u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut numbers = Random(99);
+        let mut random = || 0.5 * numbers.unit();
         let exact = 2.0 * (0.25f64 - 0.09).sqrt();
         for trial in 0..3000 {
             let axis = Vec3::new(random(), random(), random());
@@ -464,11 +474,8 @@ mod tests {
     /// Against brute force: curved strands, the excess is negative exactly inside the pieces.
     #[test]
     fn curved_pairs_agree_with_dense_sampling() {
-        let mut state = 12345u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut numbers = Random(12345);
+        let mut random = || 0.5 * numbers.unit();
         let mut num_pieces = 0;
         for _ in 0..300 {
             let mut point =

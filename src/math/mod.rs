@@ -7,6 +7,9 @@ pub mod link;
 pub mod minimise;
 pub mod quadrature;
 pub mod quaternion;
+#[cfg(test)]
+#[path = "../../tests/common/random.rs"] // one generator for unit tests and tests of the public interface
+pub(crate) mod random;
 pub mod shape_functions;
 
 /// Vector of ℝ³.

@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // every test file uses its part
 
-use supercoil::math::Vec3;
+use nalgebra::Vector3;
 
 /// Linear congruential generator (Knuth's MMIX constants).
 pub struct Random(pub u64);
@@ -25,7 +25,7 @@ impl Random {
     }
 
     /// Each coordinate uniform in [−1, 1).
-    pub fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
+    pub fn vector(&mut self) -> Vector3<f64> {
+        Vector3::new(self.unit(), self.unit(), self.unit())
     }
 }

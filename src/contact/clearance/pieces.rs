@@ -171,15 +171,13 @@ pub(super) fn extent(c: &Cubic) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::random::Random;
 
     /// The bound lies below the sampled distance of curved pieces, also where |w| alone does not, and close to it.
     #[test]
     fn fourth_order_bound_is_a_bound_and_tight() {
-        let mut state = 1u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut numbers = Random(1);
+        let mut random = move || numbers.unit();
         let (mut convex, mut model_above) = (0, 0);
         for _ in 0..3000 {
             let mut vector = |size: f64| Vec3::new(random(), random(), random()) * size;

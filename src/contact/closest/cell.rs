@@ -271,15 +271,13 @@ fn products(w: &[[Vec3; 4]; 4], d: &[[Vec3; 3]; 3], e: &[Vec3; 3]) -> ([[f64; 6]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::random::Random;
 
     /// Coefficients against the functions, bounds against samples, on cells of all kinds.
     #[test]
     fn coefficients_and_bounds() {
-        let mut state = 3u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut numbers = Random(3);
+        let mut random = || numbers.unit();
         for _ in 0..300 {
             let mut cubic = || Cubic { b: std::array::from_fn(|_| Vec3::new(random(), random(), random())) };
             let (a, b) = (cubic(), cubic());

@@ -2,6 +2,7 @@ use super::*;
 use crate::contact::detect::{Want, evaluate};
 use crate::contact::law::Law;
 use crate::math::Vec3;
+use crate::math::random::Random;
 
 /// Two straight rods of radius 0.5 in segments of length 1, `b` at height `height`, turned by `degrees` about z.
 fn straight(degrees: f64, height: f64) -> CurveSet {
@@ -131,11 +132,8 @@ fn counterparts_are_those_of_brute_force() {
     let line: Vec<Vec3> = (0..30).map(|i| Vec3::x() * f64::from(i)).collect();
     let (a, b) = (ring(0.0), ring(3.0));
     let set = CurveSet::from_polylines(&[(&a, 0.5, true), (&b, 0.5, true), (&line, 0.4, false)]).unwrap();
-    let mut seed = 5_u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut numbers = Random(5);
+    let mut random = || 0.5 * (numbers.unit() + 1.0);
     for count in [1, 2, 7, 300] {
         let mut zones: Vec<Zone> = (0..count)
             .map(|_| {
