@@ -51,8 +51,8 @@ const TOL_CONTACT_CHANGE: f64 = 1e-6;
 const IMMOBILE: f64 = 1e-4;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
-/// Relative residual below which steps that change nothing are rounding.
-const TOL_IDLE: f64 = 1e-11;
+/// Decrements that the potential cannot see and that fall by less than this in three steps are made of rounding.
+const SETTLING: f64 = 0.1;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
 
@@ -100,6 +100,7 @@ impl Workspace {
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let mut state = engine.state.clone();
         let (mut rejections, mut at_saddle) = (0, 0);
+        let mut decrements = Vec::new();
         let mut radius = FIRST_RADIUS;
         let mut stress = engine.actual_stress(&state);
         self.shift = 0.0;
@@ -120,7 +121,8 @@ impl Workspace {
                 let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
                 // shorter along the same direction first: it costs no factorisation
                 for shorter in if pushed { [].as_slice() } else { &SHORTER } {
-                    let falls = residual.potential.total() - trial.potential >= ENOUGH * trial.expected;
+                    let falls =
+                        residual.potential.total() - trial.potential >= ENOUGH * trial.expected - noise(&residual);
                     if trial.settled || falls || size <= options.tol_increment {
                         break;
                     }
@@ -134,7 +136,12 @@ impl Workspace {
                 let indefinite = self.shift > 0.0;
                 let light = size <= IMMOBILE * options.tol_increment;
                 let balances = light || trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
-                let at_rest = tiny && self.shift == 0.0 && balances;
+                // where only the next search is prepared, relative motion decides: a long rod swings far by little
+                let newton = self.shift * step.inertia <= step.curvature;
+                let at_rest = match self.rough {
+                    Some(tol) => step.extent <= tol && newton,
+                    None => tiny && self.shift == 0.0 && balances,
+                };
                 let falls = gain >= 0.05 * trial.expected - noise;
                 let acceptable = tiny || if driven { trial.settled } else { falls };
                 let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
@@ -169,10 +176,14 @@ impl Workspace {
                     let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
-                    let settling =
-                        matches!(report.iterations[..], [.., before, last] if last.increment < 0.5 * before.increment);
-                    let at_floor = report.iterations.last().is_some_and(|i| i.residual <= TOL_IDLE);
-                    let idle = !indefinite && !settling && trial.expected.abs() < noise && at_floor;
+                    let full = !indefinite && trial.fraction == 1.0 && remaining == 0.0;
+                    if full && trial.expected.abs() < noise {
+                        decrements.push(trial.expected.abs());
+                    } else {
+                        decrements.clear();
+                    }
+                    let idle =
+                        balanced && matches!(decrements[..], [.., before, _, _, last] if last > SETTLING * before);
                     report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3 || idle);
                     break;
                 }
@@ -367,6 +378,8 @@ impl Workspace {
             let there = timed(&mut self.timings.assembly, || engine.residual(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
+            // the potential cannot tell, and corrections would be made of rounding
+            trial.settled |= trial.expected.abs() < noise(residual);
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }

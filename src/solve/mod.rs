@@ -13,6 +13,7 @@ pub mod footprint;
 pub mod globalise;
 mod interrupt;
 mod moment_load;
+mod multipliers;
 mod neutral;
 pub mod newton;
 pub mod path;

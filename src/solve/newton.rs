@@ -77,6 +77,8 @@ pub struct Workspace {
     pub(crate) softest: Vec<f64>,
     /// Where the time went.
     pub(crate) timings: Timings,
+    /// The extent of a step with which a search ends that only prepares the next one.
+    pub(crate) rough: Option<f64>,
     /// A search was given up because it was asked to.
     pub(crate) interrupted: bool,
 }

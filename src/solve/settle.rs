@@ -1,9 +1,10 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
-//! A load step with contact begins under a core law that strands may sink into. It is hardened in stages, each of which takes the pressures
-//! of the one before for its own: the first step of a stage moves the strands to where the new law has them. Then the offsets of the
-//! augmented Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along
-//! their most negative direction.
+//! A load step with contact begins under a core law that strands may sink into, with offsets that already balance the elastic forces where
+//! strands touch: plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened in stages,
+//! each of which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
+//! has them. Then the offsets of the augmented Lagrangian are raised until no penetration beyond the tolerance is left.
+//! Unstable equilibria are left along their most negative direction.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -15,9 +16,6 @@ use crate::solve::state::{Drive, State};
 
 /// Depths of the core law that a load step with contact goes through, over the contact distance.
 const DEPTHS: [f64; 4] = [0.4, 0.08, 0.016, 0.004];
-/// The one of them that a state is tried with first that nothing moves away from, and the iterations spent on each search then.
-const SHALLOW: usize = 2;
-const SHALLOW_ITERATIONS: usize = 200;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
@@ -133,17 +131,6 @@ pub(crate) struct Snapshot {
     contact: Option<(Law, Vec<f64>)>,
 }
 
-/// How far the contact conditions are from met, by nodes and in all.
-#[derive(Debug, Default)]
-pub(super) struct ContactErrors {
-    /// Smallest gap near each node (window of one contact distance along its zone) \[L\]; infinite where nothing is in reach.
-    pub(super) gaps: Vec<f64>,
-    /// Worst penetration over the smallest contact radius.
-    pub(super) penetration: f64,
-    /// Worst gap that an offset holds open over the smallest contact radius.
-    pub(super) opening: f64,
-}
-
 impl Solver {
     /// Brings the present state to a stable equilibrium with contact enforced, applying `drive` on the way.
     pub fn settle(&mut self, drive: &Drive) -> StepReport {
@@ -157,7 +144,9 @@ impl Solver {
             Some(increment) => self.settle_predicted(drive, increment, &mut report),
             None => Ok(false),
         };
-        let outcome = settled.and_then(|done| if done { Ok(()) } else { self.settle_into(drive, &mut report) });
+        let outcome = settled.and_then(|done| {
+            if done { Ok(()) } else { self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report)) }
+        });
         if let Err(error) = outcome {
             report.error = Some(error);
             report.status = Status::BrokeDown;
@@ -209,33 +198,14 @@ impl Solver {
         self.enforce_gaps(report)
     }
 
-    /// A state that nothing moves away from is tried first with strands almost hard: a soft start would unwind and rewind long plectonemes
-    /// by many turns.
-    fn settle_into(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        if *drive == Drive::default() && self.augments() && self.is_near_contact()? {
-            let before = self.snapshot();
-            let patience = self.be_patient_for(SHALLOW_ITERATIONS);
-            let outcome = self.approach(SHALLOW, drive, report);
-            self.options.newton.max_iterations = patience;
-            if outcome.is_ok() && report.status == Status::Converged || self.workspace.interrupted {
-                return outcome.and_then(|()| self.enforce_gaps(report));
-            }
-            self.restore(before)?;
-            report.start_again();
+    /// Applies the drive under the deepest core law and hardens it.
+    fn approach(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+        if self.augments() {
+            self.soften(report)?;
         }
-        self.approach(0, drive, report)?;
-        self.enforce_gaps(report)
-    }
-
-    /// Applies the drive under the core law of depth `DEPTHS[first]`, or a deeper one if strands overlap by more, and hardens it.
-    fn approach(&mut self, first: usize, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let (mut index, mut rough) = (None, false);
+        let mut rough = false;
         for part in drive.parts(TURNS_AT_ONCE) {
-            let near = self.is_near_contact()?;
-            if self.augments() {
-                index = Some(self.soften(first, near, report)?);
-            }
-            rough = near && index.is_some();
+            rough = self.augments() && self.is_near_contact()?;
             if report.status == Status::Converged {
                 self.search_roughly(rough, &part, report)?;
             }
@@ -243,36 +213,44 @@ impl Solver {
                 return Ok(());
             }
         }
-        let Some(index) = index else { return Ok(()) };
+        if !self.augments() {
+            return Ok(());
+        }
         if self.is_near_contact()? {
-            return self.harden(&DEPTHS[index + 1..], report);
+            return self.harden(report);
         }
         self.stages_left = 0;
-        self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, true);
+        self.harden_to(Law::Linear { stiffness: self.engine.contact_stiffness() });
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
-    /// Puts the core law in force that is deep enough for the overlaps there are (none unless strands are `near` each other), and returns its
-    /// index in [`DEPTHS`].
-    fn soften(&mut self, first: usize, near: bool, report: &mut StepReport) -> Result<usize, SolveError> {
+    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as balances the elastic
+    /// forces there are.
+    fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
+        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
+        let core = Law::Core { pressure, depth: DEPTHS[0] };
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
-        let fits = |overlap: f64| (0..=first).rev().find(|&k| overlap < 0.8 * 2.0 * DEPTHS[k]);
-        let at_rest = overlap < AT_REST;
-        let mut index = fits(overlap);
-        if index.is_none() {
+        if overlap < AT_REST {
+            let pressures = if near { self.balancing_pressures(core)? } else { Vec::new() };
+            self.change_law(core, &pressures);
+            self.forget_pressures();
+            return Ok(());
+        }
+        let too_deep = 0.8 * 2.0 * DEPTHS[0];
+        if overlap >= too_deep {
             // strands deep inside each other come apart under a law without a core first
-            let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
-            self.change_law(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, false);
+            self.change_law(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, &[]);
+            self.forget_pressures();
             self.search_roughly(true, &Drive::default(), report)?;
-            index = fits(self.contact_errors().penetration);
+            if report.status == Status::Converged && self.contact_errors().penetration >= too_deep {
+                report.status = Status::Penetration;
+            }
         }
-        if index.is_none() && report.status == Status::Converged {
-            report.status = Status::Penetration;
-        }
-        let index = index.unwrap_or(0);
-        self.change_law(Law::Core { pressure, depth: DEPTHS[index] }, at_rest);
-        Ok(index)
+        self.change_law(core, &[]);
+        self.forget_pressures();
+        Ok(())
     }
 
     /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
@@ -300,10 +278,10 @@ impl Solver {
 
     /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
     /// of contact break up into points between nodes.
-    fn harden(&mut self, depths: &[f64], report: &mut StepReport) -> Result<(), SolveError> {
+    fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let pressure = self.engine.pressure_scale();
-        for depth in depths {
-            self.change_law(Law::Core { pressure, depth: *depth }, true);
+        for depth in &DEPTHS[1..] {
+            self.harden_to(Law::Core { pressure, depth: *depth });
             self.search_roughly(true, &Drive::default(), report)?;
             if report.status != Status::Converged {
                 return Ok(());
@@ -313,7 +291,7 @@ impl Solver {
         for softer in 0..=MAX_SOFTER {
             self.stages_left = softer;
             report.softening = SOFTENING.powi(softer);
-            self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening }, true);
+            self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening }, &[]);
             let patience = self.be_patient_for(HARDENING_ITERATIONS);
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
@@ -335,12 +313,13 @@ impl Solver {
 
     /// A search that only prepares the next one.
     fn search_roughly(&mut self, rough: bool, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let fine = self.options.newton.tol_increment;
-        if rough {
-            self.options.newton.tol_increment = fine.max(TOL_ON_THE_WAY);
-        }
+        let deep = match self.engine.contact.as_ref().map(|side| side.law) {
+            Some(Law::Core { depth, .. }) => depth,
+            _ => 1.0,
+        };
+        self.workspace.rough = rough.then_some(TOL_ON_THE_WAY.min(deep));
         let outcome = self.search(drive, report);
-        self.options.newton.tol_increment = fine;
+        self.workspace.rough = None;
         outcome
     }
 
@@ -354,22 +333,12 @@ impl Solver {
         Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
     }
 
-    /// Replaces the law, without offsets; `carry` the pressures of a state at rest over to it.
-    fn change_law(&mut self, law: Law, carry: bool) {
-        if let Some(side) = &mut self.engine.contact {
-            side.change_law(law, vec![0.0; side.offsets.len()]);
-            if !carry {
-                side.before = None;
-            }
-        }
-    }
-
     /// One equilibrium search, leaving unstable equilibria.
     fn search(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         let mut outcome = self.equilibrate(drive, false, report)?;
         // without a potential the inertia of the symmetric part decides nothing
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
-        while outcome.converged && outcome.num_unstable > 0 && leaves {
+        while outcome.converged && outcome.num_unstable > 0 && leaves && !self.ended_roughly(&outcome) {
             if report.departures >= self.options.max_departures {
                 break;
             }
@@ -386,10 +355,16 @@ impl Solver {
         report.status = match (outcome.converged, outcome.num_unstable) {
             (false, _) => Status::MaxIterations,
             (true, 0) => Status::Converged,
-            (true, _) if !leaves => Status::Converged,
+            (true, _) if !leaves || self.ended_roughly(&outcome) => Status::Converged,
             (true, _) => Status::Unstable,
         };
         Ok(())
+    }
+
+    /// A rough search that moved on to its end was not at rest, so not at a saddle either.
+    fn ended_roughly(&self, outcome: &NewtonReport) -> bool {
+        let tol = self.options.newton.tol_increment;
+        self.workspace.rough.is_some() && outcome.iterations.last().is_some_and(|i| i.increment > tol)
     }
 
     fn equilibrate(
@@ -402,35 +377,6 @@ impl Solver {
         report.iterations += outcome.iterations.len();
         report.history.push(outcome.iterations.clone());
         Ok(outcome)
-    }
-
-    /// How far the contact conditions are from met.
-    pub(super) fn contact_errors(&self) -> ContactErrors {
-        let Some(side) = &self.engine.contact else { return ContactErrors::default() };
-        let residual = self.engine.residual(&self.engine.state);
-        let mut gaps = vec![f64::INFINITY; side.offsets.len()];
-        let mut touched = vec![false; side.offsets.len()];
-        for term in &residual.terms {
-            side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
-            let window = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
-            for gap in term.zones.iter().map(|z| z.min_gap) {
-                for forward in [true, false] {
-                    side.spread(term.slave, window, forward, |node| gaps[node] = gaps[node].min(gap));
-                }
-            }
-        }
-        let penetration = gaps.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
-        let held = (0..gaps.len()).filter(|&n| touched[n] && gaps[n].is_finite() && side.offsets[n] > 0.0);
-        let opening = held.map(|n| gaps[n]).fold(0.0, f64::max) / side.min_radius;
-        ContactErrors { gaps, penetration, opening }
-    }
-
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero.
-    pub(super) fn augment(&mut self, gaps: &[f64]) {
-        let Some(side) = &mut self.engine.contact else { return };
-        for (offset, gap) in side.offsets.iter_mut().zip(gaps) {
-            *offset = if gap.is_finite() { (*offset - gap).max(0.0) } else { 0.0 };
-        }
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
