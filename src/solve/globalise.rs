@@ -137,11 +137,8 @@ impl Workspace {
                 let light = size <= IMMOBILE * options.tol_increment;
                 let balances = light || trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
                 // where only the next search is prepared, relative motion decides: a long rod swings far by little
-                let newton = self.shift * step.inertia <= step.curvature;
-                let at_rest = match self.rough {
-                    Some(tol) => step.extent <= tol && newton,
-                    None => tiny && self.shift == 0.0 && balances,
-                };
+                let still = self.rough.map_or(tiny && balances, |tol| step.extent <= tol);
+                let at_rest = still && self.shift == 0.0;
                 let falls = gain >= 0.05 * trial.expected - noise;
                 let acceptable = tiny || if driven { trial.settled } else { falls };
                 let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
@@ -176,11 +173,11 @@ impl Workspace {
                     let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
-                    let full = !indefinite && trial.fraction == 1.0 && remaining == 0.0;
-                    if full && trial.expected.abs() < noise {
-                        decrements.push(trial.expected.abs());
-                    } else {
+                    let unseen = trial.expected.abs() < noise;
+                    if !unseen || indefinite || trial.fraction < 1.0 || remaining > 0.0 {
                         decrements.clear();
+                    } else {
+                        decrements.push(trial.expected.abs());
                     }
                     let idle =
                         balanced && matches!(decrements[..], [.., before, _, _, last] if last > SETTLING * before);
@@ -205,6 +202,10 @@ impl Workspace {
                     longest = 0.4 * trial.fraction;
                     if longest < SHORTEST {
                         return self.finish(engine, &state, report);
+                    }
+                    // a response far longer than what is prescribed is that of a nearly singular tangent
+                    if step.extent > MAX_RADIUS {
+                        self.shift = self.shift_for(&step, step.extent / MAX_RADIUS).max(4.0 * self.shift);
                     }
                 } else {
                     radius = 0.25 * radius.min(step.extent);
