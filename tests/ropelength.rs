@@ -17,9 +17,9 @@
 //! whatever the solver did.
 //!
 //! References: Hopf link 4π (exact: two circles through each other's centre), trefoil 16.3715, figure-eight 21.044 (known numerically). Closer to them
-//! than some half a percent the search does not come to rest: where a strand is wound about another with a radius of curvature of the contact distance D,
-//! the ideal Hopf link everywhere and the trefoil in places, all its points are as far from the other's centreline, the foot of the projection from
-//! there is not unique, and the contact energy, an integral over such feet, has jumps.
+//! than some half a percent the search does not come to rest. Where a strand is wound about another at a radius of curvature of the contact
+//! distance, the ideal Hopf link everywhere and the others in places, all its points are as far from the other's centreline: the foot of the
+//! projection from there is not unique, jumps with the smallest motion, and the contact force with it.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
