@@ -72,6 +72,42 @@ fn crossed_beams_press_with_the_exact_force() {
     }
 }
 
+/// Beams that are soft along (EA = 100 B/L²), pressed together by δ = 1e-3 L: 96 B δ/L³ between clamps, 24 B δ/L³ simply supported.
+#[test]
+fn crossed_beams_press_as_in_the_textbook() {
+    let deflection = 1e-3;
+    for (name, clamped, factor) in [("clamped", true, 96.0), ("simply supported", false, 24.0)] {
+        let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
+        let beam = |name: &str, start: Vec3, direction: Vec3| {
+            let shape = Shape::Line { start, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+        };
+        let rods = vec![
+            beam("lower", Vec3::x() * -0.5, Vec3::x()),
+            beam("upper", Vec3::new(0.0, -0.5, 2.5 * RADIUS), Vec3::y()),
+        ];
+        let last = rods[0].num_nodes() - 1;
+        // simply supported ends turn about the horizontal normal of their beam
+        let support = |rod: usize, node: usize| Support {
+            node: NodeRef { rod, node },
+            position: [true; 3],
+            rotation: if clamped { [true; 3] } else { [rod == 0, rod == 1, true] },
+        };
+        let supports = [(0, 0), (0, last), (1, 0), (1, last)].map(|(rod, node)| support(rod, node)).to_vec();
+        let law = ContactLaw::AugmentedLagrangian { stiffness: 1e12 * RADIUS.powi(4), tol_penetration: 1e-8 };
+        let model = Model { rods, supports, contact: Contact { law }, ..Model::default() };
+        let mut solver = Solver::new(model, Options::default()).unwrap();
+        let to_depth = Vec3::z() * -(0.5 * RADIUS + deflection);
+        let ramps = [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to: to_depth });
+        let seen = to(&mut solver, &ramps);
+        let exact = factor * deflection;
+        let name = format!("crossed beams, {name}, δ/L = {deflection}");
+        verify(&name, "contact force", seen.total_contact_force, exact, 3e-5 * exact);
+        let up: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[2]).sum();
+        verify(&name, "reactions of the upper beam", -up, exact, 3e-5 * exact);
+    }
+}
+
 /// The force of two crossing beams does not depend on the crossing angle, from nearly parallel to perpendicular.
 #[test]
 fn any_crossing_angle_gives_the_same_force() {
@@ -283,6 +319,9 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         to(solver, &[])
     };
     let mut solver = pair(16);
+    // uniform load alone brings the middles together in proportion
+    let seen = at(&mut solver, 0.99, 6);
+    verify("parallel beams", "gap left at 0.99 q₁, over that at first", seen.min_gap.unwrap().upper / gap, 0.01, 2e-6);
     let (mut bent, mut factors) = (Vec::new(), Vec::new());
     for factor in [2.2, 2.6, 2.9] {
         let seen = at(&mut solver, factor, 13);
@@ -313,6 +352,9 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
             exact,
             1e-5 * exact,
         );
+        let from = seen.sites.iter().map(|s| s.arc_a[0]).fold(f64::INFINITY, f64::min);
+        // the line begins earlier by about the layer (2B/κ)^¼ of the law
+        verify("parallel beams", &format!("lift-off length, {factor} q₁"), from, lift_off, 1.5 * 2e-9f64.powf(0.25));
         let clamp = seen.reactions.iter().find(|r| r.rod == 0 && r.node == 0).unwrap().force[1].abs();
         let end_force = q * lift_off - clamp;
         verify(

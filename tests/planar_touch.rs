@@ -1,7 +1,7 @@
 //! Planar rods up to their first self-touch, against shooting on the continuous equations (inextensible, unshearable).
 //!
 //! * Elastica of length L, both ends clamped along x and brought together: end shortening over L and end force P L²/B when
-//!   it first touches itself, for diameters D/L = .01 and .02.
+//!   it first touches itself, for diameters D/L = .01 and .02, and extrapolated from .02, .01, .005 to none.
 //! * Ring of radius R under uniform pressure p: p R³/B when opposite sides first touch, for D/R = .01, .05 and .1.
 //!
 //! The touch is found by the secant method on the certified gap, from the side without contact.
@@ -50,26 +50,38 @@ fn touch(mut at: impl FnMut(f64) -> Observation, from: f64, step: f64) -> (f64, 
     panic!("no touch found");
 }
 
+/// End shortening and end force of the clamped elastica when it first touches itself.
+fn elastica_at_touch(diameter: f64) -> [f64; 2] {
+    let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, 0.5 * diameter);
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("elastica", &shape, false, section, 32, 3, Natural::Straight).unwrap();
+    let last = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
+    let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(last)];
+    let model = Model { rods: vec![rod], supports, planar: true, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    let bring = |by: f64| Ramp::Displacement { node: last, to: -Vec3::x() * by };
+    // just past the Euler load 4π² B/L², where only the first mode is unstable, then on
+    for by in [5e-6, 1e-3, 0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
+        to(&mut solver, bring(by));
+    }
+    let (found, seen) = touch(|by| to(&mut solver, bring(by)), 0.75, 2e-3);
+    [found, seen.reactions.iter().find(|r| r.node == last.node).unwrap().force[0].abs()]
+}
+
 #[test]
 fn clamped_elastica_touches_itself() {
-    for (diameter, shortening, force) in [(0.01, 0.836607567, 71.28305966), (0.02, 0.824512192, 70.39908508)] {
-        let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, 0.5 * diameter);
-        let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-        let rod = Rod::new("elastica", &shape, false, section, 32, 3, Natural::Straight).unwrap();
-        let last = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
-        let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(last)];
-        let model = Model { rods: vec![rod], supports, planar: true, ..Model::default() };
-        let mut solver = Solver::new(model, Options::default()).unwrap();
-        let bring = |by: f64| Ramp::Displacement { node: last, to: -Vec3::x() * by };
-        // just past the Euler load 4π² B/L², where only the first mode is unstable, then on
-        for by in [5e-6, 1e-3, 0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
-            to(&mut solver, bring(by));
-        }
-        let (found, seen) = touch(|by| to(&mut solver, bring(by)), 0.75, 2e-3);
-        let push = seen.reactions.iter().find(|r| r.node == last.node).unwrap().force[0].abs();
-        println!("D/L {diameter}: shortening {found:.7} ({shortening}), force {push:.5} ({force})");
-        assert!((found - shortening).abs() < 2e-5, "shortening {found}");
-        assert!((push / force - 1.0).abs() < 2e-4, "force {push}");
+    let thicknesses = [0.02, 0.01, 0.005];
+    let found = thicknesses.map(elastica_at_touch);
+    let thin = [0, 1].map(|k| interpolate_to_zero(&thicknesses, &found.map(|f| f[k])));
+    let rows = [
+        (0.02, found[0], [0.824_512_192, 70.399_085_08]),
+        (0.01, found[1], [0.836_607_567, 71.283_059_66]),
+        (0.0, thin, [0.848_651_510, 72.188_049_43]),
+    ];
+    for (diameter, [shortening, force], reference) in rows {
+        let case = format!("clamped elastica, D/L = {diameter}");
+        verify(&case, "end shortening over L at first touch", shortening, reference[0], 2e-5);
+        verify(&case, "P L²/B at first touch", force, reference[1], 1e-4 * reference[1]);
     }
 }
 
@@ -86,8 +98,13 @@ fn ring_under_pressure_touches_itself() {
             to(&mut solver, press(p));
         }
         let (found, _) = touch(|p| to(&mut solver, press(p)), 4.8, 5e-3);
-        println!("D/R {diameter}: pressure {found:.6} ({pressure})");
-        assert!((found / pressure - 1.0).abs() < 1e-4, "pressure {found}");
+        verify(
+            &format!("ring under pressure, D/R = {diameter}"),
+            "p R³/B at first touch",
+            found,
+            pressure,
+            1e-4 * pressure,
+        );
     }
 }
 
