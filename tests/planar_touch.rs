@@ -12,6 +12,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
+use common::cases::oval_ring;
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
 use common::verify;
 use supercoil::math::Vec3;
@@ -125,17 +126,10 @@ fn ring_under_pressure_touches_itself() {
 /// up to 1e13 B/R⁴; what spreading the point does to the curvature is put right (`tangent_and_curvature`).
 #[test]
 fn ring_under_pressure_goes_from_a_point_to_a_line() {
-    let found = [1e-3, 2e-3, 3e-3].map(|diameter| {
-        let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, 0.5 * diameter);
-        let oval = |k: i32| TAU * f64::from(k) / 48.0;
-        let points = (0..48).map(|k| Vec3::new(1.02 * oval(k).cos(), 0.98 * oval(k).sin(), 0.0)).collect();
-        let mut rod = Rod::new("ring", &Shape::Points(points), true, section, 96, 3, Natural::Straight).unwrap();
-        let scale = TAU / rod.length;
-        rod.length = TAU;
-        rod.positions.iter_mut().for_each(|r| *r *= scale);
+    let found = [1e-3f64, 2e-3, 3e-3].map(|diameter| {
         let penalty = |kappa: f64| ContactLaw::Penalty { stiffness: kappa * (0.5 * diameter).powi(4) };
         // 1e4 could not hold strands as thin as this apart
-        let model = Model { rods: vec![rod], planar: true, contact: Contact { law: penalty(1e6) }, ..Model::default() };
+        let model = oval_ring(96, diameter, 1e8, penalty(1e6));
         let mut solver = Solver::new(model, Options::default()).unwrap();
         for p in [3.3, 3.6, 4.0, 4.4, 4.8, 5.1, 5.3, 6.0, 7.0, 8.0] {
             to(&mut solver, Ramp::Pressure { rod: 0, to: p });
