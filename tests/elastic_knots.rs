@@ -141,7 +141,7 @@ fn references_of_the_limit() {
         [(3.0, 6.0, [0.4923009, 6.377669]), (5.0, 9.0, CINQUEFOIL), (5.0, 11.0, CINQUEFOIL)]
     {
         let found = braid(crossings, reach, 3201, &[1e2, 1e3, 1e4, 1e5, 1e6]);
-        let case = format!("limit problem by finite differences, {crossings} crossings, |s| ≤ {reach}");
+        let case = format!("limit problem by finite differences, {crossings} crossings, tails to {reach}");
         verify(&case, "contact force σ", found.force / 2f64.powf(1.5), reference[0], 1e-4 * reference[0]);
         verify(&case, "extent of contact e", found.extent * 2f64.powf(0.25), reference[1], 1e-4 * reference[1]);
     }
