@@ -8,6 +8,8 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
 use common::verify;
 use supercoil::math::Vec3;
@@ -15,7 +17,7 @@ use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status};
+use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, Progress, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -363,6 +365,39 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
             end_force,
             q * lift_off / 3.0,
             1e-4 * q * lift_off,
+        );
+    }
+}
+
+/// The load as the parameter of a path, through first contact at q₁ = 192 B g/L⁴ and back: a corner so mild that steps go past it.
+#[test]
+fn a_path_goes_through_first_contact_and_back() {
+    let gap = 1e-4;
+    let first = 192.0 * gap;
+    let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
+    let beam = |name: &str, y: f64| {
+        let shape = Shape::Line { start: Vec3::y() * y, direction: Vec3::x(), length: 1.0 };
+        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+    };
+    let mut model = clamped(vec![beam("lower", 0.0), beam("upper", 2.0 * RADIUS + gap)]);
+    model.planar = true;
+    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    for (name, to) in [("up", 2.5 * first), ("down", 0.2 * first)] {
+        let mut force = 0.0;
+        let report = solver.follow(&Ramp::Load { to }, &FollowOptions::default(), &mut |point| {
+            force = observe(&point.progress).total_contact_force;
+            ControlFlow::Continue(())
+        });
+        let report = report.unwrap();
+        assert_eq!(report.end, PathEnd::Target);
+        let exact = (0.5 * to - 96.0 * gap).max(0.0);
+        verify(
+            "parallel beams, path",
+            &format!("force at its end, {name}, over q₁ L"),
+            force / first,
+            exact / first,
+            1e-4,
         );
     }
 }

@@ -229,7 +229,8 @@ fn compare(case: &Case, wanted: std::ops::Range<usize>, found: &[Numbers]) {
     for ((event, reference), found) in wanted.zip(found) {
         verify(&name, &format!("writhe at {event}"), found.0[1], reference[0], 1e-4);
         verify(&name, &format!("torque M₃L/2πB at {event}"), found.0[2], reference[1], 1e-4);
-        verify(&name, &format!("bending energy at {event}, over that of the ring"), found.0[3], reference[2], 1e-4);
+        // which along the path changes by twice as much as writhe
+        verify(&name, &format!("bending energy at {event}, over that of the ring"), found.0[3], reference[2], 2e-4);
     }
 }
 
