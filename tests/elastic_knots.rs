@@ -19,7 +19,9 @@
 //! infinity, in lengths √(2hR) along and 2h across. The contact force is σ B R^(−3/2) h^(−1/2) in all, and the contacts, a line between two
 //! points, reach over e (h²B/T)^¼ from point to point: σ = .4923009, e = 6.377669 for the trefoil (bvp), σ = 1.4668, e = 16.2064
 //! for the cinquefoil (by finite differences and a penalty, `common/braid.rs`, which a test here runs and compares for both). The elastic energy is that of the circle, πB/R.
-//! Corrections are powers of √(h/R): values at thicknesses halved from one to the next are extrapolated (Richardson in √h).
+//! Corrections are powers of √(h/R): values at thicknesses halved from one to the next are extrapolated (Richardson in √h). Forces depend on
+//! the mesh by 1e-4 even where it is fine: the knot slides along the rod at next to no cost, and rests in a hollow of the mesh's ripple.
+//! Extrapolation multiplies that by ten for three thicknesses, by thirty for four, which bounds what is gained by thinner rods.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -151,13 +153,6 @@ fn references_of_the_limit() {
 fn trefoil() {
     let found = limit(3.0, &[(0.01, 280), (0.005, 380), (0.0025, 520)]);
     compare("loose trefoil", found, [0.4923009, 6.377669, 1.0], [3e-3, 2e-2, 1e-3]);
-}
-
-#[test]
-#[ignore = "slow: a minute, four thicknesses"]
-fn trefoil_from_four_thicknesses() {
-    let found = limit(3.0, &[(0.01, 320), (0.005, 440), (0.0025, 600), (0.00125, 850)]);
-    compare("loose trefoil, four thicknesses", found, [0.4923009, 6.377669, 1.0], [1e-3, 1e-2, 5e-4]);
 }
 
 #[test]
