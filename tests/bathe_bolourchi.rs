@@ -11,21 +11,15 @@
 
 mod common;
 
-use common::{cantilever, history, tip, verify_point};
-use std::f64::consts::FRAC_PI_4;
-use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use common::cases::{BATHE_TIP_AT_600, bathe_bend};
+use common::{history, tip, verify_point};
 use supercoil::scene::Ramp;
 use supercoil::solve::{Options, Solver, Status};
 
 const TOLERANCE: f64 = 1e-7;
 
 fn bend(force: f64, shearing: f64) -> Solver {
-    let section = Section::isotropic(1e7 / 12.0, 5e6 / 6.0, 1e7, shearing, 0.5);
-    let shape =
-        Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
-    let rod = Rod::new("bend", &shape, false, section, 16, 3, Natural::AsShaped).unwrap();
-    let mut solver = Solver::new(cantilever(rod, Vec3::z() * force, Vec3::zeros()), Options::default()).unwrap();
+    let mut solver = Solver::new(bathe_bend(16, 3, force, shearing), Options::default()).unwrap();
     let report = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     println!("force {force}: {}", history(&report));
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
@@ -38,7 +32,7 @@ fn tip_at_three_loads() {
     for (force, reference) in [
         (300.0, [58.778_897_330_0, 22.244_679_426_7, 40.192_392_332_3]),
         (450.0, [52.238_261_846_7, 18.508_064_875_6, 48.503_491_531_8]),
-        (600.0, [47.150_096_240_3, 15.684_689_479_0, 53.475_477_998_2]),
+        (600.0, BATHE_TIP_AT_600),
     ] {
         let solver = bend(force, 5.0 / 6.0 * 5e6);
         verify_point(&format!("Bathe-Bolourchi, {force}"), &tip(&solver), reference, TOLERANCE);

@@ -8,6 +8,8 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
 use common::verify;
 use supercoil::math::Vec3;
@@ -15,7 +17,7 @@ use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status};
+use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, Progress, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -69,6 +71,42 @@ fn crossed_beams_press_with_the_exact_force() {
             let up: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[2]).sum();
             assert!((up + seen.total_contact_force).abs() < 1e-6 * seen.total_contact_force, "reaction {up}");
         }
+    }
+}
+
+/// Beams that are soft along (EA = 100 B/L²), pressed together by δ = 1e-3 L: 96 B δ/L³ between clamps, 24 B δ/L³ simply supported.
+#[test]
+fn crossed_beams_press_as_in_the_textbook() {
+    let deflection = 1e-3;
+    for (name, clamped, factor) in [("clamped", true, 96.0), ("simply supported", false, 24.0)] {
+        let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
+        let beam = |name: &str, start: Vec3, direction: Vec3| {
+            let shape = Shape::Line { start, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+        };
+        let rods = vec![
+            beam("lower", Vec3::x() * -0.5, Vec3::x()),
+            beam("upper", Vec3::new(0.0, -0.5, 2.5 * RADIUS), Vec3::y()),
+        ];
+        let last = rods[0].num_nodes() - 1;
+        // simply supported ends turn about the horizontal normal of their beam
+        let support = |rod: usize, node: usize| Support {
+            node: NodeRef { rod, node },
+            position: [true; 3],
+            rotation: if clamped { [true; 3] } else { [rod == 0, rod == 1, true] },
+        };
+        let supports = [(0, 0), (0, last), (1, 0), (1, last)].map(|(rod, node)| support(rod, node)).to_vec();
+        let law = ContactLaw::AugmentedLagrangian { stiffness: 1e12 * RADIUS.powi(4), tol_penetration: 1e-8 };
+        let model = Model { rods, supports, contact: Contact { law }, ..Model::default() };
+        let mut solver = Solver::new(model, Options::default()).unwrap();
+        let to_depth = Vec3::z() * -(0.5 * RADIUS + deflection);
+        let ramps = [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to: to_depth });
+        let seen = to(&mut solver, &ramps);
+        let exact = factor * deflection;
+        let name = format!("crossed beams, {name}, δ/L = {deflection}");
+        verify(&name, "contact force", seen.total_contact_force, exact, 3e-5 * exact);
+        let up: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[2]).sum();
+        verify(&name, "reactions of the upper beam", -up, exact, 3e-5 * exact);
     }
 }
 
@@ -283,6 +321,9 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         to(solver, &[])
     };
     let mut solver = pair(16);
+    // uniform load alone brings the middles together in proportion
+    let seen = at(&mut solver, 0.99, 6);
+    verify("parallel beams", "gap left at 0.99 q₁, over that at first", seen.min_gap.unwrap().upper / gap, 0.01, 2e-6);
     let (mut bent, mut factors) = (Vec::new(), Vec::new());
     for factor in [2.2, 2.6, 2.9] {
         let seen = at(&mut solver, factor, 13);
@@ -313,6 +354,9 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
             exact,
             1e-5 * exact,
         );
+        let from = seen.sites.iter().map(|s| s.arc_a[0]).fold(f64::INFINITY, f64::min);
+        // the line begins earlier by about the layer (2B/κ)^¼ of the law
+        verify("parallel beams", &format!("lift-off length, {factor} q₁"), from, lift_off, 1.5 * 2e-9f64.powf(0.25));
         let clamp = seen.reactions.iter().find(|r| r.rod == 0 && r.node == 0).unwrap().force[1].abs();
         let end_force = q * lift_off - clamp;
         verify(
@@ -321,6 +365,39 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
             end_force,
             q * lift_off / 3.0,
             1e-4 * q * lift_off,
+        );
+    }
+}
+
+/// The load as the parameter of a path, through first contact at q₁ = 192 B g/L⁴ and back: a corner so mild that steps go past it.
+#[test]
+fn a_path_goes_through_first_contact_and_back() {
+    let gap = 1e-4;
+    let first = 192.0 * gap;
+    let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
+    let beam = |name: &str, y: f64| {
+        let shape = Shape::Line { start: Vec3::y() * y, direction: Vec3::x(), length: 1.0 };
+        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+    };
+    let mut model = clamped(vec![beam("lower", 0.0), beam("upper", 2.0 * RADIUS + gap)]);
+    model.planar = true;
+    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    for (name, to) in [("up", 2.5 * first), ("down", 0.2 * first)] {
+        let mut force = 0.0;
+        let report = solver.follow(&Ramp::Load { to }, &FollowOptions::default(), &mut |point| {
+            force = observe(&point.progress).total_contact_force;
+            ControlFlow::Continue(())
+        });
+        let report = report.unwrap();
+        assert_eq!(report.end, PathEnd::Target);
+        let exact = (0.5 * to - 96.0 * gap).max(0.0);
+        verify(
+            "parallel beams, path",
+            &format!("force at its end, {name}, over q₁ L"),
+            force / first,
+            exact / first,
+            1e-4,
         );
     }
 }

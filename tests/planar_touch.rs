@@ -1,7 +1,7 @@
 //! Planar rods up to their first self-touch, against shooting on the continuous equations (inextensible, unshearable).
 //!
 //! * Elastica of length L, both ends clamped along x and brought together: end shortening over L and end force P L²/B when
-//!   it first touches itself, for diameters D/L = .01 and .02.
+//!   it first touches itself, for diameters D/L = .01 and .02, and extrapolated from .02, .01, .005 to none.
 //! * Ring of radius R under uniform pressure p: p R³/B when opposite sides first touch, for D/R = .01, .05 and .1.
 //!
 //! The touch is found by the secant method on the certified gap, from the side without contact.
@@ -12,6 +12,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
+use common::cases::oval_ring;
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
 use common::verify;
 use supercoil::math::Vec3;
@@ -50,26 +51,38 @@ fn touch(mut at: impl FnMut(f64) -> Observation, from: f64, step: f64) -> (f64, 
     panic!("no touch found");
 }
 
+/// End shortening and end force of the clamped elastica when it first touches itself.
+fn elastica_at_touch(diameter: f64) -> [f64; 2] {
+    let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, 0.5 * diameter);
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("elastica", &shape, false, section, 32, 3, Natural::Straight).unwrap();
+    let last = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
+    let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(last)];
+    let model = Model { rods: vec![rod], supports, planar: true, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    let bring = |by: f64| Ramp::Displacement { node: last, to: -Vec3::x() * by };
+    // just past the Euler load 4π² B/L², where only the first mode is unstable, then on
+    for by in [5e-6, 1e-3, 0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
+        to(&mut solver, bring(by));
+    }
+    let (found, seen) = touch(|by| to(&mut solver, bring(by)), 0.75, 2e-3);
+    [found, seen.reactions.iter().find(|r| r.node == last.node).unwrap().force[0].abs()]
+}
+
 #[test]
 fn clamped_elastica_touches_itself() {
-    for (diameter, shortening, force) in [(0.01, 0.836607567, 71.28305966), (0.02, 0.824512192, 70.39908508)] {
-        let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, 0.5 * diameter);
-        let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-        let rod = Rod::new("elastica", &shape, false, section, 32, 3, Natural::Straight).unwrap();
-        let last = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
-        let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(last)];
-        let model = Model { rods: vec![rod], supports, planar: true, ..Model::default() };
-        let mut solver = Solver::new(model, Options::default()).unwrap();
-        let bring = |by: f64| Ramp::Displacement { node: last, to: -Vec3::x() * by };
-        // just past the Euler load 4π² B/L², where only the first mode is unstable, then on
-        for by in [5e-6, 1e-3, 0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
-            to(&mut solver, bring(by));
-        }
-        let (found, seen) = touch(|by| to(&mut solver, bring(by)), 0.75, 2e-3);
-        let push = seen.reactions.iter().find(|r| r.node == last.node).unwrap().force[0].abs();
-        println!("D/L {diameter}: shortening {found:.7} ({shortening}), force {push:.5} ({force})");
-        assert!((found - shortening).abs() < 2e-5, "shortening {found}");
-        assert!((push / force - 1.0).abs() < 2e-4, "force {push}");
+    let thicknesses = [0.02, 0.01, 0.005];
+    let found = thicknesses.map(elastica_at_touch);
+    let thin = [0, 1].map(|k| interpolate_to_zero(&thicknesses, &found.map(|f| f[k])));
+    let rows = [
+        (0.02, found[0], [0.824_512_192, 70.399_085_08]),
+        (0.01, found[1], [0.836_607_567, 71.283_059_66]),
+        (0.0, thin, [0.848_651_510, 72.188_049_43]),
+    ];
+    for (diameter, [shortening, force], reference) in rows {
+        let case = format!("clamped elastica, D/L = {diameter}");
+        verify(&case, "end shortening over L at first touch", shortening, reference[0], 2e-5);
+        verify(&case, "P L²/B at first touch", force, reference[1], 1e-4 * reference[1]);
     }
 }
 
@@ -86,8 +99,13 @@ fn ring_under_pressure_touches_itself() {
             to(&mut solver, press(p));
         }
         let (found, _) = touch(|p| to(&mut solver, press(p)), 4.8, 5e-3);
-        println!("D/R {diameter}: pressure {found:.6} ({pressure})");
-        assert!((found / pressure - 1.0).abs() < 1e-4, "pressure {found}");
+        verify(
+            &format!("ring under pressure, D/R = {diameter}"),
+            "p R³/B at first touch",
+            found,
+            pressure,
+            1e-4 * pressure,
+        );
     }
 }
 
@@ -108,17 +126,10 @@ fn ring_under_pressure_touches_itself() {
 /// up to 1e13 B/R⁴; what spreading the point does to the curvature is put right (`tangent_and_curvature`).
 #[test]
 fn ring_under_pressure_goes_from_a_point_to_a_line() {
-    let found = [1e-3, 2e-3, 3e-3].map(|diameter| {
-        let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, 0.5 * diameter);
-        let oval = |k: i32| TAU * f64::from(k) / 48.0;
-        let points = (0..48).map(|k| Vec3::new(1.02 * oval(k).cos(), 0.98 * oval(k).sin(), 0.0)).collect();
-        let mut rod = Rod::new("ring", &Shape::Points(points), true, section, 96, 3, Natural::Straight).unwrap();
-        let scale = TAU / rod.length;
-        rod.length = TAU;
-        rod.positions.iter_mut().for_each(|r| *r *= scale);
+    let found = [1e-3f64, 2e-3, 3e-3].map(|diameter| {
         let penalty = |kappa: f64| ContactLaw::Penalty { stiffness: kappa * (0.5 * diameter).powi(4) };
         // 1e4 could not hold strands as thin as this apart
-        let model = Model { rods: vec![rod], planar: true, contact: Contact { law: penalty(1e6) }, ..Model::default() };
+        let model = oval_ring(96, diameter, 1e8, penalty(1e6));
         let mut solver = Solver::new(model, Options::default()).unwrap();
         for p in [3.3, 3.6, 4.0, 4.4, 4.8, 5.1, 5.3, 6.0, 7.0, 8.0] {
             to(&mut solver, Ramp::Pressure { rod: 0, to: p });

@@ -60,9 +60,9 @@ struct Ring {
     iterations: usize,
 }
 
-/// Excess link, writhe and torque M₃L/(2πB) of a state.
+/// Excess link, writhe, torque M₃L/(2πB) and bending energy over that of the ring of a state.
 #[derive(Clone, Copy)]
-struct Numbers([f64; 3]);
+struct Numbers([f64; 4]);
 
 impl Ring {
     fn new(elements: usize, diameter: f64) -> Self {
@@ -93,7 +93,8 @@ impl Ring {
         let seen = observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 });
         let link = seen.links[0];
         assert!((link.link - excess_link).abs() < 1e-9, "link {} at {excess_link}", link.link);
-        let numbers = Numbers([excess_link, link.writhe, link.seam_moment / TAU]);
+        let bending = seen.energies.bend / (0.5 * TAU * TAU);
+        let numbers = Numbers([excess_link, link.writhe, link.seam_moment / TAU, bending]);
         println!(
             "ΔLk {excess_link}: writhe {:.7}, torque {:.7}, {} site(s), force {:.4}, iterations {counts:?}",
             numbers.0[1],
@@ -133,7 +134,7 @@ impl Ring {
 fn event(states: &[(f64, Numbers)]) -> Numbers {
     let x: Vec<f64> = states.iter().map(|s| s.0).collect();
     println!("    indicator {x:.6?}");
-    let with = |list: &[(f64, Numbers)]| -> [f64; 3] {
+    let with = |list: &[(f64, Numbers)]| -> [f64; 4] {
         let x: Vec<f64> = list.iter().map(|s| s.0).collect();
         std::array::from_fn(|k| interpolate_to_zero(&x, &list.iter().map(|s| s.1.0[k]).collect::<Vec<_>>()))
     };
@@ -161,8 +162,8 @@ struct Case {
     split: Vec<f64>,
     third: Vec<f64>,
     line: Vec<f64>,
-    /// Writhe, torque at the events.
-    reference: [[f64; 2]; 4],
+    /// Writhe, torque, bending energy at the events.
+    reference: [[f64; 3]; 4],
 }
 
 /// Follows the ring and locates the events in `wanted` (0..2 or 2..4 or both).
@@ -228,6 +229,8 @@ fn compare(case: &Case, wanted: std::ops::Range<usize>, found: &[Numbers]) {
     for ((event, reference), found) in wanted.zip(found) {
         verify(&name, &format!("writhe at {event}"), found.0[1], reference[0], 1e-4);
         verify(&name, &format!("torque M₃L/2πB at {event}"), found.0[2], reference[1], 1e-4);
+        // which along the path changes by twice as much as writhe
+        verify(&name, &format!("bending energy at {event}, over that of the ring"), found.0[3], reference[2], 2e-4);
     }
 }
 
@@ -240,7 +243,12 @@ fn thick(elements: usize, late_top: i32) -> Case {
         split: vec![1.83, 1.87, 1.89],
         third: vec![2.34, 2.33],
         line: vec![2.345, 2.355, 2.36],
-        reference: [[0.86476, 0.26950], [1.32404, 0.88280], [1.66818, 0.97846], [1.71196, 1.00273]],
+        reference: [
+            [0.86476, 0.26950, 2.81161],
+            [1.32404, 0.88280, 3.58558],
+            [1.66818, 0.97846, 4.20916],
+            [1.71196, 1.00273, 4.29589],
+        ],
     }
 }
 
@@ -273,7 +281,12 @@ fn all_events_of_the_thin_ring() {
         split: vec![1.86, 1.9, 1.92],
         third: vec![2.48, 2.47],
         line: vec![2.52, 2.54, 2.55],
-        reference: [[0.95477, 0.09042], [1.62094, 0.48818], [2.12632, 0.49945], [2.23817, 0.51478]],
+        reference: [
+            [0.95477, 0.09042, 2.84404],
+            [1.62094, 0.48818, 3.68952],
+            [2.12632, 0.49945, 4.17004],
+            [2.23817, 0.51478, 4.28347],
+        ],
     };
     compare(&case, 0..4, &run(&case, 0..4));
 }

@@ -20,6 +20,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
+use common::cases::oval_ring;
 use common::{history, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
@@ -125,15 +126,7 @@ fn thin_ring_under_the_default_law() {
 #[test]
 fn a_point_opens_when_its_zone_is_as_long_as_predicted() {
     let diameter = 1e-3;
-    let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, 0.5 * diameter);
-    let oval = |k: i32| TAU * f64::from(k) / 48.0;
-    let points = (0..48).map(|k| Vec3::new(1.02 * oval(k).cos(), 0.98 * oval(k).sin(), 0.0)).collect();
-    let mut rod = Rod::new("ring", &Shape::Points(points), true, section, 96, 3, Natural::Straight).unwrap();
-    let scale = TAU / rod.length;
-    rod.length = TAU;
-    rod.positions.iter_mut().for_each(|r| *r *= scale);
-    let contact = Contact { law: penalty(1e6, diameter) };
-    let model = Model { rods: vec![rod], planar: true, contact, ..Model::default() };
+    let model = oval_ring(96, diameter, 1e8, penalty(1e6, diameter));
     let mut solver = Solver::new(model, Options::default()).unwrap();
     for p in [3.3, 3.6, 4.0, 4.4, 4.8, 5.1, 5.3, 6.0, 7.0, 8.0, 9.0, 9.8, 10.32919] {
         let report = solver.step_to(&[Ramp::Pressure { rod: 0, to: p }]).unwrap();

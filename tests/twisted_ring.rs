@@ -9,8 +9,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
-use std::f64::consts::TAU;
+mod common;
 
+use std::f64::consts::{PI, TAU};
+
+use common::verify;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
@@ -81,7 +84,8 @@ fn contact_forces_and_topology_of_the_thick_ring() {
         );
         check_rest(&report, &seen, excess_link, 0.02);
         if let Some(exact) = force {
-            assert!((seen.total_contact_force / exact - 1.0).abs() < 1e-4, "force {}", seen.total_contact_force);
+            let case = format!("twisted ring, D/L = 0.02, ΔLk = {excess_link}");
+            verify(&case, "contact force, B/L²", seen.total_contact_force, exact, 1e-4 * exact);
         }
         if sites < 3 {
             assert_eq!(seen.sites.len(), sites, "sites at {excess_link}");
@@ -91,21 +95,44 @@ fn contact_forces_and_topology_of_the_thick_ring() {
     }
     let (_, seen) = to(&mut solver, 3.0);
     let elastic = seen.energies.total - seen.energies.contact;
-    assert!((seen.links[0].writhe / 2.371617 - 1.0).abs() < 1e-3, "writhe {}", seen.links[0].writhe);
-    assert!((elastic / 112.061 - 1.0).abs() < 1e-3, "energy {elastic}");
+    let case = "twisted ring, D/L = 0.02, ΔLk = 3 (line contact)";
+    verify(case, "writhe", seen.links[0].writhe, 2.371617, 5e-4);
+    verify(case, "elastic energy, B/L", elastic, 112.061, 2e-2);
 }
 
-/// A plectoneme of the thin ring to 0.5 % in writhe.
+/// Writhe, twisting moment and bending energy of a plectoneme.
+fn verify_plectoneme(seen: &Observation, diameter: f64, reference: [f64; 3], tolerance: f64) {
+    let case = format!("plectoneme of the twisted ring, D/L = {diameter}");
+    let measured = [seen.links[0].writhe, seen.links[0].seam_moment / TAU, seen.energies.bend / (2.0 * PI * PI)];
+    for (k, quantity) in ["Wr", "M3 L/2πB", "bending energy over that of the ring"].into_iter().enumerate() {
+        verify(&case, quantity, measured[k], reference[k], tolerance * reference[k]);
+    }
+}
+
 #[test]
 fn plectoneme_of_the_thin_ring() {
+    const THIN: f64 = 4.18363 + 0.88448 / 1.5;
     let mut solver = ring(48, 0.01, 1e7, augmented(1.6e11));
-    for excess_link in [1.0, 1.2, 1.5, 1.8, 2.1, 2.4, 2.7, 3.0, 3.3, 3.6, 3.9, 4.2, 4.5, 4.773] {
+    for excess_link in [1.0, 1.2, 1.5, 1.8, 2.1, 2.4, 2.7, 3.0, 3.3, 3.6, 3.9, 4.2, 4.5, THIN] {
         let (report, seen) = to(&mut solver, excess_link);
         println!("ΔLk {excess_link}: {} iterations, writhe {:.6}", report.iterations, seen.links[0].writhe);
         check_rest(&report, &seen, excess_link, 0.01);
     }
-    let (_, seen) = to(&mut solver, 4.773);
-    assert!((seen.links[0].writhe / 4.18363 - 1.0).abs() < 5e-3, "writhe {}", seen.links[0].writhe);
+    let (_, seen) = to(&mut solver, THIN);
+    verify_plectoneme(&seen, 0.01, [4.18363, 0.88448, 6.93812], 1e-3);
+}
+
+#[test]
+fn plectoneme_of_the_thick_ring() {
+    const LAST: f64 = 3.03002 + 2.32740 / 1.5;
+    let mut solver = ring(48, 0.03, 1e7, augmented(2e9));
+    for excess_link in [1.0, 1.2, 1.5, 1.8, 2.1, 2.4, 2.7, 3.0, 3.3, 3.6, 3.9, 4.2, 4.4, LAST] {
+        let (report, seen) = to(&mut solver, excess_link);
+        println!("ΔLk {excess_link}: {} iterations, writhe {:.6}", report.iterations, seen.links[0].writhe);
+        check_rest(&report, &seen, excess_link, 0.03);
+    }
+    let (_, seen) = to(&mut solver, LAST);
+    verify_plectoneme(&seen, 0.03, [3.03002, 2.32740, 8.38007], 1e-3);
 }
 
 /// Raising the penalty tenfold costs at most eight Newton steps in every contact state, each ending superlinearly; at κ = 1e14 the

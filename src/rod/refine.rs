@@ -2,6 +2,7 @@
 
 use crate::error::InputError;
 use crate::math::quaternion::spin;
+use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
 
@@ -50,7 +51,7 @@ impl Rod {
                 let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
                 // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
                 let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
-                let weight = weight(stencil, k, at);
+                let weight = lagrange_weight(stencil, |j| j as f64, k, at);
                 point += (positions[node] - positions[segment]) * weight;
                 sum += aligned * weight;
                 before = aligned;
@@ -64,11 +65,6 @@ impl Rod {
         }
         (r, q)
     }
-}
-
-/// Lagrange's weight of the k-th of `count` equally spaced points 0, 1, … at `x`.
-fn weight(count: usize, k: usize, x: f64) -> f64 {
-    (0..count).filter(|&j| j != k).map(|j| (x - j as f64) / (k as f64 - j as f64)).product()
 }
 
 #[cfg(test)]

@@ -91,7 +91,9 @@ pub enum ContactLaw {
     /// p = κ⟨c − gap⟩ with an offset field c raised until no penetration beyond the tolerance is left.
     AugmentedLagrangian {
         /// Dimensionless stiffness as in `Penalty`; resultants depend on it only through the width κ^(−1/3) over which
-        /// a point contact is spread.
+        /// a point contact is spread. Along lines of contact it should be 1 or more: below, the law's layer (B/κ)^¼ is longer than the contact
+        /// distance and offsets converge slowly. Above, rounding sets the limit: pressures are known to 1e-16 κ × the size of coordinates.
+        /// Six decades in between give the same resultants (`tests/contact_laws.rs`).
         stiffness: f64,
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,

@@ -11,6 +11,7 @@
 //! A branch is entered along the critical eigenvector, on either side, without noise: the first point lies in the plane
 //! normal to it, so that it is found whether λ rises (supercritical) or falls (subcritical).
 
+mod corner;
 mod corrector;
 mod locate;
 mod parameter;
@@ -30,6 +31,9 @@ use crate::solve::settle::{Status, StepReport};
 const AIM: f64 = 5.0;
 /// Steps whose tangent turns by more than this are taken again, shorter, rad in the metric of the arc length.
 const MAX_TURN: f64 = 0.5;
+/// Where steps shorter than this share of the first fail, a corner is looked for, and within so many of their lengths.
+const NEAR_CORNER: f64 = 1e-2;
+const CORNER_REACH: f64 = 4.0;
 /// Longest chord of a step in units of its length along the tangent: beyond it Newton has gone to another path.
 const MAX_CHORD: f64 = 1.25;
 
@@ -100,6 +104,9 @@ pub enum PointKind {
         /// Eigenvalues that pass zero at once; 0 where one touches zero and turns back, as at the root of a branch when it is run through.
         multiplicity: usize,
     },
+    /// Hard contact begins, or the last one ends: the path has a corner, at which the parameter may turn back and the number of unstable directions
+    /// change. The state is extrapolated from the side before; the number is that before.
+    Corner,
     /// The parameter has come to the ramp's target; the path ends.
     Target,
 }
@@ -209,8 +216,9 @@ impl Solver {
     /// Ends where the parameter comes to the ramp's target, or as the options or the observer say. The observer sees
     /// the start, every point, and between them every limit and branch point located; it may stop there to switch branches by a second call.
     ///
-    /// Contact is enforced at every point under the present law. Where hard contact begins or ends a path has a corner; one so sharp that the
-    /// parameter turns back there (a ring that first touches itself past its fold) is not gone round yet: the path ends with [`PathEnd::StepTooSmall`].
+    /// Contact is enforced at every point under the present law. Where hard contact begins or ends a path has a corner, at which the parameter may
+    /// turn back (a ring that first touches itself past its fold). It is gone round where strands that were all apart touch, or the last contact
+    /// opens; where one contact of several begins or ends so sharply that no step goes past, the path ends with [`PathEnd::StepTooSmall`].
     ///
     /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness: about 1e-6 of the
     /// parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it is stationary there.
@@ -263,6 +271,23 @@ fn trace(
         let turn = |next: &Point| tracer.dot(&here.tangent, &next.tangent).clamp(-1.0, 1.0).acos();
         let good = next.filter(|n| turn(n) <= MAX_TURN && n.chord <= MAX_CHORD * step);
         let Some(mut next) = good else {
+            if step < NEAR_CORNER * options.step
+                && let Some(found) =
+                    tracer.round_corner(&here, CORNER_REACH * step, NEAR_CORNER * options.step).unwrap_or(None)
+            {
+                report.value = found.corner.value;
+                if !reporter.tell(tracer, &found.corner, PointKind::Corner, arc + found.before)? {
+                    return Ok(PathEnd::Stopped);
+                }
+                arc += found.before + found.after;
+                reporter.points += 1;
+                (report.num_points, report.value) = (reporter.points, found.next.value);
+                if !reporter.tell(tracer, &found.next, PointKind::Regular, arc)? {
+                    return Ok(PathEnd::Stopped);
+                }
+                (here, step) = (found.next, found.after);
+                continue;
+            }
             step *= 0.5;
             if step < options.min_step {
                 tracer.enter(&here)?;
@@ -298,7 +323,9 @@ fn trace(
         if arrives {
             return Ok(PathEnd::Target);
         }
-        let pace = (AIM / next.iterations.max(1) as f64).sqrt().min(0.5 * MAX_TURN / turned.max(1e-3));
+        // iterations of one search; each augmentation of contact offsets asks for another
+        let iterations = next.iterations.max(1) as f64 / (1 + next.augmentations) as f64;
+        let pace = (AIM / iterations).sqrt().min(0.5 * MAX_TURN / turned.max(1e-3));
         step = (step * pace.clamp(0.5, 2.0)).min(options.max_step);
         here = next;
     }

@@ -8,6 +8,7 @@
 use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
 
+use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::solve::engine::Engine;
 use crate::solve::state::{Drive, State};
@@ -58,7 +59,7 @@ impl History {
         predicted.positions.iter_mut().for_each(|r| *r = Vec3::zeros());
         let mut frames = vec![nalgebra::Vector4::zeros(); present.frames.len()];
         for (index, (_, state)) in self.states.iter().enumerate() {
-            let weight = self.weight(index, fraction);
+            let weight = lagrange_weight(self.states.len(), |k| self.states[k].0, index, fraction);
             let mut state = state.clone();
             for rod in 0..state.seams.len() {
                 let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
@@ -82,13 +83,6 @@ impl History {
         }
         drive.add_to(&mut increment);
         Some(increment)
-    }
-
-    /// Lagrange's weight of a kept state at `fraction`.
-    fn weight(&self, index: usize, fraction: f64) -> f64 {
-        let here = self.states[index].0;
-        let others = self.states.iter().enumerate().filter(|(other, _)| *other != index);
-        others.map(|(_, (there, _))| (fraction - there) / (here - there)).product()
     }
 }
 

@@ -3,6 +3,8 @@
 #![allow(dead_code)] // every test file uses its part
 #![allow(clippy::print_stdout, clippy::unwrap_used, clippy::expect_used)] // helpers of tests
 
+pub mod braid;
+pub mod cases;
 pub mod curvature;
 
 use std::ops::ControlFlow;

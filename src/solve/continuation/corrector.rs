@@ -234,7 +234,7 @@ impl Tracer<'_> {
     }
 
     /// Motion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
-    fn response_to_parameter(&mut self, state: &State, stress: &[[Six; 3]]) -> Motion {
+    pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Six; 3]]) -> Motion {
         let solver = &mut *self.solver;
         let driven = &solver.workspace.tangent.drive;
         let rate = self.parameter.rate(&solver.engine, state, stress, driven);
@@ -289,7 +289,7 @@ impl Tracer<'_> {
     }
 
     /// Factorises the true tangent at a state the solver stands in; its number of negative eigenvalues.
-    fn linearise_there(&mut self, state: &State) -> Result<usize, SolveError> {
+    pub(super) fn linearise_there(&mut self, state: &State) -> Result<usize, SolveError> {
         let solver = &mut *self.solver;
         let stress = solver.engine.actual_stress(state);
         solver.workspace.linearise(&solver.engine, state, &stress, &self.parameter.drive());
