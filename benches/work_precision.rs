@@ -358,27 +358,33 @@ fn with(list: &mut Vec<Knobs>, change: impl Fn(&mut Knobs)) {
     list.push(knobs);
 }
 
-/// One knob at a time off the middle, and meshes with laws together.
+/// Meshes with laws together, and one knob at a time off the middle mesh.
 fn contact_knobs(elements: &[usize], stiffnesses: &[f64]) -> Vec<Knobs> {
     let mut list = Vec::new();
+    let middle = elements[elements.len() / 2];
+    let with = |list: &mut Vec<Knobs>, change: &dyn Fn(&mut Knobs)| {
+        let mut knobs = Knobs { elements: middle, ..MIDDLE };
+        change(&mut knobs);
+        list.push(knobs);
+    };
     for &count in elements {
         for &stiffness in stiffnesses {
             for augmented in [true, false] {
-                with(&mut list, |k| (k.elements, k.stiffness, k.augmented) = (count, stiffness, augmented));
+                with(&mut list, &|k| (k.elements, k.stiffness, k.augmented) = (count, stiffness, augmented));
             }
         }
     }
     for order in [1, 2] {
-        with(&mut list, |k| (k.order, k.elements) = (order, 72 / order));
+        with(&mut list, &|k| (k.order, k.elements) = (order, 3 * middle / order));
     }
     for tol in [1e-3, 1e-5] {
-        with(&mut list, |k| k.tol_increment = tol);
+        with(&mut list, &|k| k.tol_increment = tol);
     }
     for tol in [1e-2, 1e-4] {
-        with(&mut list, |k| k.tol_penetration = tol);
+        with(&mut list, &|k| k.tol_penetration = tol);
     }
     for steps in [2, 8, 16] {
-        with(&mut list, |k| k.steps = steps);
+        with(&mut list, &|k| k.steps = steps);
     }
     list
 }
