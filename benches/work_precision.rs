@@ -85,6 +85,7 @@ struct Row {
 
 struct Case {
     name: &'static str,
+    title: &'static str,
     /// What the presets' meshes go by: length, turns, contact radius.
     rod: [f64; 3],
     /// Builds and loads; `None` when a step does not converge.
@@ -447,15 +448,19 @@ fn condition() {
     plot("condition_elements", "increments at rounding, L/ε = 100", axes, by_elements, Vec::new(), Vec::new());
 }
 
-/// A setting, what it cost and how far off it is.
-fn line(row: &Row) -> String {
-    let k = row.knobs;
+fn setting(k: &Knobs) -> String {
     let (order, elements, stiffness) = (k.order, k.elements, k.stiffness);
     let law = if k.augmented { format!("augmented to {:.0e}", k.tol_penetration) } else { "penalty".to_owned() };
     format!(
-        "{:.1e} node iterations ({:.2} s), worst error {:.1e}: order {order}, {elements} elements, κ' {stiffness:.0e}, {law}, tol {:.0e}, {} steps",
-        row.work, row.seconds, row.worst, k.tol_increment, k.steps
+        "order {order}, {elements} elements, κ' {stiffness:.0e}, {law}, tol {:.0e}, {} steps",
+        k.tol_increment, k.steps
     )
+}
+
+/// What a setting cost and how far off it is.
+fn line(row: &Row) -> String {
+    let (work, seconds, worst) = (row.work, row.seconds, row.worst);
+    format!("{work:.1e} node iterations ({seconds:.2} s), worst error {worst:.1e}: {}", setting(&row.knobs))
 }
 
 fn main() {
@@ -468,6 +473,7 @@ fn main() {
     let cases = [
         Case {
             name: "bend",
+            title: "45° bend",
             rod: [BEND_LENGTH, 0.125 + BEND_LENGTH / TAU * (600.0 / (1e7 / 12.0f64)).sqrt(), 0.0],
             run: bend,
             reference: exact_bend,
@@ -475,6 +481,7 @@ fn main() {
         },
         Case {
             name: "thick_ring",
+            title: "twisted ring, D/L = .03, one contact",
             rod: [1.0, 2.8, 0.015],
             run: thick_ring,
             reference: || finest(thick_ring, 64, 1e6),
@@ -482,6 +489,7 @@ fn main() {
         },
         Case {
             name: "thin_ring",
+            title: "twisted ring, D/L = .01, one contact",
             rod: [1.0, 2.8, 0.005],
             run: thin_ring,
             reference: || finest(thin_ring, 96, 1e6),
@@ -489,6 +497,7 @@ fn main() {
         },
         Case {
             name: "line_ring",
+            title: "twisted ring, D/L = .01, line contact",
             rod: [1.0, 3.8, 0.005],
             run: line_ring,
             reference: || finest(line_ring, 200, 3e3),
@@ -496,6 +505,7 @@ fn main() {
         },
         Case {
             name: "minicircle",
+            title: "DNA minicircle, three turns taken out",
             rod: [336.0 * dna::RISE, 4.0, 2.5],
             run: minicircle,
             reference: || finest(minicircle, 128, 1e4),
@@ -503,6 +513,7 @@ fn main() {
         },
         Case {
             name: "beams",
+            title: "two beams, line contact",
             rod: [1.0, 1.0, 0.01],
             run: beams,
             reference: || finest(beams, 160, 1e4),
@@ -510,6 +521,7 @@ fn main() {
         },
         Case {
             name: "plectoneme",
+            title: "plectoneme of a ring, D/L = .01",
             rod: [1.0, 1.0 + PLECTONEME_LINK, 0.005],
             run: plectoneme,
             reference: exact_plectoneme,
@@ -517,6 +529,7 @@ fn main() {
         },
         Case {
             name: "puc19",
+            title: "pUC19, plectoneme at a density of -0.06",
             rod: [PUC19_LENGTH, 1.0 - PUC19_LINK, 2.5],
             run: puc19,
             reference: || finest(puc19, 320, 1e4),
@@ -527,12 +540,19 @@ fn main() {
         let reference = (case.reference)();
         let steps = if case.name == "bend" { 1 } else { MIDDLE.steps };
         case.knobs.extend(Fidelity::ALL.map(|fidelity| preset(fidelity, case.rod, steps)));
-        let rows: Vec<Row> = case.knobs.iter().filter_map(|&knobs| measure(&case, &reference, knobs)).collect();
+        let (mut rows, mut failed) = (Vec::new(), Vec::new());
+        for &knobs in &case.knobs {
+            match measure(&case, &reference, knobs) {
+                Some(row) => rows.push(row),
+                None => failed.push(setting(&knobs)),
+            }
+        }
         let best = front(&rows);
         println!("\n{}: {} of {} settings converged; front:", case.name, rows.len(), case.knobs.len());
         for &i in &best {
             println!("  {}", line(&rows[i]));
         }
+        failed.iter().for_each(|setting| println!("  not converged: {setting}"));
         let least = |worst: f64| rows.iter().filter(|r| r.worst <= worst).map(|r| r.work).fold(f64::INFINITY, f64::min);
         let presets = || rows.iter().filter(|row| row.knobs.preset.is_some());
         for row in presets() {
@@ -555,11 +575,10 @@ fn main() {
         let named = presets().map(|row| Series {
             name: word(row.knobs.preset),
             points: vec![point(row)],
-            style: SeriesStyle::LinePoints,
+            style: SeriesStyle::Marks,
         });
-        let title = case.name.replace('_', " ");
         let all = rows.iter().map(point).collect();
-        plot(case.name, &title, ["node iterations", "worst relative error"], all, through, named.collect());
+        plot(case.name, case.title, ["node iterations", "worst relative error"], all, through, named.collect());
     }
     if "condition".contains(&wanted) {
         condition();
