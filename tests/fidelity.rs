@@ -272,3 +272,17 @@ fn scenes() {
         }
     }
 }
+
+/// The minicircle of the examples, from the flat circle through the figure-eight to its supercoil, with meshes of the presets: runs to its end, on every one.
+#[test]
+fn the_minicircle_with_every_preset() {
+    let text = include_str!("../examples/minicircle.toml").replace("elements = 48", "").replace("tol_penetration", "#");
+    for (word, elements) in [("draft", 12), ("balanced", 32), ("reference", 64)] {
+        let scene = Scene::from_toml(&format!("fidelity = \"{word}\"\n{text}"), Path::new("")).unwrap();
+        assert_eq!(scene.model.rods[0].num_elements, elements);
+        let seen = run_scene(&scene, &format!("{word}, minicircle"));
+        assert!((seen.links[0].link + 3.0).abs() < 1e-9);
+        // of finer runs, which agree to 1e-4
+        hold(word, &[("writhe", seen.links[0].writhe, -1.8449, scene.fidelity.unwrap().accuracy().writhe)]);
+    }
+}
