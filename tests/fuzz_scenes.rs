@@ -97,7 +97,8 @@ fn mutate(text: &str, (kind, place, value): (u8, usize, usize)) -> String {
             let (a, b) = places[place % places.len()];
             format!("{}{}{}", &text[..a], VALUES[value % VALUES.len()], &text[b..])
         }
-        6 | 7 => {
+        // a text may have been cut to nothing
+        6 | 7 if !text.is_empty() => {
             let mut lines: Vec<&str> = text.lines().collect();
             let at = place % lines.len();
             if kind == 6 {
