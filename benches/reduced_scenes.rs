@@ -72,8 +72,8 @@ fn main() {
         let mut solver = solver(case);
         let size = solver.engine_mut().footprint().unwrap();
         let per_node = |count: usize| count as f64 / size.nodes as f64;
-        // tangent with row indices, the part of contact, factor
-        let entry = if case.contact { 20.0 } else { 12.0 };
+        // tangent with row indices, the part of contact where strands are near each other, factor
+        let entry = if size.candidates > 0 { 20.0 } else { 12.0 };
         let bytes = entry * per_node(size.tangent_entries) + 8.0 * per_node(size.factor_entries);
         if full == 0.0 {
             full = bytes;

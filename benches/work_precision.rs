@@ -1,4 +1,5 @@
-//! What accuracy costs: errors against work over the knobs of `docs/ACCURACY.md`, with the Pareto front of each case.
+//! What accuracy costs: errors against work over the knobs of `docs/ACCURACY.md`, with the Pareto front of each case and where the presets
+//! ([`Fidelity`]) lie on it.
 //!
 //! `cargo bench --bench work_precision` writes `target/work_precision/*.csv` and one plot a case; a word behind `--` picks the cases whose names have it.
 //! Work is counted in node iterations (Newton iterations times nodes, from the start state to rest), which other work on the machine does not
@@ -10,12 +11,13 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::path::PathBuf;
 use std::time::Instant;
 
+use supercoil::dna;
 use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Support};
+use supercoil::scene::{Contact, ContactLaw, Fidelity, LineLoad, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Progress, Solver, Status};
 
 /// One setting of the knobs.
@@ -26,13 +28,33 @@ struct Knobs {
     /// Contact stiffness κ ε⁴/B and whether an augmented Lagrangian closes the gaps.
     stiffness: f64,
     augmented: bool,
+    tol_penetration: f64,
     tol_increment: f64,
     /// Load steps.
     steps: usize,
+    preset: Option<Fidelity>,
 }
 
-const MIDDLE: Knobs =
-    Knobs { order: 3, elements: 24, stiffness: 100.0, augmented: true, tol_increment: 1e-8, steps: 4 };
+const MIDDLE: Knobs = Knobs {
+    order: 3,
+    elements: 24,
+    stiffness: 100.0,
+    augmented: true,
+    tol_penetration: 1e-8,
+    tol_increment: 1e-8,
+    steps: 4,
+    preset: None,
+};
+
+/// A preset's settings for a rod of this length, turns and contact radius.
+fn preset(fidelity: Fidelity, [length, turns, radius]: [f64; 3], steps: usize) -> Knobs {
+    let ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } = fidelity.contact().law else {
+        panic!("presets augment");
+    };
+    let elements = fidelity.elements(length, turns, radius);
+    let tol_increment = fidelity.tol_increment();
+    Knobs { elements, stiffness, tol_penetration, tol_increment, steps, preset: Some(fidelity), ..MIDDLE }
+}
 
 /// Numbers a state is judged by; NaN where a case has none.
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +85,9 @@ struct Row {
 
 struct Case {
     name: &'static str,
+    title: &'static str,
+    /// What the presets' meshes go by: length, turns, contact radius.
+    rod: [f64; 3],
     /// Builds and loads; `None` when a step does not converge.
     run: fn(&Knobs) -> Option<(Solver, Observation, usize)>,
     reference: fn() -> Numbers,
@@ -70,8 +95,8 @@ struct Case {
 }
 
 fn law(knobs: &Knobs) -> Contact {
-    let stiffness = knobs.stiffness;
-    let augmented = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
+    let Knobs { stiffness, tol_penetration, .. } = *knobs;
+    let augmented = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration };
     Contact { law: if knobs.augmented { augmented } else { ContactLaw::Penalty { stiffness } } }
 }
 
@@ -98,6 +123,9 @@ fn go(mut solver: Solver, ramps: impl Iterator<Item = Vec<Ramp>>) -> Option<(Sol
     let seen = observe(&progress);
     Some((solver, seen, iterations))
 }
+
+/// Length of the 45° bend, R = 100.
+const BEND_LENGTH: f64 = 100.0 * FRAC_PI_4;
 
 fn bend(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let section = Section {
@@ -145,11 +173,43 @@ fn thin_ring(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     ring(knobs, 0.01, &links(knobs, 1.8))
 }
 
+/// The ring in contact along a line.
+fn line_ring(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    ring(knobs, 0.01, &links(&Knobs { steps: 2 * knobs.steps, ..*knobs }, 2.8))
+}
+
+/// A DNA minicircle of 336 base pairs with three turns taken out, as `examples/minicircle.toml`.
+fn minicircle(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
+    let section = Section::isotropic(bending, twisting, stretching, stretching, 2.5);
+    let circle = Shape::Circle { length: 336.0 * dna::RISE, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("dna", &circle, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let solver =
+        Solver::new(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, options(knobs)).ok()?;
+    let steps = 5 * knobs.steps;
+    go(solver, (1..=steps).map(|k| vec![Ramp::ExcessLink { rod: 0, to: -3.0 * k as f64 / steps as f64 }]))
+}
+
+/// pUC19 at a supercoiling density of -0.06, brought to rest from a plectoneme: `examples/puc19.toml` without the way there from the circle.
+fn puc19(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
+    let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
+    let section = Section::isotropic(bending, twisting, stretching, stretching, 2.5);
+    let shape = Shape::Plectoneme(Plectoneme::of_link(PUC19_LENGTH, 5.1, bending, twisting, PUC19_LINK).ok()?);
+    let rod = Rod::new("dna", &shape, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let rod = rod.with_excess_link(PUC19_LINK).ok()?;
+    let solver =
+        Solver::new(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, options(knobs)).ok()?;
+    go(solver, std::iter::once(Vec::new()))
+}
+
+const PUC19_LENGTH: f64 = 2686.0 * dna::RISE;
+const PUC19_LINK: f64 = -15.0;
+
 /// The ring with D/L = .01 as a plectoneme, from a plectoneme: link at which its exact writhe and moment are known.
 const PLECTONEME_LINK: f64 = 4.18363 + 0.88448 / 1.5;
 
 fn plectoneme(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
-    let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.005);
+    let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.005);
     let shape = Shape::Plectoneme(Plectoneme::of_link(1.0, 0.0102, 1.0, 1.5, PLECTONEME_LINK).ok()?);
     let rod = Rod::new("ring", &shape, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
     let rod = rod.with_excess_link(PLECTONEME_LINK).ok()?;
@@ -192,8 +252,8 @@ fn numbers(solver: &Solver, seen: &Observation) -> Numbers {
 }
 
 /// A far finer run, for want of exact values.
-fn finest(run: fn(&Knobs) -> Option<(Solver, Observation, usize)>) -> Numbers {
-    let (solver, seen, _) = run(&Knobs { elements: 64, stiffness: 1e6, ..MIDDLE }).unwrap();
+fn finest(run: fn(&Knobs) -> Option<(Solver, Observation, usize)>, elements: usize, stiffness: f64) -> Numbers {
+    let (solver, seen, _) = run(&Knobs { elements, stiffness, ..MIDDLE }).unwrap();
     Numbers { tip: [f64::NAN; 3], ..numbers(&solver, &seen) }
 }
 
@@ -245,13 +305,26 @@ fn folder() -> PathBuf {
     dir
 }
 
+fn word(preset: Option<Fidelity>) -> String {
+    preset.map_or_else(String::new, |fidelity| format!("{fidelity:?}"))
+}
+
 fn write(case: &str, rows: &[Row], best: &[usize]) {
-    let head = "case,order,elements,stiffness,augmented,tol_increment,steps,seconds,iterations,work,energy,moment,writhe,force,tip,gap,worst,front\n";
+    let head = "case,preset,order,elements,stiffness,augmented,tol_penetration,tol_increment,steps,seconds,iterations,work,energy,moment,writhe,force,tip,gap,worst,front\n";
     let mut text = head.to_owned();
     for (index, row) in rows.iter().enumerate() {
         let k = row.knobs;
-        let knobs =
-            format!("{},{},{:e},{},{:e},{}", k.order, k.elements, k.stiffness, k.augmented, k.tol_increment, k.steps);
+        let knobs = format!(
+            "{},{},{},{:e},{},{:e},{:e},{}",
+            word(k.preset),
+            k.order,
+            k.elements,
+            k.stiffness,
+            k.augmented,
+            k.tol_penetration,
+            k.tol_increment,
+            k.steps
+        );
         let errors =
             [row.energy, row.moment, row.writhe, row.force, row.tip, row.gap, row.worst].map(|e| format!("{e:.3e}"));
         let (seconds, errors) = (row.seconds, errors.join(","));
@@ -266,14 +339,15 @@ fn write(case: &str, rows: &[Row], best: &[usize]) {
     std::fs::write(folder().join(format!("{case}.csv")), text).unwrap();
 }
 
-/// Points on logarithmic axes, and a line through some of them.
-fn plot(name: &str, title: &str, axes: [&str; 2], points: Vec<(f64, f64)>, line: Vec<(f64, f64)>) {
+/// Points on logarithmic axes, a line through some of them, and some with names.
+fn plot(name: &str, title: &str, axes: [&str; 2], points: Vec<(f64, f64)>, line: Vec<(f64, f64)>, named: Vec<Series>) {
     let [x_label, y_label] = axes.map(str::to_owned);
+    let settings = if line.is_empty() { "" } else { "settings" };
     let series = vec![
-        Series { points, style: SeriesStyle::Points, ..Series::default() },
+        Series { name: settings.to_owned(), points, style: SeriesStyle::Points },
         Series { name: "front".to_owned(), points: line, style: SeriesStyle::LinePoints },
     ];
-    let series = series.into_iter().filter(|s| !s.points.is_empty()).collect();
+    let series = series.into_iter().chain(named).filter(|s| !s.points.is_empty()).collect();
     let plot =
         PlotSpec { title: title.to_owned(), x_label, y_label, series, log_x: true, log_y: true, ..PlotSpec::default() };
     plot_lines(&folder().join(format!("{name}.svg")), &plot).unwrap();
@@ -285,24 +359,33 @@ fn with(list: &mut Vec<Knobs>, change: impl Fn(&mut Knobs)) {
     list.push(knobs);
 }
 
-/// One knob at a time off the middle, and meshes with laws together.
+/// Meshes with laws together, and one knob at a time off the middle mesh.
 fn contact_knobs(elements: &[usize], stiffnesses: &[f64]) -> Vec<Knobs> {
     let mut list = Vec::new();
+    let middle = elements[elements.len() / 2];
+    let with = |list: &mut Vec<Knobs>, change: &dyn Fn(&mut Knobs)| {
+        let mut knobs = Knobs { elements: middle, ..MIDDLE };
+        change(&mut knobs);
+        list.push(knobs);
+    };
     for &count in elements {
         for &stiffness in stiffnesses {
             for augmented in [true, false] {
-                with(&mut list, |k| (k.elements, k.stiffness, k.augmented) = (count, stiffness, augmented));
+                with(&mut list, &|k| (k.elements, k.stiffness, k.augmented) = (count, stiffness, augmented));
             }
         }
     }
     for order in [1, 2] {
-        with(&mut list, |k| (k.order, k.elements) = (order, 72 / order));
+        with(&mut list, &|k| (k.order, k.elements) = (order, 3 * middle / order));
     }
     for tol in [1e-3, 1e-5] {
-        with(&mut list, |k| k.tol_increment = tol);
+        with(&mut list, &|k| k.tol_increment = tol);
+    }
+    for tol in [1e-2, 1e-4] {
+        with(&mut list, &|k| k.tol_penetration = tol);
     }
     for steps in [2, 8, 16] {
-        with(&mut list, |k| k.steps = steps);
+        with(&mut list, &|k| k.steps = steps);
     }
     list
 }
@@ -360,9 +443,24 @@ fn condition() {
     }
     std::fs::write(folder().join("condition.csv"), text).unwrap();
     let axes = ["slenderness L/ε", "smallest increment"];
-    plot("condition_slenderness", "increments at rounding", axes, by_slenderness, Vec::new());
+    plot("condition_slenderness", "increments at rounding", axes, by_slenderness, Vec::new(), Vec::new());
     let axes = ["cubic elements", "smallest increment"];
-    plot("condition_elements", "increments at rounding, L/ε = 100", axes, by_elements, Vec::new());
+    plot("condition_elements", "increments at rounding, L/ε = 100", axes, by_elements, Vec::new(), Vec::new());
+}
+
+fn setting(k: &Knobs) -> String {
+    let (order, elements, stiffness) = (k.order, k.elements, k.stiffness);
+    let law = if k.augmented { format!("augmented to {:.0e}", k.tol_penetration) } else { "penalty".to_owned() };
+    format!(
+        "order {order}, {elements} elements, κ' {stiffness:.0e}, {law}, tol {:.0e}, {} steps",
+        k.tol_increment, k.steps
+    )
+}
+
+/// What a setting cost and how far off it is.
+fn line(row: &Row) -> String {
+    let (work, seconds, worst) = (row.work, row.seconds, row.worst);
+    format!("{work:.1e} node iterations ({seconds:.2} s), worst error {worst:.1e}: {}", setting(&row.knobs))
 }
 
 fn main() {
@@ -371,63 +469,116 @@ fn main() {
         let (solver, seen, _) = bend(&Knobs { elements: 64, steps: 4, ..MIDDLE }).unwrap();
         Numbers { energy: numbers(&solver, &seen).energy, tip: [47.1500962403, 15.6846894790, 53.4754779982], ..NONE }
     };
-    let exact_beams = || {
-        let q: f64 = 12.0 * 192.0 * 1e-4;
-        let lift_off = (36.0 * 1e-4 / q).powf(0.25);
-        Numbers { force: q * (1.0 - 2.0 * lift_off) + 2.0 * q * lift_off / 3.0, ..NONE }
-    };
     let exact_plectoneme = || Numbers { writhe: 4.18363, moment: 0.88448 * TAU, ..NONE };
     let cases = [
-        Case { name: "bend", run: bend, reference: exact_bend, knobs: bend_knobs() },
+        Case {
+            name: "bend",
+            title: "45° bend",
+            rod: [BEND_LENGTH, 0.125 + BEND_LENGTH / TAU * (600.0 / (1e7 / 12.0f64)).sqrt(), 0.0],
+            run: bend,
+            reference: exact_bend,
+            knobs: bend_knobs(),
+        },
         Case {
             name: "thick_ring",
+            title: "twisted ring, D/L = .03, one contact",
+            rod: [1.0, 2.8, 0.015],
             run: thick_ring,
-            reference: || finest(thick_ring),
+            reference: || finest(thick_ring, 64, 1e6),
             knobs: contact_knobs(&[12, 16, 24, 32], &[1.0, 10.0, 100.0, 1e4]),
         },
         Case {
             name: "thin_ring",
+            title: "twisted ring, D/L = .01, one contact",
+            rod: [1.0, 2.8, 0.005],
             run: thin_ring,
-            reference: || finest(thin_ring),
-            knobs: contact_knobs(&[12, 16, 24, 32], &[1.0, 10.0, 100.0, 1e4]),
+            reference: || finest(thin_ring, 96, 1e6),
+            knobs: contact_knobs(&[12, 16, 24, 32, 48], &[1.0, 10.0, 100.0, 1e3, 1e4]),
+        },
+        Case {
+            name: "line_ring",
+            title: "twisted ring, D/L = .01, line contact",
+            rod: [1.0, 3.8, 0.005],
+            run: line_ring,
+            reference: || finest(line_ring, 200, 3e3),
+            knobs: contact_knobs(&[12, 16, 24, 32, 48, 64], &[1.0, 10.0, 100.0, 1e3]),
+        },
+        Case {
+            name: "minicircle",
+            title: "DNA minicircle, three turns taken out",
+            rod: [336.0 * dna::RISE, 4.0, 2.5],
+            run: minicircle,
+            reference: || finest(minicircle, 128, 1e4),
+            knobs: contact_knobs(&[12, 16, 24, 32, 48, 64], &[1.0, 10.0, 100.0, 1e3]),
         },
         Case {
             name: "beams",
+            title: "two beams, line contact",
+            rod: [1.0, 1.0, 0.01],
             run: beams,
-            reference: exact_beams,
+            reference: || finest(beams, 160, 1e4),
             knobs: contact_knobs(&[8, 16, 24, 48], &[10.0, 100.0, 1e4]),
         },
         Case {
             name: "plectoneme",
+            title: "plectoneme of a ring, D/L = .01",
+            rod: [1.0, 1.0 + PLECTONEME_LINK, 0.005],
             run: plectoneme,
             reference: exact_plectoneme,
-            knobs: contact_knobs(&[48, 64], &[10.0, 100.0]),
+            knobs: contact_knobs(&[16, 24, 48, 64], &[10.0, 100.0]),
+        },
+        Case {
+            name: "puc19",
+            title: "pUC19, plectoneme at a density of -0.06",
+            rod: [PUC19_LENGTH, 1.0 - PUC19_LINK, 2.5],
+            run: puc19,
+            reference: || finest(puc19, 320, 1e4),
+            knobs: contact_knobs(&[30, 48, 88, 128, 192], &[1.0, 10.0, 100.0, 1e3]),
         },
     ];
-    for case in cases.iter().filter(|case| case.name.contains(&wanted)) {
+    for mut case in cases.into_iter().filter(|case| case.name.contains(&wanted)) {
         let reference = (case.reference)();
-        let rows: Vec<Row> = case.knobs.iter().filter_map(|&knobs| measure(case, &reference, knobs)).collect();
+        let steps = if case.name == "bend" { 1 } else { MIDDLE.steps };
+        case.knobs.extend(Fidelity::ALL.map(|fidelity| preset(fidelity, case.rod, steps)));
+        let (mut rows, mut failed) = (Vec::new(), Vec::new());
+        for &knobs in &case.knobs {
+            match measure(&case, &reference, knobs) {
+                Some(row) => rows.push(row),
+                None => failed.push(setting(&knobs)),
+            }
+        }
         let best = front(&rows);
         println!("\n{}: {} of {} settings converged; front:", case.name, rows.len(), case.knobs.len());
         for &i in &best {
-            let (row, k) = (&rows[i], rows[i].knobs);
+            println!("  {}", line(&rows[i]));
+        }
+        failed.iter().for_each(|setting| println!("  not converged: {setting}"));
+        let least = |worst: f64| rows.iter().filter(|r| r.worst <= worst).map(|r| r.work).fold(f64::INFINITY, f64::min);
+        let presets = || rows.iter().filter(|row| row.knobs.preset.is_some());
+        for row in presets() {
             println!(
-                "  {:.1e} node iterations ({:.2} s), worst error {:.1e}: order {}, {} elements, κ' {:.0e}, {}, tol {:.0e}, {} steps",
-                row.work,
-                row.seconds,
-                row.worst,
-                k.order,
-                k.elements,
-                k.stiffness,
-                if k.augmented { "augmented" } else { "penalty" },
-                k.tol_increment,
-                k.steps
+                "  {}: {:.1} times the least work for that error; {}\n    energy {:.1e}, moment {:.1e}, writhe {:.1e}, force {:.1e}, tip {:.1e}, gap {:.1e}",
+                word(row.knobs.preset),
+                row.work / least(row.worst),
+                line(row),
+                row.energy,
+                row.moment,
+                row.writhe,
+                row.force,
+                row.tip,
+                row.gap
             );
         }
         write(case.name, &rows, &best);
         let point = |row: &Row| (row.work, row.worst);
-        let line: Vec<(f64, f64)> = best.iter().map(|&i| point(&rows[i])).filter(|p| p.1 > 0.0).collect();
-        plot(case.name, case.name, ["node iterations", "worst relative error"], rows.iter().map(point).collect(), line);
+        let through: Vec<(f64, f64)> = best.iter().map(|&i| point(&rows[i])).filter(|p| p.1 > 0.0).collect();
+        let named = presets().map(|row| Series {
+            name: word(row.knobs.preset),
+            points: vec![point(row)],
+            style: SeriesStyle::Marks,
+        });
+        let all = rows.iter().map(point).collect();
+        plot(case.name, case.title, ["node iterations", "worst relative error"], all, through, named.collect());
     }
     if "condition".contains(&wanted) {
         condition();

@@ -280,6 +280,25 @@ fn one_element() {
     }
 }
 
+/// A single unknown left by the supports, and unknowns that have nothing to do with each other: *return* at rest, after one iteration. (Found by fuzzing: broke down,
+/// see `sparse::factor`.)
+#[test]
+fn one_unknown() {
+    let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    for (elements, free) in [(1, vec![1]), (4, vec![3]), (4, vec![1, 7, 11])] {
+        let rod = Rod::new("beam", &line, false, slender(1e2), elements, 3, Natural::Straight).unwrap();
+        let rotation = |node: usize| [true, !free.contains(&node), true];
+        let support = |node: usize| Support { node: end(node), position: [true; 3], rotation: rotation(node) };
+        let supports = (0..rod.num_nodes()).map(support).collect();
+        let loads = free.iter().map(|&n| NodeLoad { node: end(n), force: Vec3::zeros(), moment: Vec3::y() * 1e-3 });
+        let loads = loads.collect();
+        let model = Model { rods: vec![rod], supports, loads, contact: Contact::NONE, ..Model::default() };
+        let mut solver = Solver::new(model, Options::default()).unwrap();
+        let report = load(&mut solver, 1);
+        assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{:?}", report.error);
+    }
+}
+
 /// A million elements without contact *return*: three quarters of a circle by an end moment, to the rounding that a chain of a million links
 /// piles up.
 #[test]

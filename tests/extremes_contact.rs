@@ -111,8 +111,8 @@ fn offset_from_the_origin() {
 }
 
 /// Penalties from 1e-2 to 1e12 times the default. A plain penalty *returns* up to 1e4 times the default with a penetration that falls as
-/// κ^(−2/3); the augmented Lagrangian a gap within the tolerance from 1e-1 to 1e4 times. Beyond, it *returns* gaps no worse or says
-/// `MaxIterations`; it never says it converged while strands overlap.
+/// κ^(−2/3); the augmented Lagrangian a gap within the tolerance from 1e-2 to 1e6 times. Beyond, both *return* gaps no worse or *refuse* by
+/// `MaxIterations`; none says it converged while strands overlap.
 #[test]
 fn penalties() {
     let mut before = f64::INFINITY;
@@ -131,7 +131,7 @@ fn penalties() {
                 report.status, report.iterations, seen.total_contact_force
             );
             assert_eq!(flat.status, Status::Converged);
-            if (augmented && decade < -1) || decade > 4 {
+            if decade > if augmented { 6 } else { 4 } {
                 let honest = report.status != Status::Converged || gap > -1e-6 || (!augmented && gap > -before);
                 assert!(
                     honest && seen.energies.total.is_finite(),
@@ -174,77 +174,120 @@ fn beams(angle: f64, height: f64, elements: usize) -> Solver {
     Solver::new(Model { rods, supports, ..Model::default() }, Options::default()).unwrap()
 }
 
-/// A status that says there is no state.
-fn refused(report: &StepReport) -> bool {
-    matches!(report.status, Status::BrokeDown | Status::MaxIterations)
-}
-
-/// Crossed strands at the start: apart, just touching and in each other up to .3 of a diameter *return*, deeper ones return or are *refused* by a
-/// status, since laws with a core have no energy there; what returns has a gap within the tolerance and, where they come apart little, the force of two crossed beams, 96 B δ/L³ for δ missing. Right through each other there is no
-/// direction to part in: *refused* by a status.
+/// Crossed strands at the start, in each other up to nearly a full diameter, *return*: the gap is closed within its tolerance, and force and energy are those of
+/// beams that start apart and are pushed together until their ends are where the others start; a little overlap gives the force of two crossed
+/// beams, 96 B δ/L³ for δ missing. Right through each other there is no direction to part in: *refused* by `MaxIterations`.
 #[test]
-fn crossed_and_grazing_starts() {
+fn crossed_starts() {
     let right = std::f64::consts::FRAC_PI_2;
-    for (angle, height, force) in [
-        (right, 1.2, Some(0.0)),
-        (right, 0.99, Some(0.01)),
-        (0.1, 0.9, None),
-        (right, 0.75, None),
-        (right, 0.5, None),
-        (right, 0.01, None),
-    ] {
+    for (angle, height) in [(right, 1.2), (right, 0.99), (0.1, 0.9), (right, 0.75), (right, 0.5), (right, 0.01)] {
         let mut solver = beams(angle, 0.04 * height, 16);
         let report = solver.step_to(&[]).unwrap();
-        let seen = seen(&solver, &report);
-        if height < 0.9 && refused(&report) {
+        assert_eq!(report.status, Status::Converged, "at {angle}, {height} diameters");
+        let parted = seen(&solver, &report);
+        let gap = parted.min_gap.unwrap().lower;
+        assert!(gap > -1e-6 * 0.02, "at {angle}, {height} diameters: {gap:e}");
+        assert_eq!(parted.num_sites, usize::from(height < 1.0));
+        if height >= 1.0 {
             continue;
         }
-        assert_eq!(report.status, Status::Converged, "at {angle}, {height} diameters");
-        let gap = seen.min_gap.unwrap().lower;
-        assert!(gap > -1e-6 * 0.02, "at {angle}, {height} diameters: {gap:e}");
-        assert_eq!(seen.num_sites, usize::from(height < 1.0));
-        if let Some(missing) = force {
+        let mut solver = beams(angle, 0.04 * 1.2, 16);
+        let last = solver.engine().model().rods[0].num_nodes() - 1;
+        let mut pushed = None;
+        for k in 1..=4 {
+            let to = -Vec3::z() * (0.04 * (1.2 - height) * f64::from(k) / 4.0);
+            let ramps = [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to });
+            let report = solver.step_to(&ramps).unwrap();
+            assert_eq!(report.status, Status::Converged, "pushed from apart");
+            pushed = Some(seen(&solver, &report));
+        }
+        let pushed = pushed.unwrap();
+        let pairs = [
+            (parted.total_contact_force, pushed.total_contact_force),
+            (parted.energies.bend, pushed.energies.bend),
+            (parted.energies.stretch, pushed.energies.stretch),
+        ];
+        for (ours, other) in pairs {
+            assert!((ours / other - 1.0).abs() < 1e-5, "at {angle}, {height} diameters: {ours} {other}");
+        }
+        if height == 0.99 {
             // each beam gives way by half of what is missing
-            let exact = 192.0 * 0.5 * missing * 0.04;
-            assert!((seen.total_contact_force - exact).abs() <= 2e-3 * exact, "{} {exact}", seen.total_contact_force);
+            let exact = 192.0 * 0.5 * (1.0 - height) * 0.04;
+            assert!((parted.total_contact_force / exact - 1.0).abs() < 2e-3, "{} {exact}", parted.total_contact_force);
         }
     }
     for height in [0.0, 1e-9] {
         let mut solver = beams(right, 0.04 * height, 16);
         solver.options_mut().newton.max_iterations = 40;
         let report = solver.step_to(&[]).unwrap();
-        assert_ne!(report.status, Status::Converged, "through each other at {height}");
+        assert_eq!(report.status, Status::MaxIterations, "through each other at {height}");
     }
 }
 
-/// Two free rings, one on the other, in contact all along: they *return* apart, flat and without force, from overlaps up to .1 of a diameter;
-/// from deeper ones they return or are *refused* by a status. Coincident ones are *refused* by a status.
+/// Grazing strands, exactly touching without load, parallel or at angles down to 1e-9: they *return* where they are, without force.
+/// (Symptom before: 150 iterations with increments of 3e-14 and `MaxIterations`. Mechanism: a force-free state has a relative residual of 1, which
+/// rounding keeps there, and the guarded search asked for a smaller one.)
+#[test]
+fn strands_that_just_touch_without_load() {
+    for angle in [0.0, 1e-9, 1e-6, 1e-3, 0.1] {
+        for elements in [12, 32] {
+            let mut solver = beams(angle, 0.04, elements);
+            let before = solver.engine().positions(1).to_vec();
+            let report = solver.step_to(&[]).unwrap();
+            assert_eq!(report.status, Status::Converged, "{angle:e}, {elements} elements");
+            let moved = solver.engine().positions(1).iter().zip(&before).map(|(a, b)| (a - b).norm());
+            assert!(moved.fold(0.0, f64::max) < 1e-10, "{angle:e}, {elements} elements");
+            let seen = seen(&solver, &report);
+            assert!(seen.total_contact_force < 1e-6, "{angle:e}: {}", seen.total_contact_force);
+            assert!(seen.min_gap.unwrap().lower > -1e-10);
+        }
+    }
+}
+
+/// Two free coaxial rings, `height` diameters apart.
+fn two_rings(height: f64) -> (StepReport, Observation) {
+    let section = Section::isotropic(1.0, 0.8, 1e5, 1e5, 0.02);
+    let rod = |name: &str, z: f64| {
+        let shape = Shape::Circle { length: 1.0, center: Vec3::z() * z, normal: Vec3::z() };
+        Rod::new(name, &shape, true, section, 16, 3, Natural::Straight).unwrap()
+    };
+    let model = Model { rods: vec![rod("a", 0.0), rod("b", 0.04 * height)], ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    solver.options_mut().newton.max_iterations = 150;
+    let report = solver.step_to(&[]).unwrap();
+    let seen = seen(&solver, &report);
+    (report, seen)
+}
+
+/// Both rings flat, without overlap, without force.
+fn assert_at_rest(height: f64, (report, seen): (StepReport, Observation)) {
+    assert_eq!(report.status, Status::Converged, "{height} diameters");
+    assert!(seen.min_gap.is_none_or(|gap| gap.lower > -1e-6 * 0.02), "{height}: {:?}", seen.min_gap);
+    let exact = 2.0 * 0.5 * std::f64::consts::TAU.powi(2);
+    assert!((seen.energies.total / exact - 1.0).abs() < 1e-6, "{height}: {}", seen.energies.total);
+    assert!(seen.total_contact_force < 1e-3, "{height}: {}", seen.total_contact_force);
+}
+
+/// Two free rings, one in the other, in contact all along: they *return* apart, flat and without force, from overlaps up to nine tenths of a diameter;
+/// nearly coincident and coincident ones are *refused* by `MaxIterations`.
 #[test]
 fn parallel_starts() {
-    let rings = |height: f64| {
-        let section = Section::isotropic(1.0, 0.8, 1e5, 1e5, 0.02);
-        let rod = |name: &str, z: f64| {
-            let shape = Shape::Circle { length: 1.0, center: Vec3::z() * z, normal: Vec3::z() };
-            Rod::new(name, &shape, true, section, 16, 3, Natural::Straight).unwrap()
-        };
-        let model = Model { rods: vec![rod("a", 0.0), rod("b", 0.04 * height)], ..Model::default() };
-        let mut solver = Solver::new(model, Options::default()).unwrap();
-        solver.options_mut().newton.max_iterations = 150;
-        let report = solver.step_to(&[]).unwrap();
-        let seen = seen(&solver, &report);
-        (report, seen)
-    };
-    for height in [1.0, 0.999, 0.9, 0.5, 0.1] {
-        let (report, seen) = rings(height);
-        if height < 0.9 && refused(&report) {
-            continue;
-        }
-        assert_eq!(report.status, Status::Converged, "{height} diameters");
-        assert!(seen.min_gap.is_none_or(|gap| gap.lower > -1e-6 * 0.02), "{height}: {:?}", seen.min_gap);
-        let exact = 2.0 * 0.5 * std::f64::consts::TAU.powi(2);
-        assert!((seen.energies.total / exact - 1.0).abs() < 1e-6, "{height}: {}", seen.energies.total);
+    for height in [0.999, 0.9, 0.75, 0.5, 0.1] {
+        assert_at_rest(height, two_rings(height));
     }
-    assert_ne!(rings(0.0).0.status, Status::Converged);
+    for height in [0.01, 0.0] {
+        let status = two_rings(height).0.status;
+        assert!(matches!(status, Status::MaxIterations | Status::BrokeDown), "{height}: {status}");
+    }
+}
+
+/// Two free rings near each other but apart, or just touching: *return* at rest. (Symptom before: 150 iterations with increments of 1e-5 and
+/// `MaxIterations`. Mechanism: nothing resists the motions of one against the other, so that rounding moves them for ever.)
+#[test]
+fn free_rings_near_but_apart() {
+    for height in [1.0, 1.02, 1.2, 1.5, 3.0] {
+        assert_at_rest(height, two_rings(height));
+    }
 }
 
 /// Curvature at the thickness limit: a circle of radius R takes part in contact with a radius up to .999 R and *returns*; at R it is *refused*.
@@ -267,12 +310,11 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil thinner than the ideal knot (length over diameter 16.3715) *returns* without overlap; a thicker one has no state without
-/// overlap and is never said to have converged.
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to 4 % from it; a thicker one has no state without
+/// overlap and is *refused* by a status.
 #[test]
-#[ignore = "slow: a knot near its limit"]
 fn a_knot_at_its_limit() {
-    for (ratio, exists) in [(30.0, true), (20.0, true), (15.0, false)] {
+    for (ratio, exists) in [(30.0, true), (20.0, true), (17.0, true), (16.0, false), (15.0, false)] {
         let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.5 / ratio);
         let knot = TorusKnot::new(1.0, [2, 3]);
         let rod = Rod::new("knot", &Shape::TorusKnot(knot), true, section, 48, 3, Natural::Straight);
@@ -290,16 +332,14 @@ fn a_knot_at_its_limit() {
     }
 }
 
-/// Link ten times too much at once: *returns* a state with that link and no overlap, or a status that says it did not get there.
+/// Link ten times too much at once, from the flat ring past its buckling and touching into a line of contact: *returns* a state with that link and no overlap.
 #[test]
 fn link_ten_times_too_much_at_once() {
     let mut solver = ring(1.0, 1.0, Vec3::zeros(), law(100.0), 16);
     solver.options_mut().newton.max_iterations = 100;
     let (report, seen) = to(&mut solver, 3.0);
     println!("{} in {}", report.status, report.iterations);
-    if report.status == Status::Converged {
-        assert!((seen.links[0].link - 3.0).abs() < 1e-9, "{}", seen.links[0].link);
-        assert!(seen.min_gap.unwrap().lower > -1e-6 * 0.02);
-    }
-    assert!(seen.energies.total.is_finite());
+    assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
+    assert!((seen.links[0].link - 3.0).abs() < 1e-9, "{}", seen.links[0].link);
+    assert!(seen.min_gap.unwrap().lower > -1e-6 * 0.02);
 }

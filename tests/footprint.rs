@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+use supercoil::contact::broad_phase::BroadPhase;
+use supercoil::contact::curve::CurveSet;
+use supercoil::contact::exclusion::Exclusion;
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model};
@@ -51,4 +54,23 @@ fn natural_strains_are_kept_only_where_they_vary() {
     let oval = Rod::new("oval", &Shape::Points(points.collect()), true, section, 40, 3, Natural::AsShaped).unwrap();
     let mut engine = Engine::new(Model { rods: vec![oval], contact: Contact::NONE, ..Model::default() }, None).unwrap();
     assert_eq!(engine.footprint().unwrap().natural_strains, 120);
+}
+
+/// Strands that move but stay apart keep their (empty) list of candidates, and with it the pattern of the matrix and its symbolic analysis; strands that come near
+/// change it.
+#[test]
+fn strands_apart_keep_their_list() {
+    let line = |z: f64| -> Vec<Vec3> { (0..40).map(|i| Vec3::new(f64::from(i), 0.0, z)).collect() };
+    let mut set = CurveSet::from_polylines(&[(&line(0.0), 0.1, false), (&line(20.5), 0.1, false)]).unwrap();
+    let mut exclusion = Exclusion::new();
+    let mut broad = BroadPhase::new();
+    for height in (0..=20).rev() {
+        exclusion.update(&set).unwrap();
+        broad.candidates(&set, &exclusion, 0.1, 0.5).unwrap();
+        let near = height == 0;
+        assert_eq!((broad.pairs().is_empty(), broad.generation()), (!near, if near { 2 } else { 1 }), "{height}.5");
+        for segment in &mut set.segments_mut()[39..] {
+            segment.b = segment.b.map(|p| p - Vec3::z());
+        }
+    }
 }

@@ -56,6 +56,8 @@ pub struct BroadPhase {
     /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tried.
     tree: Option<Tree>,
     workspace: BvhWorkspace,
+    /// The list before the present one.
+    earlier: Vec<[u32; 2]>,
     /// Scratch of the sort.
     starts: Vec<u32>,
     generation: u64,
@@ -93,7 +95,7 @@ impl BroadPhase {
         Self::default()
     }
 
-    /// Increments each time the list is rebuilt; while it stays the list is the very same.
+    /// Increments each time the list changes; while it stays the list is the very same.
     #[must_use]
     pub fn generation(&self) -> u64 {
         self.generation
@@ -137,9 +139,11 @@ impl BroadPhase {
         InputError::check("margin", margin, margin >= 0.0, "finite and at least 0")?;
         let kept = self.built.as_ref().is_some_and(|b| b.still_holds(strands, exclusion, range, margin));
         if !kept {
-            self.generation += 1;
+            std::mem::swap(&mut self.pairs, &mut self.earlier);
             self.refit(strands, 0.5 * (range + margin));
             self.search(strands, exclusion, Some(range + margin));
+            // where strands are apart, a list built anew is as empty as the one before
+            self.generation += u64::from(self.pairs != self.earlier || self.generation == 0);
             if margin > 0.0 {
                 self.built.get_or_insert_default().remember(strands, exclusion, range, margin);
             } else {

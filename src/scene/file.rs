@@ -1,6 +1,7 @@
 //! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
 
 mod build;
+mod mesh;
 mod points;
 mod shapes;
 mod text;
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 
+use super::Fidelity;
 use super::model::{Model, Stage};
 
 use text::SceneText;
@@ -25,6 +27,8 @@ pub use points::read_points;
 /// title = "336 bp minicircle, excess link to -3"
 /// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
 /// planar = false                               # true: all in the x-y plane, z is no unknown
+/// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are not given below, see
+/// #                                              Fidelity; default: none, and elements must be given
 ///
 /// [[rods]]
 /// name = "dna"
@@ -43,7 +47,7 @@ pub use points::read_points;
 /// #         bending and shearing may be pairs [about/along d1, d2]
 /// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
 /// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
-/// elements = 48
+/// elements = 48                                # may be left out where there is a fidelity
 /// order = 3                                    # 1, 2 or 3 (default)
 /// natural = "straight"                         # or "as-shaped", or { curvature = [k1, k2], twist = k3 }
 /// roll = 0.0                                   # turns every frame about d3, in turns
@@ -100,6 +104,8 @@ pub struct Scene {
     pub title: String,
     /// Names of the units, for reports.
     pub units: Units,
+    /// Preset that set what the file leaves open.
+    pub fidelity: Option<Fidelity>,
     /// The problem.
     pub model: Model,
     /// The path.
@@ -208,8 +214,9 @@ impl Scene {
         check_choices(&text.solver, &text.output)?;
         let model = build::model(&text, base_dir)?;
         let stages = build::stages(&text.stages, &model)?;
-        let SceneText { title, units, solver, output, .. } = text;
-        Ok(Self { title, units, model, stages, solver, output, path: None })
+        let SceneText { title, units, fidelity, mut solver, output, .. } = text;
+        solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
+        Ok(Self { title, units, fidelity, model, stages, solver, output, path: None })
     }
 }
 

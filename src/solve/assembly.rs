@@ -58,7 +58,7 @@ pub struct Residual {
 pub struct Tangent {
     /// Upper values in the pattern.
     pub values: Vec<f64>,
-    /// The part of contact in them; empty without contact.
+    /// The part of contact in them; empty where no strands are near each other.
     pub(crate) contact: Vec<f64>,
     /// K_fp · drive per unknown (six per node).
     pub drive: Vec<f64>,
@@ -109,7 +109,7 @@ impl Engine {
         tangent.values.clear();
         tangent.values.resize(pattern.num_entries(), 0.0);
         tangent.contact.clear();
-        if self.contact.is_some() {
+        if self.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()) {
             tangent.contact.resize(pattern.num_entries(), 0.0);
         }
         tangent.drive.clear();
@@ -373,6 +373,9 @@ impl Engine {
     ) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
+        if side.broad_phase.pairs().is_empty() {
+            return;
+        }
         let capsules = detect::capsules_of(&side.set);
         // Hessians live for one part of the candidates only: nine kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {

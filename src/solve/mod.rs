@@ -28,6 +28,7 @@ mod timing;
 mod turning;
 
 use crate::error::InputError;
+use crate::scene::Fidelity;
 
 pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
@@ -71,6 +72,14 @@ impl Default for Options {
             min_step: 1.0 / 256.0,
             threads: None,
         }
+    }
+}
+
+impl From<Fidelity> for Options {
+    /// The defaults with the preset's tolerance of increments.
+    fn from(fidelity: Fidelity) -> Self {
+        let newton = NewtonOptions { tol_increment: fidelity.tol_increment(), ..NewtonOptions::default() };
+        Self { newton, ..Self::default() }
     }
 }
 

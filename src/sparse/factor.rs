@@ -1,6 +1,7 @@
 //! Sparse LDLᵀ with inertia. The only file that names faer.
 //!
-//! The supernodal method is forced: the simplicial one reports no failures. `Par::Seq`: the library parallelises dense
+//! The supernodal method is forced: the simplicial one reports no failures. Diagonal matrices, for which no work is to be done, are faer's simplicial ones
+//! all the same; their pivots are their entries. `Par::Seq`: the library parallelises dense
 //! kernels only, and the supernodes of rods are about twelve wide, where threads cost more than they give.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -90,7 +91,14 @@ impl Factor {
 
     /// Counts negative entries of D; `None` if any is NaN.
     fn inertia(&self) -> Option<Inertia> {
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return None };
+        let symbolic = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic,
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                let pivots = || symbolic.col_ptr()[..symbolic.ncols()].iter().map(|&first| self.values[first as usize]);
+                let sound = pivots().all(|pivot| pivot != 0.0 && !pivot.is_nan());
+                return sound.then(|| Inertia { num_negative: pivots().filter(|pivot| *pivot < 0.0).count() });
+            }
+        };
         let factors = SupernodalLdltRef::new(symbolic, &self.values);
         let mut num_negative = 0;
         for s in 0..symbolic.n_supernodes() {
@@ -160,6 +168,29 @@ mod tests {
         factor.solve(&mut rhs);
         for i in 0..n {
             assert!((rhs[i] - exact[i]).abs() < 1e-12);
+        }
+    }
+    /// Symptom: a model with a single unknown left, or with unknowns that have nothing to do with each other, broke down. Mechanism: without off-diagonal
+    /// entries faer takes its simplicial method, whatever is asked for, and pivots were looked for in supernodes.
+    #[test]
+    fn diagonal_matrices() {
+        for diagonal in [vec![3.0], vec![-2.0], vec![4.0, -1.0, 0.5]] {
+            let pattern =
+                Pattern::new(&vec![[true, false, false, false, false, false]; diagonal.len()], std::iter::empty());
+            let mut values = vec![0.0; pattern.num_entries()];
+            for (node, x) in diagonal.iter().enumerate() {
+                pattern.add_block(&mut values, node, node, |_, _| *x);
+            }
+            let mut factor = Factor::analyse(&pattern).unwrap();
+            let num_negative = diagonal.iter().filter(|x| **x < 0.0).count();
+            assert_eq!(factor.factorise(&pattern, &values), Some(Inertia { num_negative }));
+            let mut rhs = diagonal.clone();
+            factor.solve(&mut rhs);
+            assert_eq!(rhs, vec![1.0; diagonal.len()]);
+            values[0] = 0.0;
+            assert_eq!(factor.factorise(&pattern, &values), None, "a pivot vanishes");
+            values[0] = f64::NAN;
+            assert_eq!(factor.factorise(&pattern, &values), None);
         }
     }
 }

@@ -16,6 +16,8 @@ pub enum SeriesStyle {
     Dashed,
     /// Dots.
     Points,
+    /// Large dots, for what is to be pointed out.
+    Marks,
     /// A line with dots at its points.
     LinePoints,
 }
@@ -217,6 +219,7 @@ where
                 SeriesStyle::Line => chart.draw_series(LineSeries::new(points, stroke)),
                 SeriesStyle::Dashed => chart.draw_series(DashedLineSeries::new(points, 7 * FINE, 5 * FINE, stroke)),
                 SeriesStyle::Points => chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled()))),
+                SeriesStyle::Marks => chart.draw_series(points.map(|p| Circle::new(p, 6 * FINE, color.filled()))),
                 SeriesStyle::LinePoints => {
                     chart.draw_series(LineSeries::new(points.clone(), stroke))?;
                     chart.draw_series(points.map(|p| Circle::new(p, 3 * FINE, color.filled())))
@@ -265,6 +268,7 @@ fn key(style: SeriesStyle) -> ([[i32; 2]; 2], i32) {
         SeriesStyle::Line => ([[0, 22], [22, 22]], 0),
         SeriesStyle::Dashed => ([[0, 8], [14, 22]], 0),
         SeriesStyle::Points => ([[11, 11], [11, 11]], 3),
+        SeriesStyle::Marks => ([[11, 11], [11, 11]], 6),
         SeriesStyle::LinePoints => ([[0, 22], [22, 22]], 3),
     }
 }

@@ -7,21 +7,22 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
 use crate::rod::{CrossSection, Natural, Rod, Section};
-use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use crate::scene::{Contact, ContactLaw, Fidelity, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
+use super::mesh;
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionText, StageText};
 use super::values::{At, NaturalText};
 
 pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
-    let contact = contact(&text.contact)?;
+    let contact = contact(&text.contact, text.fidelity)?;
     let mut rods: Vec<Rod> = Vec::new();
     for (i, rod_text) in text.rods.iter().enumerate() {
         if rod_text.name.is_empty() || rods.iter().any(|rod| rod.name == rod_text.name) {
             let allowed = "a name that no other rod has".to_owned();
             return Err(InputError::Name { field: format!("rods[{i}].name"), name: rod_text.name.clone(), allowed });
         }
-        rods.push(rod(rod_text, contact.law.is_on(), base_dir)?);
+        rods.push(rod(text, rod_text, base_dir)?);
     }
     let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
@@ -81,8 +82,9 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
     Ok(ramps)
 }
 
-fn rod(text: &RodText, contact: bool, base_dir: &Path) -> Result<Rod, InputError> {
+fn rod(scene: &SceneText, text: &RodText, base_dir: &Path) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
+    let contact = !matches!(scene.contact.law, LawText::None);
     let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = match text.natural {
@@ -92,7 +94,17 @@ fn rod(text: &RodText, contact: bool, base_dir: &Path) -> Result<Rod, InputError
     };
     let wound = Wound { section: &section, natural, excess_link: text.excess_link };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
-    let mut rod = Rod::new(&text.name, &shape, text.closed, section, text.elements, text.order, natural)?;
+    let elements = match (text.elements, scene.fidelity) {
+        (Some(elements), _) => elements,
+        (None, Some(fidelity)) => {
+            mesh::elements(fidelity, scene, text, &shape, &section, natural).map_err(|error| within(&path, error))?
+        }
+        (None, None) => {
+            let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
+            return Err(inconsistent(format!("{path}.elements"), reason));
+        }
+    };
+    let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
     if let Some(turns) = text.excess_link {
         rod = rod.with_excess_link(turns)?;
     }
@@ -163,8 +175,13 @@ fn present<T>(key: &str, value: Option<T>) -> Result<T, InputError> {
     value.ok_or_else(|| inconsistent(format!("section.{key}"), &format!("missing: {SECTION_WAYS}")))
 }
 
-fn contact(text: &ContactText) -> Result<Contact, InputError> {
-    let stiffness = text.stiffness.unwrap_or(Contact::DEFAULT_STIFFNESS);
+fn contact(text: &ContactText, fidelity: Option<Fidelity>) -> Result<Contact, InputError> {
+    let preset = fidelity.map_or_else(Contact::default, Fidelity::contact);
+    let (default_stiffness, default_tolerance) = match preset.law {
+        ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } => (stiffness, tol_penetration),
+        _ => (Contact::DEFAULT_STIFFNESS, Contact::DEFAULT_TOL_PENETRATION),
+    };
+    let stiffness = text.stiffness.unwrap_or(default_stiffness);
     let unused = |key: &str, law: &str| {
         Err(inconsistent(format!("contact.{key}"), &format!("has no meaning with law = \"{law}\": remove it")))
     };
@@ -175,7 +192,7 @@ fn contact(text: &ContactText) -> Result<Contact, InputError> {
         LawText::None => ContactLaw::None,
         LawText::Penalty => ContactLaw::Penalty { stiffness },
         LawText::AugmentedLagrangian => {
-            let tol_penetration = text.tol_penetration.unwrap_or(Contact::DEFAULT_TOL_PENETRATION);
+            let tol_penetration = text.tol_penetration.unwrap_or(default_tolerance);
             ContactLaw::AugmentedLagrangian { stiffness, tol_penetration }
         }
     };

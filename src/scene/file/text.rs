@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use crate::scene::Fidelity;
+
 use super::values::{At, Axes, NaturalText, OneOrMany, Pair};
 use super::{OutputChoice, SolverChoice, Units};
 
@@ -16,6 +18,7 @@ pub(super) struct SceneText {
     pub units: Units,
     #[serde(default)]
     pub planar: bool,
+    pub fidelity: Option<Fidelity>,
     pub rods: Vec<RodText>,
     #[serde(default)]
     pub supports: Vec<SupportText>,
@@ -45,7 +48,7 @@ pub(super) struct RodText {
     pub closed: bool,
     pub shape: ShapeText,
     pub section: SectionText,
-    pub elements: usize,
+    pub elements: Option<usize>,
     #[serde(default = "default_order")]
     pub order: usize,
     #[serde(default)]

@@ -1,0 +1,158 @@
+//! Presets that trade speed for accuracy: mesh, contact law and tolerances that belong together.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Contact, ContactLaw};
+
+/// How exact a scene is to be: one word for mesh, contact law and tolerances. Each preset lies on the front of error against work of
+/// `cargo bench --bench work_precision`; what it costs and what it is off by is stated there and in [`Fidelity::accuracy`], and
+/// `tests/fidelity.rs` holds it on cases that it was not chosen on.
+///
+/// | | `Draft` | `Balanced` | `Reference` |
+/// |---|---|---|---|
+/// | cubic elements per turn of bending or twist | 3 | 8 | 16 |
+/// | spacing of nodes over the contact distance, at most | 2 | 0.7 | 0.25 |
+/// | contact stiffness κε⁴/B | 10 | 100 | 1000 |
+/// | penetration left, over ε | 1e-2 | 1e-4 | 1e-8 |
+/// | last Newton increment | 1e-3 | 1e-6 | 1e-8 |
+/// | energy, relative error stated (worst measured) | 1e-2 (5e-3) | 1e-3 (3e-4) | 1e-4 (4e-5) |
+/// | writhe | 1e-2 (6e-3) | 2e-3 (5e-4) | 5e-4 (2e-4) |
+/// | twisting moment | 5e-2 (3e-2) | 5e-3 (8e-4) | 1e-3 (4e-4) |
+/// | contact force | 2e-2 (6e-3) | 2e-3 (6e-4) | 5e-4 (3e-4) |
+/// | positions without contact, over the length | 1e-3 (2e-5) | 1e-5 (5e-8) | 1e-7 (8e-10) |
+/// | work (Newton iterations × nodes) and time, relative | 1 | 3 to 4 | 7 to 15 |
+///
+/// A mesh must resolve two lengths. Bending and twist vary over the rod's own turns, so elements are counted per turn it goes through. Strands that
+/// wind around each other or lie along each other do so over lengths of the order of the distance of their centrelines, however long the
+/// rod is, so nodes must not lie farther apart than a multiple of it; the harder the law, the shorter the layer (B/κ)^¼ in which contact sets in, which is why
+/// law and spacing go together. A long rod known to touch at isolated points only does not need that: give its `elements`.
+///
+/// In a scene file, `fidelity = "draft"`; without one:
+///
+/// ```
+/// use supercoil::math::Vec3;
+/// use supercoil::rod::{Natural, Rod, Section, Shape};
+/// use supercoil::scene::{Fidelity, Model, Ramp, Stage};
+/// use supercoil::solve::{Options, Status, run};
+///
+/// let fidelity = Fidelity::Draft;
+/// let (length, radius, excess_link) = (1.0, 0.02, 1.4);
+/// let circle = Shape::Circle { length, center: Vec3::zeros(), normal: Vec3::z() };
+/// let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, radius);
+/// let elements = fidelity.elements(length, 1.0 + excess_link, radius);
+/// let rod = Rod::new("ring", &circle, true, section, elements, Fidelity::ORDER, Natural::Straight)?;
+/// let model = Model { rods: vec![rod], contact: fidelity.contact(), ..Model::default() };
+/// let twist = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: excess_link }], steps: 5 };
+/// let solution = run(model, &[twist], &Options::from(fidelity), &mut |_| std::ops::ControlFlow::Continue(()))?;
+/// assert_eq!(solution.status, Status::Converged);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fidelity {
+    /// A first look: shapes, order of events, forces to some percent.
+    Draft,
+    /// Everyday work: a part in a thousand.
+    Balanced,
+    /// What other results are compared with.
+    Reference,
+}
+
+/// Relative errors that a preset keeps to; see [`Fidelity::accuracy`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Elastic energy.
+    pub energy: f64,
+    /// Writhe of a closed rod.
+    pub writhe: f64,
+    /// Twisting moment of a closed rod.
+    pub twisting_moment: f64,
+    /// Sum of the forces of all contact sites.
+    pub contact_force: f64,
+    /// Positions of ends of elements of a rod without contact, over its length.
+    pub position: f64,
+    /// Penetration over the smallest contact radius.
+    pub penetration: f64,
+}
+
+impl Fidelity {
+    /// All presets, least work first.
+    pub const ALL: [Self; 3] = [Self::Draft, Self::Balanced, Self::Reference];
+    /// Order of the elements that presets count on.
+    pub const ORDER: usize = 3;
+
+    /// Errors the preset keeps to in stable states of rods whose turns were foreseen (see [`Fidelity::elements`]), with stretch and shear
+    /// small. Near a change of branch or of the pattern of contact, moment and force are more sensitive than that.
+    pub const fn accuracy(self) -> Accuracy {
+        let [energy, writhe, twisting_moment, contact_force, position, penetration] = match self {
+            Self::Draft => [1e-2, 1e-2, 5e-2, 2e-2, 1e-3, 1e-2],
+            Self::Balanced => [1e-3, 2e-3, 5e-3, 2e-3, 1e-5, 1e-4],
+            Self::Reference => [1e-4, 5e-4, 1e-3, 5e-4, 1e-7, 1e-8],
+        };
+        Accuracy { energy, writhe, twisting_moment, contact_force, position, penetration }
+    }
+
+    /// The contact law: augmented Lagrangian.
+    pub const fn contact(self) -> Contact {
+        let [stiffness, tol_penetration] = match self {
+            Self::Draft => [10.0, 1e-2],
+            Self::Balanced => [100.0, 1e-4],
+            Self::Reference => [1000.0, 1e-8],
+        };
+        Contact { law: ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } }
+    }
+
+    /// Newton's tolerance, see `solve::NewtonOptions::tol_increment`.
+    pub const fn tol_increment(self) -> f64 {
+        match self {
+            Self::Draft => 1e-3,
+            Self::Balanced => 1e-6,
+            Self::Reference => 1e-8,
+        }
+    }
+
+    /// Number of cubic elements for a rod of a length \[L\] that will bend and twist through so many `turns` in all, and take part in contact with
+    /// this radius \[L\] (0: it does not).
+    ///
+    /// `turns` is an estimate, and the only thing to know beforehand: 1 for a circle, 1 + |excess link| for a ring that is supercoiled, the turns
+    /// of a helix; a force F bends a rod within a length of (B/F)^½, which makes L/2π·(F/B)^½ turns, a moment M makes L/2π·M/B. Less than one
+    /// counts as one.
+    pub fn elements(self, length: f64, turns: f64, contact_radius: f64) -> usize {
+        let (per_turn, spacing) = match self {
+            Self::Draft => (3.0, 2.0),
+            Self::Balanced => (8.0, 0.7),
+            Self::Reference => (16.0, 0.25),
+        };
+        let by_turns = per_turn * turns.max(1.0);
+        let by_contact =
+            if contact_radius > 0.0 { length / (Self::ORDER as f64 * spacing * 2.0 * contact_radius) } else { 0.0 };
+        // less by rounding than a whole number is that number
+        (by_turns.max(by_contact) * (1.0 - 1e-12)).ceil() as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_follow_turns_or_contact_distance() {
+        for (fidelity, straight, five_turns, tight) in
+            [(Fidelity::Draft, 3, 15, 167), (Fidelity::Balanced, 8, 40, 477), (Fidelity::Reference, 16, 80, 1334)]
+        {
+            assert_eq!(fidelity.elements(1.0, 0.0, 0.0), straight);
+            assert_eq!(fidelity.elements(7.0, 5.0, 0.0), five_turns);
+            assert_eq!(fidelity.elements(7.0, 5.0, 3.5e-3), tight);
+        }
+    }
+
+    #[test]
+    fn accuracy_grows() {
+        for pair in Fidelity::ALL.windows(2) {
+            let [a, b] = [pair[0].accuracy(), pair[1].accuracy()];
+            let all = |x: Accuracy| [x.energy, x.writhe, x.twisting_moment, x.contact_force, x.position, x.penetration];
+            assert!(all(a).iter().zip(all(b)).all(|(x, y)| *x > y));
+            assert!(pair[0].tol_increment() > pair[1].tol_increment());
+        }
+    }
+}

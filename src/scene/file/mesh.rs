@@ -1,0 +1,97 @@
+//! How many elements a rod of a scene gets whose number is not given: see [`Fidelity::elements`].
+
+use std::f64::consts::TAU;
+
+use crate::error::InputError;
+use crate::math::Vec3;
+use crate::rod::{Axis, Natural, Section, Shape};
+use crate::scene::Fidelity;
+
+use super::text::{LawText, RodText, SceneText};
+
+/// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about one.
+const MOVED: f64 = 1.0;
+/// Samples that suffice to measure the turning of any start shape worth running.
+const FINEST: usize = 1 << 20;
+
+/// Length of a rod \[L\] and turns of bending and twist that the scene puts it through, as far as they can be told beforehand.
+fn turns(
+    scene: &SceneText,
+    rod: &RodText,
+    shape: &Shape,
+    section: &Section,
+    natural: Natural,
+) -> Result<(f64, f64), InputError> {
+    let (length, tangent_turns) = measure(shape, rod.closed)?;
+    let by_nature = match natural {
+        Natural::Uniform { kappa } => kappa.iter().map(|k| k * k).sum::<f64>().sqrt() * length / TAU,
+        Natural::Straight | Natural::AsShaped => 0.0,
+    };
+    let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
+    let stages = || scene.stages.iter().map(|stage| &stage.ramp);
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    let link = largest(
+        &mut stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.excess_link),
+    );
+    let wound = if rod.closed { 1.0 + link } else { 0.0 };
+    let rotation = largest(&mut stages().flat_map(|r| &r.rotation.0).filter(|r| is_this(&r.rod)).map(|r| r.turns));
+    let is_moved = stages().any(|r| r.displacement.0.iter().any(|r| is_this(&r.rod)));
+    let moved = if is_moved { MOVED } else { 0.0 };
+    let factor = largest(&mut stages().filter_map(|r| r.load));
+    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
+    let loads = || scene.loads.iter().filter(|load| is_this(&load.rod));
+    let force: f64 = loads().map(|load| size(load.force)).sum();
+    let moment: f64 = loads().map(|load| size(load.moment)).sum();
+    let line: f64 = scene.line_loads.iter().filter(|load| is_this(&load.rod)).map(|load| size(load.force)).sum();
+    let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
+    // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
+    let bending = section.bending[0].min(section.bending[1]);
+    let loaded = (force / bending).sqrt() + ((line + pressure) / bending).cbrt() + moment / bending;
+    Ok((length, tangent_turns.max(by_nature).max(wound) + rotation + moved + loaded * length / TAU))
+}
+
+/// Length of a shape \[L\] and the turns its tangent goes through.
+fn measure(shape: &Shape, closed: bool) -> Result<(f64, f64), InputError> {
+    Ok(match shape {
+        Shape::Line { length, .. } => (*length, 0.0),
+        Shape::Circle { length, .. } => (*length, 1.0),
+        Shape::Arc { radius, angle, .. } => (radius * angle, angle / TAU),
+        Shape::Helix { turns, .. } => (shape.place(closed, 4)?.length, turns.abs()),
+        Shape::Plectoneme(p) => {
+            let axis = match &p.axis {
+                Axis::Straight { .. } => 0.0,
+                Axis::Along(axis) => measure(axis, false)?.1,
+            };
+            // strands bend by 2 sin²α/distance, both loops by less than two turns
+            (p.length, p.length * 2.0 * p.angle.sin().powi(2) / (p.distance * TAU) + 2.0 + axis)
+        }
+        Shape::TorusKnot(knot) => {
+            let windings: usize = knot.windings.iter().map(|w| w.unsigned_abs() as usize).sum();
+            sampled(shape, closed, 32 * windings)?
+        }
+        Shape::Points(points) => sampled(shape, closed, 4 * points.len())?,
+    })
+}
+
+fn sampled(shape: &Shape, closed: bool, samples: usize) -> Result<(f64, f64), InputError> {
+    let placed = shape.place(closed, samples.clamp(8, FINEST))?;
+    let tangents: Vec<Vec3> = placed.frames.iter().map(|frame| frame * Vec3::z()).collect();
+    let closing = if closed { tangents.first() } else { None };
+    let after = tangents.iter().skip(1).chain(closing);
+    Ok((placed.length, tangents.iter().zip(after).map(|(a, b)| a.angle(b)).sum::<f64>() / TAU))
+}
+
+/// Number of elements of order `order` for a rod, with as many nodes as the cubic ones of the preset.
+pub(super) fn elements(
+    fidelity: Fidelity,
+    scene: &SceneText,
+    rod: &RodText,
+    shape: &Shape,
+    section: &Section,
+    natural: Natural,
+) -> Result<usize, InputError> {
+    let (length, turns) = turns(scene, rod, shape, section, natural)?;
+    let touches = !matches!(scene.contact.law, LawText::None);
+    let cubic = fidelity.elements(length, turns, if touches { section.contact_radius } else { 0.0 });
+    Ok(cubic.saturating_mul(Fidelity::ORDER).div_ceil(rod.order.max(1)))
+}
