@@ -157,7 +157,7 @@ impl Detector {
     /// [`InputError`] naming curve and index: too few points, a coordinate or radius that is not finite, radius ≤ 0, repeated points, cubics that do not
     /// join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more; or an option out of its range.
     pub fn detect(&mut self, curves: &[Curve]) -> Result<&Contacts, InputError> {
-        let strands = self.update(curves)?;
+        let strands = self.update(curves, self.options.range)?;
         let mut sites = std::mem::take(&mut self.contacts.sites);
         self.find_sites(&strands, &mut sites);
         self.contacts.sites = sites;
@@ -180,7 +180,7 @@ impl Detector {
     /// As [`Detector::detect`].
     pub fn forces(&mut self, curves: &[Curve], stiffness: f64) -> Result<&Forces, InputError> {
         InputError::positive("stiffness", stiffness)?;
-        let strands = self.update(curves)?;
+        let strands = self.update(curves, self.options.range.max(0.0))?;
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear(&strands);
         let mut found = std::mem::take(&mut self.pair_forces);
@@ -208,7 +208,7 @@ impl Detector {
     /// As [`Detector::detect`].
     pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
         InputError::positive("stiffness", stiffness)?;
-        let strands = self.update(curves)?;
+        let strands = self.update(curves, self.options.range.max(0.0))?;
         let wanted = |p: &&[u32; 2]| self.wanted(&strands, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
         let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
@@ -247,10 +247,10 @@ impl Detector {
     }
 
     /// Everything up to the candidate list.
-    fn update<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
+    fn update<'a>(&mut self, curves: &[Curve<'a>], range: f64) -> Result<Strands<'a>, InputError> {
         let strands = self.prepare(curves)?;
         self.measure(&strands);
-        self.broad.candidates_of(&strands, &self.exclusion, self.options.range, self.options.margin)?;
+        self.broad.candidates_of(&strands, &self.exclusion, range, self.options.margin)?;
         Ok(strands)
     }
 

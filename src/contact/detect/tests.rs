@@ -272,7 +272,7 @@ fn derivatives_of_lines_match_finite_differences() {
             let moved = |step: f64| {
                 let mut points = points.clone();
                 points[node / 2][node % 2][axis] += step;
-                        force(&points)
+                force(&points)
             };
             let (plus, minus) = (moved(h), moved(-h));
             let (slope, ours) = ((minus.0 - plus.0) / (2.0 * h), forces[node][axis]);
@@ -349,7 +349,8 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
 /// pressure, that one's slope its stiffness, and it starts from the old pressure if the way to go is nothing.
 #[test]
 fn a_new_law_is_linearised_about_the_old_pressure() {
-    let laws = [Law::Linear { stiffness: 40.0 }, Law::Core { pressure: 0.7, depth: 0.3 }, Law::Linear { stiffness: 1e3 }];
+    let laws =
+        [Law::Linear { stiffness: 40.0 }, Law::Core { pressure: 0.7, depth: 0.3 }, Law::Linear { stiffness: 1e3 }];
     let (old, new) = ([0.004, 0.01], [0.002, 0.03]);
     let contact_distance = 0.5;
     for (before, law) in laws.iter().flat_map(|b| laws.iter().map(move |l| (*b, *l))).filter(|(b, l)| b != l) {
@@ -358,7 +359,8 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         let reach = old.map(|c| contact_distance + c);
         let local = Local { pressures: &pressures, contact_distance, length: 1.0, reach, offset: new };
         for (u, distance) in [(0.0, 0.45), (0.3, 0.49), (1.0, 0.505), (0.6, 0.42)] {
-            let carried = before.response(contact_distance + old[0] + (old[1] - old[0]) * u - distance, contact_distance);
+            let carried =
+                before.response(contact_distance + old[0] + (old[1] - old[0]) * u - distance, contact_distance);
             let (here, geometric) = local.response(u, distance);
             assert_eq!(geometric, carried.pressure, "the pressures stay");
             // The overlap of the new law with this pressure, and how the linearised law goes about it.
@@ -367,7 +369,10 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
             let rest = contact_distance + new[0] + (new[1] - new[0]) * u - overlap;
             let quadratic = |d: f64| {
                 let way = rest - d;
-                [there.energy + carried.pressure * way + 0.5 * there.stiffness * way * way, carried.pressure + there.stiffness * way]
+                [
+                    there.energy + carried.pressure * way + 0.5 * there.stiffness * way * way,
+                    carried.pressure + there.stiffness * way,
+                ]
             };
             let h = 1e-6;
             let slope = (quadratic(distance - h)[0] - quadratic(distance + h)[0]) / (2.0 * h);
