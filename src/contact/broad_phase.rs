@@ -26,7 +26,7 @@ use rayon::prelude::*;
 
 use super::boxes::{Block, Box3, WIDTH};
 use super::curve::CurveSet;
-use super::exclusion::Exclusion;
+use super::exclusion::{Exclusion, bytes};
 use super::input::{Shape, Strands, lower, upper};
 use super::pair_filter::keep_near;
 use crate::error::InputError;
@@ -147,6 +147,14 @@ impl BroadPhase {
             }
         }
         Ok(&self.pairs)
+    }
+
+    /// Bytes held, but for scratch of the tree's library (a second copy of its nodes).
+    pub(crate) fn memory(&self) -> usize {
+        let built = self.built.as_ref().map_or(0, |b| bytes(&b.points) + bytes(&b.radii) + bytes(&b.reach));
+        let lists =
+            bytes(&self.pairs) + bytes(&self.bulges) + bytes(&self.far) + bytes(&self.firsts) + bytes(&self.starts);
+        built + lists + bytes(&self.blocks) + self.tree.as_ref().map_or(0, |t| t.bvh.heap_memory_size())
     }
 
     /// Boxes, inflated by the radius and `inflate`, and the tree.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::broad_phase::BroadPhase;
 use super::curve::{Cubic, CurveInput, CurveSet};
 use super::detect::{self, Ground, PairForce, PairTerm, Pressures, Want};
-use super::exclusion::Exclusion;
+use super::exclusion::{Exclusion, bytes};
 use super::input::{Curve, Shape, Strands};
 use super::interval::{self, Part, Zone};
 use super::law::Law;
@@ -66,13 +66,20 @@ pub struct Forces {
 /// form, roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No tolerance is a length. The result depends on the curves only (with
 /// `margin` 0 not even on earlier calls), never on the number of threads.
 ///
-/// **Special cases.** Parallel straight segments, coincident ones too, and cubics parallel or coincident to rounding: one site per pair of segments, marked `flat`, in the
-/// middle of the overlap, and the zones tell the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
-/// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
-/// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
+/// **Units.** All lengths in one unit of the caller's choice; no tolerance is absolute, so results scale with it.
+///
+/// **Special cases.**
+/// * *Parallel* or *coincident* straight segments, and cubics that are so to rounding: one site per pair of segments, marked `flat`, in the middle of the
+///   overlap; the zones tell the whole interval.
+/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; [`Detector::forces`] knows their energy, but no direction and no force.
+/// * *Tangent* curves: their touching point is one site; where minima merge with saddles to within rounding, one of the group, marked `flat`.
+/// * *Kinks* and *open ends*: minima there are found by the one-sided slopes.
+/// * *Repeated* control points within a cubic are legal; repeated points of a polyline and cubics shrunk to a point are refused by name.
+/// * *Nearly closed* curves are open ones: their ends are sites if near each other.
 ///
 /// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
-/// bytes a candidate pair, 144 a site, 160 a part of a zone (two for each pair of segments along a contact line), and a copy of the points if `margin` > 0.
+/// bytes a candidate pair, 184 a site (40 of them to look for it), 160 a part of a zone (two for each pair of segments along a contact line), 24 a control point
+/// for forces, and a copy of the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
     pub(super) options: Options,
@@ -172,7 +179,7 @@ impl Detector {
     }
 
     /// Energy, forces and smallest gap of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from
-    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs about as much as [`Detector::detect`], and the result is kept in
+    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the result is kept in
     /// buffers. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps
     /// by the part of the step. Where centrelines cross or coincide there is energy, but no direction and no force.
     ///
@@ -273,6 +280,17 @@ impl Detector {
                 sum += length;
             }
         }
+    }
+
+    pub(super) fn own_memory(&self) -> usize {
+        let parts: usize = self.parts.iter().map(bytes).sum();
+        bytes(&self.start)
+            + bytes(&self.lengths)
+            + bytes(&self.minima)
+            + parts
+            + self.joining.memory()
+            + bytes(&self.pair_forces)
+            + self.forces.forces.iter().map(bytes).sum::<usize>()
     }
 
     fn arc(&self, strands: &Strands, segment: usize, u: f64) -> f64 {

@@ -8,6 +8,7 @@ use std::cell::Cell;
 
 use super::capsule::segment_distance;
 use super::curve::angle;
+use super::exclusion::bytes;
 use super::input::Strands;
 use super::zone::straight::{chord, cut};
 use super::zone::{Joint, Pair};
@@ -171,6 +172,13 @@ pub(crate) struct Workspace {
     place: Vec<u32>,
     groups: Vec<u32>,
     zone_of: Vec<u32>,
+}
+
+impl Workspace {
+    /// Bytes held.
+    pub(crate) fn memory(&self) -> usize {
+        bytes(&self.parts) + bytes(&self.place) + bytes(&self.groups) + bytes(&self.zone_of)
+    }
 }
 
 /// Joins parts into zones: those of the same two curves that touch on both sides (to `tolerance(curve)` \[L\]). Zones come out ordered by curve,
