@@ -9,7 +9,8 @@
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
 //! where there is one thread, of the clock where there are two. Memory is what the detector holds after a detection, by
-//! the capacities of its lists; sites apart. Writes `target/scaling/scaling.csv` and `scaling.svg`.
+//! the capacities of its lists; sites apart. Writes `scaling.csv`, `scaling.svg`, `forces.svg`
+//! and `plain_grid.svg` to `target/scaling`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -217,7 +218,7 @@ fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Ve
 
 fn report(rows: &[Row]) {
     for kind in Kind::ALL {
-        for stage in ["refit+candidates", "whole detection", "zones"] {
+        for stage in ["refit+candidates", "whole detection", "zones", "forces"] {
             let points = of(rows, kind.name(), stage, 1);
             if points.len() > 1 {
                 let name = kind.name();
@@ -234,23 +235,25 @@ fn report(rows: &[Row]) {
             .unwrap();
     }
     std::fs::write(folder.join("scaling.csv"), csv).unwrap();
-    let series = Kind::ALL.iter().flat_map(|kind| {
-        let line = |stage: &str, style| {
+    // One picture a stage: all lines in one leave no room for a legend.
+    for (stage, file) in
+        [("whole detection", "scaling.svg"), ("forces", "forces.svg"), ("plain grid", "plain_grid.svg")]
+    {
+        let line = |kind: &Kind| {
             let points = of(rows, kind.name(), stage, 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
-            Series { name: format!("{}: {stage}", kind.name()), points, style }
+            Series { name: kind.name().to_owned(), points, style: SeriesStyle::LinePoints }
         };
-        [line("whole detection", SeriesStyle::LinePoints), line("plain grid", SeriesStyle::Dashed)]
-    });
-    let plot = PlotSpec {
-        title: "Contact detection, one thread".to_owned(),
-        x_label: "segments".to_owned(),
-        y_label: "ns per segment".to_owned(),
-        series: series.filter(|s| !s.points.is_empty()).collect(),
-        log_x: true,
-        ..PlotSpec::default()
-    };
-    plot_lines(&folder.join("scaling.svg"), &plot).unwrap();
-    println!("written: target/scaling/scaling.csv, target/scaling/scaling.svg");
+        let plot = PlotSpec {
+            title: format!("Contact of polylines, one thread: {stage}"),
+            x_label: "segments".to_owned(),
+            y_label: "processor time per segment, ns".to_owned(),
+            series: Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect(),
+            log_x: true,
+            ..PlotSpec::default()
+        };
+        plot_lines(&folder.join(file), &plot).unwrap();
+    }
+    println!("written: scaling.csv, scaling.svg, forces.svg, plain_grid.svg in target/scaling");
 }
 
 fn main() {

@@ -403,6 +403,27 @@ fn forces_are_the_sums_of_terms() {
     assert!(none.forces[0].len() == 30 && none.forces[0].iter().all(|f| *f == Vec3::zeros()));
 }
 
+/// Where centrelines coincide there is energy, but no direction: forces and Hessians stay finite and in balance, for lines and for cubics.
+#[test]
+fn crossing_centrelines_have_finite_forces() {
+    let line = |d: Vec3| [-d, d];
+    let (a, crossing, along) = (line(Vec3::x()), line(Vec3::y()), [Vec3::x() * -0.3, Vec3::x() * 1.3]);
+    for other in [crossing, along] {
+        let cubics = [a, other].map(|p| [Cubic::straight(p[0], p[1])]);
+        let lines = [Curve::polyline(&a, 0.2), Curve::polyline(&other, 0.2)];
+        for curves in [lines, [Curve::cubics(&cubics[0], 0.2), Curve::cubics(&cubics[1], 0.2)]] {
+            let mut detector = Detector::new(options(0.0, Neighbours::Turning));
+            let found = detector.forces(&curves, 1.0).unwrap();
+            assert!(found.energy > 0.0 && found.energy.is_finite() && (found.min_gap + 0.4).abs() < 1e-12, "{found:?}");
+            assert!(found.forces.iter().flatten().sum::<Vec3>().norm() < 1e-12, "{found:?}");
+            for term in detector.terms(&curves, 1.0, Want::Hessian).unwrap() {
+                let hessian = term.hessian.unwrap();
+                assert!((0..8).all(|m| (m..8).all(|n| hessian[m][n].iter().all(|x| x.is_finite()))));
+            }
+        }
+    }
+}
+
 /// Far from the origin terms and zones are those at the origin, if the shift itself rounds nothing: pairs are looked at in coordinates of their own. (In global
 /// ones the ends of zones drowned in rounding, and were looked for until the iterations ran out.)
 #[test]

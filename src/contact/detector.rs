@@ -71,7 +71,7 @@ pub struct Forces {
 /// **Special cases.**
 /// * *Parallel* or *coincident* straight segments, and cubics that are so to rounding: one site per pair of segments, marked `flat`, in the middle of the
 ///   overlap; the zones tell the whole interval.
-/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; [`Detector::forces`] knows their energy, but no direction and no force.
+/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; forces have no direction there and are left out.
 /// * *Tangent* curves: their touching point is one site; where minima merge with saddles to within rounding, one of the group, marked `flat`.
 /// * *Kinks* and *open ends*: minima there are found by the one-sided slopes.
 /// * *Repeated* control points within a cubic are legal; repeated points of a polyline and cubics shrunk to a point are refused by name.
@@ -181,7 +181,7 @@ impl Detector {
     /// Energy, forces and smallest gap of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from
     /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the result is kept in
     /// buffers. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps
-    /// by the part of the step. Where centrelines cross or coincide there is energy, but no direction and no force.
+    /// by the part of the step. Points where centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
     /// As [`Detector::detect`].

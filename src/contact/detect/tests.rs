@@ -80,7 +80,7 @@ fn penalty(stiffness: f64) -> Pressures<'static> {
 fn polylines(random: &mut Random, case: usize, away: f64) -> [Vec<Vec3>; 2] {
     let mut vector = || random.vector();
     let step = vector() + Vec3::x() * 2.0;
-    let kink = if case % 4 == 0 { 0.0 } else { 0.4 };
+    let kink = if case.is_multiple_of(4) { 0.0 } else { 0.4 };
     let mut master = vec![step * -1.5];
     for _ in 0..3 {
         let last = master[master.len() - 1];
@@ -300,7 +300,7 @@ fn a_slave_over_a_joint_is_covered_once() {
         let joint = random.vector() * far;
         let off = t * [0.0, 1e-16, 4e-15 * random.unit(), 1e-15, -1e-15, 1e-12, -1e-9][trial % 7];
         // less curved than 1 over the distance, so that there is one foot
-        let bend = if trial % 3 == 0 { Vec3::zeros() } else { n * 0.05 + m * 0.02 };
+        let bend = if trial.is_multiple_of(3) { Vec3::zeros() } else { n * 0.05 + m * 0.02 };
         let masters = vec![
             Cubic::from_hermite(joint - t + bend, t, joint, t),
             Cubic::from_hermite(joint, t * 0.7, joint + t + bend, t),
