@@ -9,8 +9,8 @@
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
 //! where there is one thread, of the clock where there are two. Memory is what the detector holds after a detection, by
-//! the capacities of its lists; sites apart. Writes `scaling.csv`, `scaling.svg`, `forces.svg`
-//! and `plain_grid.svg` to `target/scaling`.
+//! the capacities of its lists; sites apart. Writes `target/scaling/scaling.csv` and
+//! `scaling.svg`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -235,25 +235,21 @@ fn report(rows: &[Row]) {
             .unwrap();
     }
     std::fs::write(folder.join("scaling.csv"), csv).unwrap();
-    // One picture a stage: all lines in one leave no room for a legend.
-    for (stage, file) in
-        [("whole detection", "scaling.svg"), ("forces", "forces.svg"), ("plain grid", "plain_grid.svg")]
-    {
-        let line = |kind: &Kind| {
-            let points = of(rows, kind.name(), stage, 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
-            Series { name: kind.name().to_owned(), points, style: SeriesStyle::LinePoints }
-        };
-        let plot = PlotSpec {
-            title: format!("Contact of polylines, one thread: {stage}"),
-            x_label: "segments".to_owned(),
-            y_label: "processor time per segment, ns".to_owned(),
-            series: Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect(),
-            log_x: true,
-            ..PlotSpec::default()
-        };
-        plot_lines(&folder.join(file), &plot).unwrap();
-    }
-    println!("written: scaling.csv, scaling.svg, forces.svg, plain_grid.svg in target/scaling");
+    // The whole only: more lines leave no room for a legend; the table has them.
+    let line = |kind: &Kind| {
+        let points = of(rows, kind.name(), "whole detection", 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
+        Series { name: kind.name().to_owned(), points, style: SeriesStyle::LinePoints }
+    };
+    let plot = PlotSpec {
+        title: "Contact detection of polylines, one thread".to_owned(),
+        x_label: "segments".to_owned(),
+        y_label: "processor time per segment, ns".to_owned(),
+        series: Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect(),
+        log_x: true,
+        ..PlotSpec::default()
+    };
+    plot_lines(&folder.join("scaling.svg"), &plot).unwrap();
+    println!("written: target/scaling/scaling.csv, target/scaling/scaling.svg");
 }
 
 fn main() {

@@ -78,7 +78,7 @@ pub struct Forces {
 /// * *Nearly closed* curves are open ones: their ends are sites if near each other.
 ///
 /// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
-/// bytes a candidate pair, 184 a site (40 of them to look for it), 160 a part of a zone (two for each pair of segments along a contact line), 24 a control point
+/// bytes a candidate pair, 144 a site (32 of them to look for it), 160 a part of a zone (two for each pair of segments along a contact line), 24 a control point
 /// for forces, and a copy of the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
