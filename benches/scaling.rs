@@ -8,9 +8,9 @@
 //! ```
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
-//! where there is one thread, of the clock where there are two. Memory is what the process grew by from a new detector to its results (0 where
-//! the allocator had it at hand). Writes
-//! `target/scaling/scaling.csv` and `scaling.svg`.
+//! where there is one thread, of the clock where there are two. Memory is what the detector holds after a detection, by
+//! the capacities of its lists; sites apart. Writes `target/scaling/scaling.csv` and
+//! `scaling.svg`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -90,12 +90,6 @@ fn median(repeat: usize, mut run: impl FnMut() -> usize) -> (f64, usize) {
     (times[repeat / 2], found)
 }
 
-/// Memory of the process that is in use, bytes; `None` where the system does not tell.
-fn resident() -> Option<usize> {
-    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
-    text.split(' ').nth(1)?.parse::<usize>().ok().map(|pages| pages * 4096)
-}
-
 /// The independent program's three counts, from the detector's own box pairs.
 fn verify(kind: Kind, points: &[Vec3]) {
     let Some(expected) = kind.reference(points.len() - 1) else { return };
@@ -152,17 +146,18 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("refit+candidates", (refit.0 + candidates.0, candidates.1));
     push("projections", stage(Stage::Sites));
     push("zones", stage(Stage::Zones));
-    let before = resident();
     let mut detector = Detector::new(options);
     push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
-    let bytes = resident().zip(before).map_or(0, |(after, before)| after.saturating_sub(before));
-    push("memory (bytes)", (0.0, bytes));
-    // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond 1e5 forces only.
+    let (kept, found) = detector.memory();
+    push("memory (bytes)", (0.0, kept));
+    push("memory of sites", (0.0, found));
+    push("forces", median(repeat, || detector.forces(&curve, 1.0).unwrap().forces[0].len()));
+    // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond 1e5 gradients only.
     let few = if n > 100_000 { 1 } else { repeat.min(3) };
     if n <= 100_000 {
         push("assembly", median(few, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
     }
-    push("forces", median(few, || detector.terms(&curve, 1.0, Want::Gradient).unwrap().len()));
+    push("terms", median(few, || detector.terms(&curve, 1.0, Want::Gradient).unwrap().len()));
     if threads == 1 {
         let neighbours = inputs::neighbours(points);
         push("plain grid", median(repeat.min(3), || rivals::grid(points, RADIUS, neighbours).len()));
@@ -223,7 +218,7 @@ fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Ve
 
 fn report(rows: &[Row]) {
     for kind in Kind::ALL {
-        for stage in ["refit+candidates", "whole detection", "zones"] {
+        for stage in ["refit+candidates", "whole detection", "zones", "forces"] {
             let points = of(rows, kind.name(), stage, 1);
             if points.len() > 1 {
                 let name = kind.name();
@@ -240,18 +235,16 @@ fn report(rows: &[Row]) {
             .unwrap();
     }
     std::fs::write(folder.join("scaling.csv"), csv).unwrap();
-    let series = Kind::ALL.iter().flat_map(|kind| {
-        let line = |stage: &str, style| {
-            let points = of(rows, kind.name(), stage, 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
-            Series { name: format!("{}: {stage}", kind.name()), points, style }
-        };
-        [line("whole detection", SeriesStyle::LinePoints), line("plain grid", SeriesStyle::Dashed)]
-    });
+    // The whole only: more lines leave no room for a legend; the table has them.
+    let line = |kind: &Kind| {
+        let points = of(rows, kind.name(), "whole detection", 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
+        Series { name: kind.name().to_owned(), points, style: SeriesStyle::LinePoints }
+    };
     let plot = PlotSpec {
-        title: "Contact detection, one thread".to_owned(),
+        title: "Contact detection of polylines, one thread".to_owned(),
         x_label: "segments".to_owned(),
-        y_label: "ns per segment".to_owned(),
-        series: series.filter(|s| !s.points.is_empty()).collect(),
+        y_label: "processor time per segment, ns".to_owned(),
+        series: Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect(),
         log_x: true,
         ..PlotSpec::default()
     };
@@ -285,8 +278,8 @@ fn main() {
                     if r.stage.starts_with("memory") {
                         let per = r.found as f64 / r.segments as f64;
                         println!(
-                            "{:<11} {:>8} {:>3} memory {per:.0} bytes per segment",
-                            r.input, r.segments, r.threads
+                            "{:<11} {:>8} {:>3} {:<17} {per:.0} bytes per segment",
+                            r.input, r.segments, r.threads, r.stage
                         );
                         continue;
                     }

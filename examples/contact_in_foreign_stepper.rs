@@ -5,7 +5,6 @@
 #![allow(clippy::print_stdout)]
 
 use supercoil::InputError;
-use supercoil::contact::detect::Want;
 use supercoil::contact::{Curve, Detector, Options};
 use supercoil::math::Vec3;
 
@@ -49,15 +48,11 @@ pub fn run() -> Result<Summary, InputError> {
         springs(lower, &mut force[..BEADS]);
         springs(upper, &mut force[BEADS..]);
         let curves = [Curve::polyline(lower, RADIUS), Curve::polyline(upper, RADIUS)];
-        for term in detector.terms(&curves, 400.0, Want::Gradient)? {
-            // Segments are numbered over both chains; each chain has one bead more than segments.
-            let bead = |segment: usize| segment + segment / (BEADS - 1);
-            let (s, m) = (bead(term.slave), bead(term.master));
-            for (bead, slope) in [s, s + 1, m, m + 1].into_iter().zip(term.point_gradient()) {
-                force[bead] -= slope;
-            }
-            deepest = term.zones.iter().map(|z| z.min_gap / RADIUS).fold(deepest, f64::min);
+        let contact = detector.forces(&curves, 400.0)?;
+        for (force, push) in force.iter_mut().zip(contact.forces.iter().flatten()) {
+            *force += push;
         }
+        deepest = deepest.min(contact.min_gap / RADIUS);
         for k in 0..x.len() {
             v[k] += force[k] * dt;
             x[k] += v[k] * dt;

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use supercoil::contact::curve::Cubic;
-use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, detect};
+use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteKind, detect};
 use supercoil::math::{Quat, Vec3};
 
 #[path = "common/random.rs"]
@@ -260,5 +260,32 @@ fn parallel_cubics_have_a_flat_site_each() {
             assert!((s.u_a - middle).abs() < 1e-6, "{s:?}");
         }
         assert_eq!(flat.len(), if shift == 0.0 { 10 } else { 19 });
+    }
+}
+
+/// However far apart two crossing cubics are, straight or bulging towards each other, their soft minimum is isolated: up to 1e11 of their
+/// length, where the distance along them changes by no more than its rounding.
+#[test]
+fn soft_minima_of_far_cubics_are_isolated() {
+    let v = Vec3::new;
+    for (distance, bulge) in (0..=11).flat_map(|k| [0.0, 0.05].map(|bulge| (10f64.powi(k), bulge))) {
+        for t in (0..20).map(|k| 0.03 * f64::from(k)) {
+            let a = [Cubic {
+                b: [v(-1.0, 0.1 * t, -bulge), v(-0.33, 0.01, bulge), v(0.34, 0.0, bulge), v(1.0, 0.05, -bulge)],
+            }];
+            let (low, high) = (distance - bulge, distance + bulge);
+            let b = [Cubic {
+                b: [v(0.1 + 0.3 * t, -1.0, high), v(0.05, -0.3, low), v(0.05, 0.4, low), v(-0.1, 1.0 + t, high)],
+            }];
+            let options = Options { range: 2.0 * distance, zones: false, ..Options::default() };
+            let found = detect(&[Curve::cubics(&a, 0.1), Curve::cubics(&b, 0.1)], options).unwrap().sites;
+            assert!(
+                found.len() == 1 && !found[0].flat && found[0].kind == SiteKind::Interior,
+                "{distance:e} {found:?}"
+            );
+            let ((p, dp, _), (q, dq, _)) = (a[0].derivatives(found[0].u_a), b[0].derivatives(found[0].u_b));
+            let w = (q - p).normalize();
+            assert!(w.dot(&dp).abs() < 1e-14 * dp.norm() && w.dot(&dq).abs() < 1e-14 * dq.norm(), "{distance:e}");
+        }
     }
 }

@@ -183,11 +183,13 @@ fn same_bits_for_any_number_of_threads() {
                 Curve::cubics(&helices[0], 0.9),
                 Curve::cubics(&helices[1], 0.9),
             ];
-            detect(&set, options(0.1, Neighbours::Turning)).unwrap()
+            let mut detector = Detector::new(options(0.1, Neighbours::Turning));
+            let forces = detector.forces(&set, 1.0).unwrap().clone();
+            (detector.detect(&set).unwrap().clone(), forces)
         })
     };
     let one = run(1);
-    assert!(one.sites.len() > 10_000 && one.zones.len() > 1000);
+    assert!(one.0.sites.len() > 10_000 && one.0.zones.len() > 1000 && one.1.energy > 100.0, "{}", one.1.energy);
     assert!(one == run(2) && one == run(4));
 }
 
@@ -329,6 +331,95 @@ fn terms_are_the_slope_of_the_energy() {
                 "{k} {axis}: {slope} {}",
                 force[k][axis]
             );
+        }
+    }
+}
+
+/// Forces are the sums of the terms: polylines, closed too, cubics and radii per segment, all among each other; in equilibrium with themselves; the
+/// same from a detector in use and whatever its range.
+#[test]
+fn forces_are_the_sums_of_terms() {
+    let line = |k: usize, turns: f64| {
+        let t = k as f64 / 60.0;
+        let (s, c) = (turns * t).sin_cos();
+        Vec3::new(c * 2.2, s * 2.2, 4.0 * t - 2.0)
+    };
+    let ring: Vec<Vec3> =
+        (0..30).map(|k| f64::from(k) * PI / 15.0).map(|t| Vec3::new(t.cos(), 0.1, t.sin()) * 2.0).collect();
+    let strand: Vec<Vec3> = (0..=60).map(|k| line(k, 7.0)).collect();
+    let other: Vec<Vec3> = (0..=60).map(|k| line(k, 7.2)).collect();
+    let pieces = helix(40, 2.0, 0.3, 1.0);
+    let radii: Vec<f64> = (0..60).map(|k| 0.3 + 0.002 * f64::from(k)).collect();
+    let curves = [
+        Curve::polyline(&ring, 0.35).closed(),
+        Curve::polyline(&strand, &radii),
+        Curve::polyline(&other, 0.3),
+        Curve::cubics(&pieces, 0.3),
+    ];
+    let first = [0, 30, 90, 150];
+    let mut detector = Detector::new(options(0.0, Neighbours::Turning));
+    let terms = detector.terms(&curves, 5.0, Want::Gradient).unwrap();
+    let mut expected =
+        vec![vec![Vec3::zeros(); 30], vec![Vec3::zeros(); 61], vec![Vec3::zeros(); 61], vec![Vec3::zeros(); 160]];
+    let (mut energy, mut kinds) = (0.0, std::collections::BTreeSet::new());
+    for term in &terms {
+        energy += term.energy;
+        let place = |segment: usize| {
+            let curve = (0..4).rev().find(|&c| first[c] <= segment).unwrap();
+            (curve, segment - first[curve])
+        };
+        let points = term.point_gradient();
+        for (side, segment) in [term.slave, term.master].into_iter().enumerate() {
+            let (curve, k) = place(segment);
+            let sums = &mut expected[curve];
+            if curve == 3 {
+                (0..4).for_each(|m| sums[4 * k + m] -= term.gradient[4 * side + m]);
+            } else {
+                let next = (k + 1) % sums.len();
+                sums[k] -= points[2 * side];
+                sums[next] -= points[2 * side + 1];
+            }
+        }
+        kinds.insert([place(term.slave).0, place(term.master).0]);
+    }
+    assert!(kinds.len() >= 8, "{kinds:?}");
+    let scale = expected.iter().flatten().map(Vec3::norm).fold(0.0, f64::max);
+    for range in [0.0, 0.0, 0.3, -0.2] {
+        detector.options_mut().range = range;
+        let found = detector.forces(&curves, 5.0).unwrap();
+        assert!((found.energy - energy).abs() < 1e-12 * energy, "{} {energy}", found.energy);
+        for (ours, sums) in found.forces.iter().zip(&expected) {
+            assert_eq!(ours.len(), sums.len());
+            assert!(ours.iter().zip(sums).all(|(f, g)| (f - g).norm() < 1e-12 * scale));
+        }
+        let net: Vec3 = found.forces.iter().flatten().sum();
+        assert!(net.norm() < 1e-11 * scale, "{net}");
+        let deepest = terms.iter().flat_map(|t| &t.zones).map(|z| z.min_gap).fold(f64::INFINITY, f64::min);
+        assert!((found.min_gap - deepest).abs() < 1e-14);
+    }
+    let apart = [Curve::polyline(&ring, 1e-3).closed()];
+    let none = detector.forces(&apart, 5.0).unwrap();
+    assert_eq!((none.energy, none.min_gap, none.forces.len()), (0.0, f64::INFINITY, 1));
+    assert!(none.forces[0].len() == 30 && none.forces[0].iter().all(|f| *f == Vec3::zeros()));
+}
+
+/// Where centrelines coincide there is energy, but no direction: forces and Hessians stay finite and in balance, for lines and for cubics.
+#[test]
+fn crossing_centrelines_have_finite_forces() {
+    let line = |d: Vec3| [-d, d];
+    let (a, crossing, along) = (line(Vec3::x()), line(Vec3::y()), [Vec3::x() * -0.3, Vec3::x() * 1.3]);
+    for other in [crossing, along] {
+        let cubics = [a, other].map(|p| [Cubic::straight(p[0], p[1])]);
+        let lines = [Curve::polyline(&a, 0.2), Curve::polyline(&other, 0.2)];
+        for curves in [lines, [Curve::cubics(&cubics[0], 0.2), Curve::cubics(&cubics[1], 0.2)]] {
+            let mut detector = Detector::new(options(0.0, Neighbours::Turning));
+            let found = detector.forces(&curves, 1.0).unwrap();
+            assert!(found.energy > 0.0 && found.energy.is_finite() && (found.min_gap + 0.4).abs() < 1e-12, "{found:?}");
+            assert!(found.forces.iter().flatten().sum::<Vec3>().norm() < 1e-12, "{found:?}");
+            for term in detector.terms(&curves, 1.0, Want::Hessian).unwrap() {
+                let hessian = term.hessian.unwrap();
+                assert!((0..8).all(|m| (m..8).all(|n| hessian[m][n].iter().all(|x| x.is_finite()))));
+            }
         }
     }
 }

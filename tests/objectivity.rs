@@ -161,3 +161,19 @@ fn turns_of_a_loaded_cantilever_leave_no_trace() {
         verify("path independence", &what, distance(&still, &turned), 0.0, 1e-11);
     }
 }
+
+/// Half a turn of a pushed clamp at once: the rod passes tangents that are nearly singular, on all meshes and about all axes.
+#[test]
+fn half_a_turn_of_a_clamp_comes_to_rest_in_one_step() {
+    for (order, elements) in [(1, 12), (2, 6), (3, 4), (3, 8), (3, 16)] {
+        for axis in [Vec3::z(), Vec3::x(), Vec3::y()] {
+            let mut solver = clamped(order, elements);
+            let end = end_of(&beam(order, elements));
+            let push = Ramp::Displacement { node: end, to: Vec3::new(-0.05, 0.2, -0.1) };
+            for turn in [0.0, 0.25, -0.25] {
+                let report = solver.step_to(&[Ramp::Rotation { node: end, axis, to: turn }, push]).unwrap();
+                assert_eq!(report.status, Status::Converged, "order {order}, {elements} elements, {axis:?} to {turn}");
+            }
+        }
+    }
+}

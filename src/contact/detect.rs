@@ -13,8 +13,10 @@ use rayon::prelude::*;
 
 use super::capsule::Capsule;
 use super::curve::CurveSet;
+use super::input::{Shape, Strands};
 use super::law::{Law, Response};
-use super::zone::{FootKind, Joint, Pair, Piece, Sample};
+use super::zone::straight::Lines;
+use super::zone::{FootKind, Joint, Pair, Piece, Touch};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 
@@ -62,6 +64,23 @@ impl PairTerm {
         let ([a0, a1], [b0, b1]) = (ends(&self.gradient[..4]), ends(&self.gradient[4..]));
         [a0, a1, b0, b1]
     }
+
+    /// The Hessian with respect to the ends of two *straight* segments, in the order of [`PairTerm::point_gradient`]: all 16 blocks \[F/L\]; zero
+    /// if it was not asked for.
+    #[must_use]
+    pub fn point_hessian(&self) -> [[Mat3; 4]; 4] {
+        // Parts that the ends have in the control points of a straight segment.
+        const PARTS: [[f64; 4]; 2] = [[1.0, 2.0 / 3.0, 1.0 / 3.0, 0.0], [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]];
+        let mut sum = [[Mat3::zeros(); 4]; 4];
+        let Some(hessian) = &self.hessian else { return sum };
+        for (m, n) in (0..8).flat_map(|m| (0..8).map(move |n| (m, n))) {
+            let block = if m <= n { hessian[m][n] } else { hessian[n][m].transpose() };
+            for (p, q) in (0..2).flat_map(|p| (0..2).map(move |q| (p, q))) {
+                sum[p + 2 * (m / 4)][q + 2 * (n / 4)] += block * (PARTS[p][m % 4] * PARTS[q][n % 4]);
+            }
+        }
+        sum
+    }
 }
 
 /// What [`evaluate`] computes.
@@ -91,18 +110,38 @@ pub(crate) struct Pressures<'a> {
 /// `offset(segment)` is the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over candidates in the current rayon
 /// pool; the result does not depend on the number of threads.
 pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
-    evaluate_within(set, &capsules_of(set), candidates, &Pressures { law, offset, before: None }, want)
+    evaluate_within(&Ground::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
 }
 
-/// Capsules of all segments.
-pub(crate) fn capsules_of(set: &CurveSet) -> Vec<Capsule> {
-    set.segments.par_iter().with_min_len(256).map(Capsule::new).collect()
+/// The curves that terms are evaluated on.
+pub(crate) struct Ground<'a> {
+    strands: Strands<'a>,
+    /// Reference length of each segment \[L\].
+    lengths: &'a [f64],
+    /// Capsule of each segment; none if all curves are polylines.
+    capsules: Vec<Capsule>,
 }
 
-/// [`evaluate`] with the capsules at hand, for callers that go through the candidates in parts.
+impl<'a> Ground<'a> {
+    /// The curves of a set.
+    pub(crate) fn of_set(set: &'a CurveSet) -> Self {
+        Self::new(Strands::of_set(set), &set.lengths)
+    }
+
+    /// Curves with the reference lengths of their segments \[L\].
+    pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64]) -> Self {
+        let mut capsules = Vec::new();
+        if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
+            let capsule = |k: usize| Capsule::new(&strands.cubic(k));
+            (0..strands.len()).into_par_iter().with_min_len(256).map(capsule).collect_into_vec(&mut capsules);
+        }
+        Self { strands, lengths, capsules }
+    }
+}
+
+/// [`evaluate`] for callers that go through the candidates in parts.
 pub(crate) fn evaluate_within(
-    set: &CurveSet,
-    capsules: &[Capsule],
+    ground: &Ground,
     candidates: &[[u32; 2]],
     pressures: &Pressures,
     want: Want,
@@ -111,113 +150,229 @@ pub(crate) fn evaluate_within(
     candidates
         .par_chunks(CHUNK)
         .flat_map_iter(|chunk| {
-            let mut found = Vec::new();
-            let mut pieces = Vec::new();
+            let (mut found, mut pieces) = (Vec::new(), Vec::new());
             for &[i, j] in chunk {
-                let (i, j) = (i as usize, j as usize);
-                let nearest = capsules[i].distance_lower_bound(&capsules[j]);
-                for (slave, master) in [(i, j), (j, i)] {
-                    let contact_distance = set.radius_of(slave) + set.radius_of(master);
-                    let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
-                    let reach = reaching(slave).map(|c| contact_distance + c);
-                    if nearest >= reach[0].max(reach[1]) {
-                        continue;
-                    }
-                    // Near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain. The same origin for
-                    // every master, so that two that meet at a joint find the same bits there.
-                    let near = |k: usize| set.segments[k].relative_to(&set.segments[slave].b[0]);
-                    let (own, foreign) = (near(slave), near(master));
-                    let (before, after) = (set.prev(master), set.next(master));
-                    let pair = Pair {
-                        slave: &own,
-                        master: &foreign,
-                        open_start: before.is_none(),
-                        open_end: after.is_none(),
-                        reach,
-                        joints: Joint::both(before.map(near), &foreign, after.map(near)),
-                    };
-                    pieces.clear();
-                    pair.pieces(&mut pieces);
-                    if !pieces.is_empty() {
-                        found.push(pair_term(set, slave, master, &pair, &pieces, pressures, want));
-                    }
-                }
+                ground.terms([i as usize, j as usize], pressures, want, &mut pieces, |term| found.push(term));
             }
             found
         })
         .collect()
 }
 
-fn pair_term(
-    set: &CurveSet,
-    slave: usize,
-    master: usize,
-    pair: &Pair,
-    pieces: &[Piece],
-    pressures: &Pressures,
-    want: Want,
-) -> PairTerm {
-    let mut term = PairTerm {
-        slave,
-        master,
-        energy: 0.0,
-        gradient: [Vec3::zeros(); 8],
-        hessian: (want == Want::Hessian).then(|| Box::new([[Mat3::zeros(); 8]; 8])),
-        zones: Vec::with_capacity(pieces.len()),
-    };
-    let length = set.lengths[slave];
-    let contact_distance = set.radius_of(slave) + set.radius_of(master);
-    let local = Local { pressures, contact_distance, offset: (pressures.offset)(slave) };
-    for piece in pieces {
-        let [half_force, first, second] = integrate(&mut term, pair, piece, length, &local);
-        let min_gap = piece.nearest.distance - contact_distance;
-        term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
-    }
-    term
+/// What one candidate pair does to the control points of both segments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairForce {
+    /// Energy \[F·L\], both ways round.
+    pub(crate) energy: f64,
+    /// Smallest gap \[L\]; infinite if the pair is not in contact.
+    pub(crate) min_gap: f64,
+    /// −∂U/∂(control points) of i and of j \[F\]; of a straight segment its two ends, in the first and last place.
+    pub(crate) force: [[Vec3; 4]; 2],
 }
 
-/// Integrates one piece and returns ½∫p uᵏ ds for k = 0, 1, 2; long pieces are divided so that each part is shorter than the
-/// contact distance.
-fn integrate(term: &mut PairTerm, pair: &Pair, piece: &Piece, length: f64, local: &Local) -> [f64; 3] {
-    let rule = gauss(POINTS_PER_PIECE);
-    let width = piece.u[1] - piece.u[0];
-    let parts = (width * length / local.contact_distance).ceil().clamp(1.0, 64.0);
-    let mut moments = [0.0; 3];
-    for part in 0..parts as usize {
-        for (&x, &w) in rule.points.iter().zip(rule.weights) {
-            let fraction = (part as f64 + x) / parts;
-            let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
-            let sample = pair.sample(piece.u[0] + width * fraction, guess, piece.kind);
-            let weight = 0.5 * w * width * length / parts;
-            let force = weight * add_sample(term, pair, piece.kind, &sample, weight, local);
-            moments[0] += force;
-            moments[1] += force * sample.u;
-            moments[2] += force * sample.u * sample.u;
+impl PairForce {
+    pub(crate) const NONE: Self =
+        Self { energy: 0.0, min_gap: f64::INFINITY, force: [[Vec3::new(0.0, 0.0, 0.0); 4]; 2] };
+}
+
+impl Ground<'_> {
+    /// The terms of one candidate pair, either way round. `pieces` is scratch.
+    fn terms(
+        &self,
+        [i, j]: [usize; 2],
+        pressures: &Pressures,
+        want: Want,
+        pieces: &mut Vec<Piece>,
+        mut found: impl FnMut(PairTerm),
+    ) {
+        let nearest = self.nearest(i, j);
+        for (slave, master) in [(i, j), (j, i)] {
+            let Some(local) = self.local(slave, master, nearest, pressures) else { continue };
+            pieces.clear();
+            let mut collect = |touch: &dyn Fn(f64, f64, FootKind) -> Touch, pieces: &[Piece]| {
+                if !pieces.is_empty() {
+                    found(local.term(slave, master, want, pieces, touch));
+                }
+            };
+            if let Some(lines) = self.lines(slave, master, &local) {
+                lines.pieces(|piece| pieces.push(piece));
+                collect(&|u, _, kind| lines.touch(u, kind), pieces);
+            } else {
+                self.with_pair(slave, master, local.reach, |pair| {
+                    pair.pieces(pieces);
+                    collect(&|u, guess, kind| pair.touch(u, guess, kind), pieces);
+                });
+            }
         }
     }
-    moments
+
+    /// The sum of [`Ground::terms`] without the terms.
+    pub(crate) fn force(&self, [i, j]: [usize; 2], pressures: &Pressures, pieces: &mut Vec<Piece>) -> PairForce {
+        let mut sum = PairForce::NONE;
+        if !(self.strands.is_straight(i) && self.strands.is_straight(j)) {
+            self.terms([i, j], pressures, Want::Gradient, pieces, |term| {
+                sum.add_term(&self.strands, &term, term.slave != i)
+            });
+            return sum;
+        }
+        for (slave, master) in [(i, j), (j, i)] {
+            let Some(local) = self.local(slave, master, 0.0, pressures) else { continue };
+            let Some(lines) = self.lines(slave, master, &local) else { continue };
+            lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
+        }
+        sum
+    }
+
+    /// Lower bound of the distance \[L\]. Straight segments tell their intervals faster than this would save.
+    fn nearest(&self, i: usize, j: usize) -> f64 {
+        if self.capsules.is_empty() { 0.0 } else { self.capsules[i].distance_lower_bound(&self.capsules[j]) }
+    }
+
+    /// What holds all along the slave, if it may be in reach at a distance of at least `nearest` \[L\].
+    fn local<'a>(&self, slave: usize, master: usize, nearest: f64, pressures: &'a Pressures<'a>) -> Option<Local<'a>> {
+        let contact_distance = self.strands.radius_of(slave) + self.strands.radius_of(master);
+        let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
+        let reach = reaching(slave).map(|c| contact_distance + c);
+        let (length, offset) = (self.lengths[slave], (pressures.offset)(slave));
+        (nearest < reach[0].max(reach[1])).then_some(Local { pressures, contact_distance, reach, offset, length })
+    }
+
+    /// The pair as lines, if both are straight and the reach does not vary along the slave.
+    fn lines(&self, slave: usize, master: usize, local: &Local) -> Option<Lines> {
+        let lines =
+            local.reach[0] == local.reach[1] && self.strands.is_straight(slave) && self.strands.is_straight(master);
+        lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0]))
+    }
+
+    /// Calls `with` the pair as cubics near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain. The same
+    /// origin for every master, so that two that meet at a joint find the same bits there.
+    fn with_pair(&self, slave: usize, master: usize, reach: [f64; 2], with: impl FnOnce(&Pair)) {
+        let origin = self.strands.ends(slave).0;
+        let near = |k: usize| self.strands.cubic(k).relative_to(&origin);
+        let (own, foreign) = (near(slave), near(master));
+        let (before, after) = (self.strands.prev(master), self.strands.next(master));
+        with(&Pair {
+            slave: &own,
+            master: &foreign,
+            open_start: before.is_none(),
+            open_end: after.is_none(),
+            reach,
+            joints: Joint::both(before.map(near), &foreign, after.map(near), &origin),
+        });
+    }
 }
 
-/// The laws on one slave segment.
+impl PairForce {
+    /// Adds a term; `swapped` if its slave is j.
+    fn add_term(&mut self, strands: &Strands, term: &PairTerm, swapped: bool) {
+        self.energy += term.energy;
+        self.min_gap = term.zones.iter().map(|zone| zone.min_gap).fold(self.min_gap, f64::min);
+        let ends = term.point_gradient();
+        for (side, segment) in [term.slave, term.master].into_iter().enumerate() {
+            let force = &mut self.force[side ^ usize::from(swapped)];
+            if strands.is_straight(segment) {
+                force[0] -= ends[2 * side];
+                force[3] -= ends[2 * side + 1];
+            } else {
+                (0..4).for_each(|m| force[m] -= term.gradient[4 * side + m]);
+            }
+        }
+    }
+
+    /// Adds one piece of a pair of lines; `swapped` if the slave is j.
+    fn add_lines(&mut self, lines: &Lines, piece: &Piece, local: &Local, swapped: bool) {
+        // ∫p n ds, and the same weighted by u and by v
+        let (mut plain, mut at_u, mut at_v) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
+        local.integrate(piece, |u, _, weight| {
+            let touch = lines.touch(u, piece.kind);
+            let (law, _) = local.response(u, touch.distance);
+            self.energy += weight * law.energy;
+            let push = touch.normal * (weight * law.pressure);
+            plain += push;
+            at_u += push * u;
+            at_v += push * touch.v;
+        });
+        self.min_gap = self.min_gap.min(piece.nearest.distance - local.contact_distance);
+        let [own, other] = if swapped { [1, 0] } else { [0, 1] };
+        self.force[own][0] += plain - at_u;
+        self.force[own][3] += at_u;
+        self.force[other][0] -= plain - at_v;
+        self.force[other][3] -= at_v;
+    }
+}
+
+/// What holds all along the slave of an ordered pair.
 struct Local<'a> {
     pressures: &'a Pressures<'a>,
     contact_distance: f64,
+    /// Of the slave \[L\].
+    length: f64,
+    /// Where the pressure ends, at both ends of the slave: contact distance + offset \[L\].
+    reach: [f64; 2],
     offset: [f64; 2],
 }
 
 impl Local<'_> {
-    /// The response at a sample and the pressure that the geometric stiffness belongs to.
-    fn response(&self, pair: &Pair, sample: &Sample) -> (Response, f64) {
-        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * sample.u;
+    /// The integral over the pieces; `touch(u, guess of v, kind)` tells the geometry.
+    fn term(
+        &self,
+        slave: usize,
+        master: usize,
+        want: Want,
+        pieces: &[Piece],
+        touch: &dyn Fn(f64, f64, FootKind) -> Touch,
+    ) -> PairTerm {
+        let mut term = PairTerm {
+            slave,
+            master,
+            energy: 0.0,
+            gradient: [Vec3::zeros(); 8],
+            hessian: (want == Want::Hessian).then(|| Box::new([[Mat3::zeros(); 8]; 8])),
+            zones: Vec::with_capacity(pieces.len()),
+        };
+        for piece in pieces {
+            // ½∫p uᵏ ds
+            let mut moments = [0.0; 3];
+            self.integrate(piece, |u, guess, weight| {
+                let force = weight * add_touch(&mut term, piece.kind, &touch(u, guess, piece.kind), weight, self);
+                moments[0] += force;
+                moments[1] += force * u;
+                moments[2] += force * u * u;
+            });
+            let [half_force, first, second] = moments;
+            let min_gap = piece.nearest.distance - self.contact_distance;
+            term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
+        }
+        term
+    }
+
+    /// Calls `add(u, guess of v, weight)` for the points of the quadrature ½∫ds of a piece; long pieces are divided so that each part is shorter than
+    /// the contact distance.
+    fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64)) {
+        let rule = gauss(POINTS_PER_PIECE);
+        let width = piece.u[1] - piece.u[0];
+        let parts = (width * self.length / self.contact_distance).ceil().clamp(1.0, 64.0);
+        for part in 0..parts as usize {
+            for (&x, &w) in rule.points.iter().zip(rule.weights) {
+                let fraction = (part as f64 + x) / parts;
+                let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
+                add(piece.u[0] + width * fraction, guess, 0.5 * w * width * self.length / parts);
+            }
+        }
+    }
+
+    /// The response at a slave parameter and distance \[L\], and the pressure that the geometric stiffness belongs to.
+    fn response(&self, u: f64, distance: f64) -> (Response, f64) {
+        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * u;
         let law = &self.pressures.law;
         let Some((before, _)) = self.pressures.before else {
-            let response = law.response(between(pair.reach) - sample.distance, self.contact_distance);
+            let response = law.response(between(self.reach) - distance, self.contact_distance);
             return (response, response.pressure);
         };
-        let pressure = before.response(between(pair.reach) - sample.distance, self.contact_distance).pressure;
+        let pressure = before.response(between(self.reach) - distance, self.contact_distance).pressure;
         let overlap = law.overlap(pressure, self.contact_distance);
         let there = law.response(overlap, self.contact_distance);
-        let way = self.contact_distance + between(self.offset) - sample.distance - overlap;
+        let way = self.contact_distance + between(self.offset) - distance - overlap;
         let response = Response {
             energy: there.energy + (pressure + 0.5 * there.stiffness * way) * way,
             pressure: pressure + there.stiffness * way,
@@ -237,30 +392,33 @@ fn bernstein_slopes(u: f64) -> [f64; 4] {
     [-3.0 * t * t, 3.0 * t * (t - 2.0 * u), 3.0 * u * (2.0 * t - u), 3.0 * u * u]
 }
 
-/// Adds weight × the law at one sample; returns the pressure.
-fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample, weight: f64, local: &Local) -> f64 {
-    let (law, carried) = local.response(pair, sample);
+/// Adds weight × the law at one point; returns the pressure.
+fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, local: &Local) -> f64 {
+    let Touch { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
+    let (law, carried) = local.response(u, distance);
     if carried == 0.0 {
         return 0.0;
     }
-    let (b, db, ddb) = pair.master.derivatives(sample.v);
-    let normal = (pair.slave.point(sample.u) - b) / sample.distance;
-    let (wa, wb) = (bernstein_weights(sample.u), bernstein_weights(sample.v));
-    let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
     term.energy += weight * law.energy;
+    // Where the centrelines cross, the force has no direction.
+    if distance == 0.0 {
+        return law.pressure;
+    }
+    let (wa, wb) = (bernstein_weights(u), bernstein_weights(v));
+    let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
     for m in 0..8 {
         term.gradient[m] -= normal * (weight * law.pressure * w[m]);
     }
     let Some(hessian) = term.hessian.as_deref_mut() else { return law.pressure };
     let nn = normal * normal.transpose();
-    let over_d = carried / sample.distance;
+    let over_d = carried / distance;
     let plain = (nn * (law.stiffness + over_d) - Mat3::identity() * over_d) * weight;
     let schur = match kind {
         FootKind::Orthogonal => {
-            let d_vv = db.norm_squared() / sample.distance - normal.dot(&ddb);
-            let slopes = bernstein_slopes(sample.v);
+            let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
+            let slopes = bernstein_slopes(v);
             let q: [Vec3; 8] = std::array::from_fn(|m| {
-                let along = db * (-w[m] / sample.distance);
+                let along = db * (-w[m] / distance);
                 if m < 4 { along } else { along - normal * slopes[m - 4] }
             });
             Some((q, weight * carried / d_vv))
@@ -279,86 +437,4 @@ fn add_sample(term: &mut PairTerm, pair: &Pair, kind: FootKind, sample: &Sample,
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::curve::Cubic;
-    use super::*;
-
-    /// Moves the control points of both cubics.
-    fn moved(a: &Cubic, b: &Cubic, dof: usize, step: f64) -> (Cubic, Cubic) {
-        let (mut a, mut b) = (*a, *b);
-        let (m, k) = (dof / 3, dof % 3);
-        if m < 4 {
-            a.b[m][k] += step;
-        } else {
-            b.b[m - 4][k] += step;
-        }
-        (a, b)
-    }
-
-    fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
-        let mut term = PairTerm {
-            slave: 0,
-            master: 1,
-            energy: 0.0,
-            gradient: [Vec3::zeros(); 8],
-            hessian: Some(Box::new([[Mat3::zeros(); 8]; 8])),
-            zones: Vec::new(),
-        };
-        let pair = Pair { slave: a, master: b, open_start: false, open_end, reach, joints: [None; 2] };
-        let mut pieces = Vec::new();
-        pair.pieces(&mut pieces);
-        assert!(!pieces.is_empty());
-        let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_| [0.0; 2], before: None };
-        let local = Local { pressures: &pressures, contact_distance: 0.05, offset: [0.0; 2] };
-        for piece in &pieces {
-            integrate(&mut term, &pair, piece, 1.3, &local);
-        }
-        term
-    }
-
-    /// Gradient and Hessian of the integrated potential, moving zone ends included, against finite differences: crossing,
-    /// grazing and end-cap contacts.
-    #[test]
-    fn derivatives_of_the_cut_integral_match_finite_differences() {
-        let v = Vec3::new;
-        let crossing = (
-            Cubic { b: [v(-0.9, 0.1, 0.2), v(-0.3, 0.0, 0.26), v(0.3, 0.05, 0.24), v(1.0, 0.0, 0.3)] },
-            Cubic { b: [v(-0.8, -0.5, 0.0), v(-0.2, -0.3, 0.05), v(0.2, 0.2, -0.02), v(0.6, 0.7, 0.0)] },
-        );
-        let grazing = (
-            Cubic { b: [v(-0.9, 0.0, 0.32), v(-0.3, 0.02, 0.24), v(0.3, 0.05, 0.24), v(1.0, 0.0, 0.31)] },
-            Cubic { b: [v(-1.2, 0.05, 0.0), v(-0.3, 0.0, 0.0), v(0.3, 0.05, 0.02), v(1.3, 0.0, 0.0)] },
-        );
-        let capped = (
-            Cubic { b: [v(-0.9, 0.0, 0.2), v(-0.3, 0.02, 0.2), v(0.3, 0.05, 0.2), v(1.0, 0.0, 0.2)] },
-            Cubic { b: [v(-0.1, -1.0, 0.0), v(0.0, -0.7, 0.0), v(0.0, -0.3, 0.02), v(0.1, -0.05, 0.0)] },
-        );
-        for (name, (a, b), open) in
-            [("crossing", crossing, false), ("grazing", grazing, false), ("capped", capped, true)]
-        {
-            let reach = [0.29, 0.31];
-            let base = term(&a, &b, open, reach);
-            let hessian = base.hessian.as_deref().unwrap();
-            let h = 1e-5;
-            for dof in 0..24 {
-                let shifted = |step: f64| {
-                    let (a, b) = moved(&a, &b, dof, step);
-                    term(&a, &b, open, reach)
-                };
-                let (plus, minus) = (shifted(h), shifted(-h));
-                let slope = (plus.energy - minus.energy) / (2.0 * h);
-                let ours = base.gradient[dof / 3][dof % 3];
-                assert!((slope - ours).abs() < 1e-5 * (1.0 + ours.abs()), "{name} dof {dof}: {slope} {ours}");
-                for other in dof..24 {
-                    let (m, n) = (dof / 3, other / 3);
-                    let difference = (plus.gradient[n][other % 3] - minus.gradient[n][other % 3]) / (2.0 * h);
-                    let ours = if m == n && other < dof { 0.0 } else { hessian[m][n][(dof % 3, other % 3)] };
-                    assert!(
-                        (difference - ours).abs() < 2e-4 * (10.0 + ours.abs()),
-                        "{name} ({dof},{other}): {difference} {ours}"
-                    );
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -6,14 +6,15 @@ use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
 use super::curve::{Cubic, CurveInput, CurveSet};
-use super::detect::{self, PairTerm, Want};
-use super::exclusion::Exclusion;
-use super::input::{Curve, Strands};
+use super::detect::{self, Ground, PairForce, PairTerm, Pressures, Want};
+use super::exclusion::{Exclusion, bytes};
+use super::input::{Curve, Shape, Strands};
 use super::interval::{self, Part, Zone};
 use super::law::Law;
 use super::options::{Neighbours, Options};
 use super::site::{self, Minimum, Site};
 use super::vertex::vertex_minima;
+use super::zone::Piece;
 use super::{capsule, closest};
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
@@ -21,6 +22,9 @@ use crate::math::quadrature::gauss;
 
 /// Candidate pairs per parallel piece of work.
 const CHUNK: usize = 2048;
+/// Candidate pairs whose forces are computed before they are added up in order.
+const BLOCK: usize = 8192;
+
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contacts {
@@ -28,6 +32,18 @@ pub struct Contacts {
     pub sites: Vec<Site>,
     /// Zones ordered by curve, partner, start of the interval; empty unless asked for.
     pub zones: Vec<Zone>,
+}
+
+/// Energy and forces of the contact of curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forces {
+    /// Energy \[F·L\].
+    pub energy: f64,
+    /// Forces \[F\] on each curve's control points, −∂energy/∂point at fixed arc lengths: one for each point of a polyline, four for each
+    /// cubic piece (of two that share a joint each has its part).
+    pub forces: Vec<Vec<Vec3>>,
+    /// Smallest gap \[L\] of the overlaps; infinite if there is none.
+    pub min_gap: f64,
 }
 
 /// Finds contacts of curves and keeps tree, lists and buffers from one call to the next.
@@ -50,13 +66,20 @@ pub struct Contacts {
 /// form, roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No tolerance is a length. The result depends on the curves only (with
 /// `margin` 0 not even on earlier calls), never on the number of threads.
 ///
-/// **Special cases.** Parallel straight segments, coincident ones too, and cubics parallel or coincident to rounding: one site per pair of segments, marked `flat`, in the
-/// middle of the overlap, and the zones tell the whole interval. Crossing or coincident centrelines: gap −(r_a + r_b), normal zero. Kinks and open ends: minima there are found by
-/// the one-sided slopes. Repeated control points within a cubic are legal, repeated points of a polyline and cubics shrunk to a point are
-/// refused by name. Nearly closed curves are open ones: their ends are sites if near each other.
+/// **Units.** All lengths in one unit of the caller's choice; no tolerance is absolute, so results scale with it.
+///
+/// **Special cases.**
+/// * *Parallel* or *coincident* straight segments, and cubics that are so to rounding: one site per pair of segments, marked `flat`, in the middle of the
+///   overlap; the zones tell the whole interval.
+/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; forces have no direction there and are left out.
+/// * *Tangent* curves: their touching point is one site; where minima merge with saddles to within rounding, one of the group, marked `flat`.
+/// * *Kinks* and *open ends*: minima there are found by the one-sided slopes.
+/// * *Repeated* control points within a cubic are legal; repeated points of a polyline and cubics shrunk to a point are refused by name.
+/// * *Nearly closed* curves are open ones: their ends are sites if near each other.
 ///
 /// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
-/// bytes a candidate pair, 144 a site, 160 a part of a zone (two for each pair of segments along a contact line), and a copy of the points if `margin` > 0.
+/// bytes a candidate pair, 144 a site (32 of them to look for it), 160 a part of a zone (two for each pair of segments along a contact line), 24 a control point
+/// for forces, and a copy of the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
     pub(super) options: Options,
@@ -70,7 +93,47 @@ pub struct Detector {
     parts: Vec<Vec<Part>>,
     joining: interval::Workspace,
     pub(super) contacts: Contacts,
+    forces: Forces,
+    pair_forces: Vec<PairForce>,
     set: CurveSet,
+}
+
+impl Default for Forces {
+    fn default() -> Self {
+        Self { energy: 0.0, forces: Vec::new(), min_gap: f64::INFINITY }
+    }
+}
+
+impl Forces {
+    /// No contact, in the old buffers.
+    fn clear(&mut self, strands: &Strands) {
+        (self.energy, self.min_gap) = (0.0, f64::INFINITY);
+        self.forces.resize_with(strands.curves.len(), Vec::new);
+        for (forces, strand) in self.forces.iter_mut().zip(&strands.curves) {
+            forces.clear();
+            forces.resize(strand.num_control_points(), Vec3::zeros());
+        }
+    }
+
+    fn add(&mut self, strands: &Strands, pair: [u32; 2], found: &PairForce) {
+        if found.min_gap == f64::INFINITY {
+            return;
+        }
+        self.energy += found.energy;
+        self.min_gap = self.min_gap.min(found.min_gap);
+        for (segment, force) in pair.into_iter().zip(&found.force) {
+            let curve = strands.curve_of(segment as usize);
+            let strand = &strands.curves[curve];
+            let (k, sums) = (segment as usize - strand.first, &mut self.forces[curve]);
+            if matches!(strand.shape, Shape::Polyline(_)) {
+                sums[k] += force[0];
+                let next = if k + 1 < sums.len() { k + 1 } else { 0 };
+                sums[next] += force[3];
+            } else {
+                (0..4).for_each(|m| sums[4 * k + m] += force[m]);
+            }
+        }
+    }
 }
 
 /// [`Detector::detect`] once.
@@ -101,7 +164,7 @@ impl Detector {
     /// [`InputError`] naming curve and index: too few points, a coordinate or radius that is not finite, radius ≤ 0, repeated points, cubics that do not
     /// join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more; or an option out of its range.
     pub fn detect(&mut self, curves: &[Curve]) -> Result<&Contacts, InputError> {
-        let strands = self.update(curves)?;
+        let strands = self.update(curves, self.options.range)?;
         let mut sites = std::mem::take(&mut self.contacts.sites);
         self.find_sites(&strands, &mut sites);
         self.contacts.sites = sites;
@@ -115,25 +178,53 @@ impl Detector {
         self.broad.pairs()
     }
 
-    /// Energy, gradient and, if wanted, Hessian of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from each side),
-    /// as one term per ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁
-    /// counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] brings the gradient to its points. `stiffness` κ
-    /// \[F/L²\]. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps by
-    /// the part of the step.
+    /// Energy, forces and smallest gap of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from
+    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the result is kept in
+    /// buffers. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps
+    /// by the part of the step. Points where centrelines coincide have energy, but no direction and no force.
+    ///
+    /// # Errors
+    /// As [`Detector::detect`].
+    pub fn forces(&mut self, curves: &[Curve], stiffness: f64) -> Result<&Forces, InputError> {
+        InputError::positive("stiffness", stiffness)?;
+        let strands = self.update(curves, self.options.range.max(0.0))?;
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.clear(&strands);
+        let mut found = std::mem::take(&mut self.pair_forces);
+        let this = &*self;
+        let ground = Ground::new(strands.clone(), &this.lengths);
+        let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
+        let force = |pieces: &mut Vec<Piece>, p: &[u32; 2]| {
+            let pair = p.map(|k| k as usize);
+            if this.wanted(&strands, pair) { ground.force(pair, &pressures, pieces) } else { PairForce::NONE }
+        };
+        for block in this.broad.pairs().chunks(BLOCK) {
+            block.par_iter().with_min_len(64).map_init(Vec::new, force).collect_into_vec(&mut found);
+            block.iter().zip(&found).for_each(|(pair, found)| forces.add(&strands, *pair, found));
+        }
+        (self.forces, self.pair_forces) = (forces, found);
+        Ok(&self.forces)
+    }
+
+    /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per ordered pair of segments in
+    /// contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁ counts as the cubic with
+    /// b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points.
+    /// A term takes 370 bytes, with Hessian 5 kB.
     ///
     /// # Errors
     /// As [`Detector::detect`].
     pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
         InputError::positive("stiffness", stiffness)?;
-        let strands = self.update(curves)?;
-        self.place(&strands)?;
-        let exclusion = &self.exclusion;
-        let wanted = |p: &&[u32; 2]| {
-            let (i, j) = (p[0] as usize, p[1] as usize);
-            !exclusion.excluded(i, j) && !adjacent(&strands, i, j)
-        };
+        let strands = self.update(curves, self.options.range.max(0.0))?;
+        let wanted = |p: &&[u32; 2]| self.wanted(&strands, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        Ok(detect::evaluate(&self.set, &pairs, Law::Linear { stiffness }, &|_| [0.0; 2], want))
+        let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
+        Ok(detect::evaluate_within(&Ground::new(strands, &self.lengths), &pairs, &pressures, want))
+    }
+
+    /// Whether a candidate pair is not one of neighbours along a curve.
+    fn wanted(&self, strands: &Strands, [i, j]: [usize; 2]) -> bool {
+        !self.exclusion.excluded(i, j) && !adjacent(strands, i, j)
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
@@ -163,10 +254,10 @@ impl Detector {
     }
 
     /// Everything up to the candidate list.
-    fn update<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
+    fn update<'a>(&mut self, curves: &[Curve<'a>], range: f64) -> Result<Strands<'a>, InputError> {
         let strands = self.prepare(curves)?;
         self.measure(&strands);
-        self.broad.candidates_of(&strands, &self.exclusion, self.options.range, self.options.margin)?;
+        self.broad.candidates_of(&strands, &self.exclusion, range, self.options.margin)?;
         Ok(strands)
     }
 
@@ -189,6 +280,17 @@ impl Detector {
                 sum += length;
             }
         }
+    }
+
+    pub(super) fn own_memory(&self) -> usize {
+        let parts: usize = self.parts.iter().map(bytes).sum();
+        bytes(&self.start)
+            + bytes(&self.lengths)
+            + bytes(&self.minima)
+            + parts
+            + self.joining.memory()
+            + bytes(&self.pair_forces)
+            + self.forces.forces.iter().map(bytes).sum::<usize>()
     }
 
     fn arc(&self, strands: &Strands, segment: usize, u: f64) -> f64 {

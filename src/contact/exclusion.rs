@@ -98,6 +98,18 @@ impl Exclusion {
         }
     }
 
+    /// Bytes held.
+    pub(crate) fn memory(&self) -> usize {
+        bytes(&self.start)
+            + bytes(&self.end)
+            + bytes(&self.total)
+            + bytes(&self.reach)
+            + bytes(&self.reach_reduced)
+            + bytes(&self.reach_bilateral)
+            + bytes(&self.place)
+            + bytes(&self.curve)
+    }
+
     fn clear(&mut self, strands: &Strands) {
         let n = strands.len();
         for list in [&mut self.start, &mut self.end] {
@@ -207,6 +219,11 @@ impl Exclusion {
         let ahead = (hi - lo) as u32;
         ahead <= reach[lo] || (closed && count - ahead <= reach[hi])
     }
+}
+
+/// Bytes a list holds, whether used or kept for later.
+pub(crate) fn bytes<T>(list: &Vec<T>) -> usize {
+    list.capacity() * size_of::<T>()
 }
 
 /// The part of a curve on [u, v].

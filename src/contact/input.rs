@@ -143,6 +143,16 @@ pub(crate) struct Strand<'a> {
     pub(crate) count: usize,
 }
 
+impl Strand<'_> {
+    /// Points of a polyline, or four for each cubic.
+    pub(crate) fn num_control_points(&self) -> usize {
+        match self.shape {
+            Shape::Polyline(points) => points.len(),
+            Shape::Cubics(pieces) => 4 * pieces.len(),
+        }
+    }
+}
+
 /// Several curves under one numbering of segments, 0..`len`; a view, cheap to make.
 #[derive(Clone, Debug)]
 pub(crate) struct Strands<'a> {

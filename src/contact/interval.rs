@@ -8,7 +8,9 @@ use std::cell::Cell;
 
 use super::capsule::segment_distance;
 use super::curve::angle;
+use super::exclusion::bytes;
 use super::input::Strands;
+use super::zone::straight::{chord, cut};
 use super::zone::{Joint, Pair};
 use crate::math::Vec3;
 
@@ -101,7 +103,7 @@ pub(crate) fn parts(
         open_start: corner(strands.prev(j).filter(thick), Some(j)),
         open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
-        joints: Joint::both(strands.prev(j).map(near), &master, strands.next(j).map(near)),
+        joints: Joint::both(strands.prev(j).map(near), &master, strands.next(j).map(near), &origin),
     };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
@@ -141,7 +143,7 @@ fn straight_intervals(
     let ordered = if de < 0.0 { [after, middle, before] } else { [before, middle, after] };
     let mut open: Option<[f64; 2]> = None;
     for (range, [x, y]) in ordered {
-        let Some(inside) = unit_chord(&x, &y) else { continue };
+        let Some(inside) = chord(&x, &y, 1.0) else { continue };
         let part = [inside[0].max(range[0]), inside[1].min(range[1])];
         let empty = part[0].is_nan() || part[0] > part[1];
         if empty {
@@ -163,32 +165,6 @@ fn straight_intervals(
 
 const UNIT: [f64; 2] = [0.0, 1.0];
 
-/// The part of a range with c + u k ≥ 0; empty (upside down) if there is none.
-fn cut(range: [f64; 2], c: f64, k: f64) -> [f64; 2] {
-    let root = -c / k;
-    if k > 0.0 {
-        [range[0].max(root), range[1]]
-    } else if k < 0.0 {
-        [range[0], range[1].min(root)]
-    } else if c >= 0.0 {
-        range
-    } else {
-        [1.0, 0.0]
-    }
-}
-
-/// {u : |x + u y| ≤ 1}.
-fn unit_chord(x: &Vec3, y: &Vec3) -> Option<[f64; 2]> {
-    let yy = y.norm_squared();
-    if yy == 0.0 {
-        return (x.norm_squared() <= 1.0).then_some([f64::NEG_INFINITY, f64::INFINITY]);
-    }
-    let middle = -x.dot(y) / yy;
-    let left = 1.0 - (x + y * middle).norm_squared();
-    let half = (left.max(0.0) / yy).sqrt();
-    (left >= 0.0).then_some([middle - half, middle + half])
-}
-
 /// What [`join`] works in, kept from call to call: at 72 bytes a part, fresh memory would cost a quarter of the time.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
@@ -196,6 +172,13 @@ pub(crate) struct Workspace {
     place: Vec<u32>,
     groups: Vec<u32>,
     zone_of: Vec<u32>,
+}
+
+impl Workspace {
+    /// Bytes held.
+    pub(crate) fn memory(&self) -> usize {
+        bytes(&self.parts) + bytes(&self.place) + bytes(&self.groups) + bytes(&self.zone_of)
+    }
 }
 
 /// Joins parts into zones: those of the same two curves that touch on both sides (to `tolerance(curve)` \[L\]). Zones come out ordered by curve,

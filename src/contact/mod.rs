@@ -36,7 +36,7 @@ pub mod stages;
 mod vertex;
 pub mod zone;
 
-pub use detector::{Contacts, Detector, detect};
+pub use detector::{Contacts, Detector, Forces, detect};
 pub use input::{Curve, Shape};
 pub use interval::Zone;
 pub use options::{Neighbours, Options};

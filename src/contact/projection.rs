@@ -149,7 +149,7 @@ pub fn feet_on_segment(set: &CurveSet, segment: usize, x: &Vec3, max_distance: f
         Some(p) => {
             let prev = &set.segments[p];
             let before = (prev.b[3] - x).dot(&prev.edges()[2]);
-            if smooth_joint(prev, curve) {
+            if smooth_joint(prev, curve, curve.b[0].amax()) {
                 // The predecessor's computed value, scaled to this segment's speed.
                 q[0] = before * (curve.edges()[0].norm() / prev.edges()[2].norm());
                 before == 0.0 && rises_after_start(&q)
@@ -193,16 +193,26 @@ fn rises_before_end(q: &[f64; 6]) -> bool {
     q.iter().rev().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0)
 }
 
-/// Same tangent direction on both sides to rounding (1e-12 rad); false if a tangent vanishes.
-pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic) -> bool {
-    let (a, b) = (prev.edges()[2], next.edges()[0]);
+/// Same tangent direction on both sides to rounding (1e-12 rad) of control points given `far` \[L\] from the origin; false if a tangent
+/// vanishes.
+pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic, far: f64) -> bool {
+    same_direction(&prev.edges()[2], &next.edges()[0], far)
+}
+
+/// Same direction to rounding (1e-12 rad) of two differences of points that are `far` \[L\] from the origin; false if one is zero.
+pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
     let (sa, sb) = (a.amax(), b.amax());
     if sa == 0.0 || sb == 0.0 {
         return false;
     }
+    // The usual case at once: an angle above 1e-6 of segments less than 1e6 of their length from the origin.
+    let usual = (1e-70..1e70).contains(&sa) && (1e-70..1e70).contains(&sb) && far < 1e6 * sa.min(sb);
+    if usual && a.cross(b).norm_squared() > 1e-12 * a.norm_squared() * b.norm_squared() {
+        return false;
+    }
     let (a, b) = (a / sa, b / sb);
     // Differences of control points carry the ulps of their distance from the origin.
-    let rounding = f64::EPSILON * (prev.b[3].amax() / sa + next.b[0].amax() / sb);
+    let rounding = f64::EPSILON * far * (1.0 / sa + 1.0 / sb);
     a.dot(&b) > 0.0 && a.cross(&b).norm() <= (1e-12 + 4.0 * rounding) * a.norm() * b.norm()
 }
 

@@ -45,7 +45,8 @@ pub struct Site {
     pub angle: f64,
     /// Interior or end.
     pub kind: SiteKind,
-    /// The minimum is not isolated as far as can be told (parallel segments): one point of it, in the middle of what this pair of segments has of it.
+    /// The minimum is not isolated as far as can be told: one point of it, for parallel segments the middle of what this pair has of it. (Straight
+    /// cubics 1e12 of their length apart are flat as well: the distance changes along them by less than its rounding.)
     pub flat: bool,
 }
 

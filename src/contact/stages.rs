@@ -1,6 +1,7 @@
 //! The detector's steps one by one, for benchmarks and tests that look inside.
 
 use super::detector::Detector;
+use super::exclusion::bytes;
 use super::input::Curve;
 use crate::error::InputError;
 
@@ -22,6 +23,14 @@ pub enum Stage {
 }
 
 impl Detector {
+    /// Bytes that the detector holds between calls, in use or kept for later: all but what it found, and sites and zones.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn memory(&self) -> (usize, usize) {
+        let found = bytes(&self.contacts.sites) + bytes(&self.contacts.zones);
+        (self.exclusion.memory() + self.broad.memory() + self.own_memory(), found)
+    }
+
     /// Runs one step on what the steps before it left, and returns the number of things found (segments, pairs, sites, zones).
     ///
     /// # Errors

@@ -13,6 +13,8 @@
 //! At an open end of the master the end point itself is the foot on the far side (a spherical cap); the distance to a
 //! curve is C¹ across that change.
 
+pub(super) mod straight;
+
 use super::curve::Cubic;
 use super::projection::{Feet, local_minima, smooth_joint};
 use crate::math::Vec3;
@@ -47,6 +49,22 @@ pub struct Sample {
     slope: f64,
     /// d² distance / du² \[L\].
     curvature: f64,
+}
+
+/// What a contact potential asks at one slave parameter.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// Slave parameter.
+    pub(super) u: f64,
+    /// Foot parameter on the master.
+    pub(super) v: f64,
+    /// From foot to slave point \[L\].
+    pub(super) distance: f64,
+    /// Unit vector from foot to slave point; zero if they coincide.
+    pub(super) normal: Vec3,
+    /// First and second derivative of the master by its parameter, at the foot \[L\].
+    pub(super) tangent: Vec3,
+    pub(super) curvature: Vec3,
 }
 
 /// A maximal interval of one branch with distance < reach.
@@ -90,10 +108,12 @@ pub struct Joint {
 impl Joint {
     /// Joints at the start and the end of `own`, whose curve goes on as `before` and `after`, none where it has a kink.
     ///
-    /// All three in the same coordinates, the same for the segments that meet: each of them must find the same bits.
-    pub(crate) fn both(before: Option<Cubic>, own: &Cubic, after: Option<Cubic>) -> [Option<Self>; 2] {
+    /// All three relative to `origin` \[L\], the same for the segments that meet: each of them must find the same bits. (The rounding of the
+    /// control points, which a smooth joint is known up to, is that of the coordinates they were given in.)
+    pub(crate) fn both(before: Option<Cubic>, own: &Cubic, after: Option<Cubic>, origin: &Vec3) -> [Option<Self>; 2] {
         let of = |first: &Cubic, second: &Cubic| {
-            smooth_joint(first, second).then(|| Self { tangent: first.b[3] - first.b[2] })
+            let far = origin.amax() + first.b[3].amax();
+            smooth_joint(first, second, far).then(|| Self { tangent: first.b[3] - first.b[2] })
         };
         [before.and_then(|before| of(&before, own)), after.and_then(|after| of(own, &after))]
     }
@@ -138,14 +158,28 @@ impl Pair<'_> {
         self.reach[1] - self.reach[0]
     }
 
+    /// The branch at slave parameter `u`, starting from foot `guess`.
+    pub(super) fn touch(&self, u: f64, guess: f64, kind: FootKind) -> Touch {
+        let a = self.slave.point(u);
+        let v = self.foot_of(&a, guess, kind);
+        let (b, tangent, curvature) = self.master.derivatives(v);
+        let chord = a - b;
+        let distance = chord.norm();
+        Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }
+    }
+
+    fn foot_of(&self, a: &Vec3, guess: f64, kind: FootKind) -> f64 {
+        match kind {
+            FootKind::Start => 0.0,
+            FootKind::End => 1.0,
+            FootKind::Orthogonal => self.foot(a, guess),
+        }
+    }
+
     /// Follows the branch to slave parameter `u`, starting from foot `guess`.
     pub fn sample(&self, u: f64, guess: f64, kind: FootKind) -> Sample {
         let (a, da, dda) = self.slave.derivatives(u);
-        let v = match kind {
-            FootKind::Start => 0.0,
-            FootKind::End => 1.0,
-            FootKind::Orthogonal => self.foot(&a, guess),
-        };
+        let v = self.foot_of(&a, guess, kind);
         let (b, db, ddb) = self.master.derivatives(v);
         let chord = a - b;
         let distance = chord.norm();
@@ -360,6 +394,11 @@ impl Pair<'_> {
         }
         out.push(Piece { u: [first.u, last.u], v: [first.v, last.v], kind, nearest });
     }
+}
+
+/// A vector of this length as a unit vector; zero stays zero.
+fn unit(v: &Vec3, length: f64) -> Vec3 {
+    if length > 0.0 { v / length } else { Vec3::zeros() }
 }
 
 /// 0, 1 and the slave parameters whose foot passes an end of the master, ascending.

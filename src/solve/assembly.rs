@@ -376,7 +376,7 @@ impl Engine {
         if side.broad_phase.pairs().is_empty() {
             return;
         }
-        let capsules = detect::capsules_of(&side.set);
+        let ground = detect::Ground::of_set(&side.set);
         // Hessians live for one part of the candidates only: nine kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |segment| side.offset(segment);
@@ -385,7 +385,7 @@ impl Engine {
                 |segment: usize| side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]));
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
-            let mut terms = detect::evaluate_within(&side.set, &capsules, pairs, &pressures, want);
+            let mut terms = detect::evaluate_within(&ground, pairs, &pressures, want);
             let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
                 terms.par_iter().map(|term| side.map_term(term, state)).collect();
             for (term, (gradient, block)) in terms.iter_mut().zip(mapped) {
