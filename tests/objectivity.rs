@@ -169,8 +169,8 @@ fn half_a_turn_of_a_clamp_comes_to_rest_in_one_step() {
         for axis in [Vec3::z(), Vec3::x(), Vec3::y()] {
             let mut solver = clamped(order, elements);
             let end = end_of(&beam(order, elements));
-            let push = Ramp::Displacement { node: end, to: Vec3::new(-0.05, 0.2, -0.1) };
             for turn in [0.0, 0.25, -0.25] {
+                let push = Ramp::Displacement { node: end, to: Vec3::new(-0.05, 0.2, -0.1) };
                 let report = solver.step_to(&[Ramp::Rotation { node: end, axis, to: turn }, push]).unwrap();
                 assert_eq!(report.status, Status::Converged, "order {order}, {elements} elements, {axis:?} to {turn}");
             }

@@ -348,7 +348,7 @@ impl Workspace {
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &Drive::default());
-        let neutral = self.rounding_of_eigenvalues(engine).max(NEUTRAL_SHIFT);
+        let neutral = NEUTRAL_SHIFT;
         self.factorise(engine, neutral).ok_or(SolveError::Factorisation { iteration: 0, shift: neutral })
     }
 }

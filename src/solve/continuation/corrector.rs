@@ -269,6 +269,7 @@ impl Tracer<'_> {
             }
             point.augmentations += 1;
             self.solver.augment(&errors.gaps);
+            self.solver.forget_pressures();
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);
