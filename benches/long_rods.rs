@@ -15,7 +15,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
-use supercoil::scene::Model;
+use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{NewtonOptions, Options, Solver, Status};
 
 /// Iterations that are timed.
@@ -31,7 +31,10 @@ fn solver(nodes: usize, max_iterations: usize) -> Solver {
     let rod = Rod::new("dna", &Shape::Plectoneme(plectoneme), true, section, elements, 3, Natural::Straight).unwrap();
     let rod = rod.with_excess_link(turns).unwrap();
     let newton = NewtonOptions { max_iterations, ..NewtonOptions::default() };
-    Solver::new(Model { rods: vec![rod], ..Model::default() }, Options { newton, ..Options::default() }).unwrap()
+    // the contact layer (B/κ)^¼ as wide as the nodes are apart
+    let law = ContactLaw::AugmentedLagrangian { stiffness: 10.0, tol_penetration: 1e-8 };
+    let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
+    Solver::new(model, Options { newton, ..Options::default() }).unwrap()
 }
 
 /// Peak memory of the process so far, MiB; 0 where the system does not tell.

@@ -6,41 +6,24 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
-use std::f64::consts::FRAC_PI_4;
+mod common;
+
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use common::cases::{BATHE_TIP_AT_600, bathe_bend};
 use supercoil::io::run::run_scene;
 use supercoil::math::Vec3;
 use supercoil::observe::{ErrorEstimate, estimate_error, observe};
 use supercoil::rod::{Natural, Rod, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Scene, Support};
+use supercoil::scene::{Contact, ContactLaw, Model, Ramp, Scene};
 use supercoil::solve::{Options, Progress, Solver, Status};
 
 /// The 45° bend under a tip load of 600, kGA = 5/6·5e6.
 fn bend(elements: usize, order: usize) -> (Solver, f64) {
-    let section = Section {
-        shearing: [5e6 * 5.0 / 6.0; 2],
-        stretching: 1e7,
-        bending: [1e7 / 12.0; 2],
-        twisting: 5e6 / 6.0,
-        contact_radius: 0.0,
-    };
-    let arc =
-        Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
-    let rod = Rod::new("bend", &arc, false, section, elements, order, Natural::AsShaped).unwrap();
-    let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
-    let model = Model {
-        rods: vec![rod],
-        supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
-        loads: vec![NodeLoad { node: tip, force: Vec3::z() * 600.0, moment: Vec3::zeros() }],
-        contact: Contact::NONE,
-        ..Model::default()
-    };
-    let mut solver = Solver::new(model, Options::default()).unwrap();
+    let mut solver = Solver::new(bathe_bend(elements, order, 600.0, 5e6 * 5.0 / 6.0), Options::default()).unwrap();
     assert_eq!(solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap().status, Status::Converged);
-    let exact = Vec3::new(47.1500962403, 15.6846894790, 53.4754779982);
-    let error = (solver.engine().positions(0).last().unwrap() - exact).norm();
+    let error = (solver.engine().positions(0).last().unwrap() - Vec3::from(BATHE_TIP_AT_600)).norm();
     (solver, error)
 }
 
