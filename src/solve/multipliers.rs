@@ -51,15 +51,17 @@ impl Solver {
         let errors = self.contact_errors();
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let at = |(offset, gap): (&f64, &f64)| {
-            if gap.is_finite() { side.law.response(offset - gap, 2.0 * side.min_radius).pressure } else { 0.0 }
+            let pressure = side.law.response(offset - gap, 2.0 * side.min_radius).pressure;
+            if pressure.is_finite() { pressure } else { 0.0 }
         };
         side.offsets.iter().zip(&errors.gaps).map(at).collect()
     }
 
     /// Pressure near each node \[F/L\] that balances the elastic forces and loads of the present state where strands touch; 0 elsewhere.
     ///
-    /// By virtual work: the strands are moved apart along their normals, the frames turning with the tangents, so that nothing is sheared. What the elastic forces do in that motion over one contact distance to either side is compared with what contact under
-    /// `law` with a probing offset does. A shape whose strands are not yet under tension misses the tension's share: of the pressure in a
+    /// By virtual work: the strands are moved apart along their normals, the frames turning with the tangents, so that nothing is sheared.
+    /// What the elastic forces do in that motion over one contact distance to either side is compared with what contact under `law` with
+    /// a probing offset does. A shape whose strands are not yet under tension misses the tension's share: of the pressure in a
     /// plectoneme of angle α it finds cos²α.
     pub(super) fn balancing_pressures(&mut self, law: Law) -> Result<Vec<f64>, SolveError> {
         let before = self.snapshot();
