@@ -202,3 +202,24 @@ fn augmented_resultant_of_a_line_does_not_depend_on_the_stiffness() {
     let case = parallel(50.0 * GAP, penalty(1e5));
     augmented_over("augmented Lagrangian, parallel beams", case, [8, 9, 14], [1e-4, 1e-5]);
 }
+
+/// A minicircle whose line of contact ends between two nodes: the gap that stays at its edge must not lower the offset there for ever, little by
+/// little.
+#[test]
+fn a_gap_at_the_edge_of_a_zone_gives_way() {
+    let shape = Shape::Circle { length: 114.24, center: Vec3::zeros(), normal: Vec3::z() };
+    let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
+    for (elements, stiffness, steps, last) in [(48, 100.0, 17, -2.55), (32, 10.0, 19, -2.85)] {
+        let rod = Rod::new("dna", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+        let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
+        let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
+        let mut solver = Solver::new(model, Options::default()).unwrap();
+        for step in 1..=steps {
+            let to = last * f64::from(step) / f64::from(steps);
+            let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
+            println!("{elements} elements at {to:.2}: {} augmentations, {}", report.augmentations, history(&report));
+            assert_eq!(report.status, Status::Converged, "{elements} elements at {to}");
+            assert!(report.augmentations <= 20 && report.penetration <= 1e-8, "{report:?}");
+        }
+    }
+}

@@ -6,6 +6,7 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::path::Solver;
+use crate::solve::settle::TOL_OPENING;
 
 /// Pressures over the law's own: what touching strands are probed with to find out what would balance them, and at most.
 const PROBING_PRESSURE: f64 = 0.01;
@@ -141,10 +142,15 @@ impl Solver {
         ContactErrors { gaps, penetration, opening }
     }
 
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero.
-    pub(super) fn augment(&mut self, gaps: &[f64]) {
+    /// Raises the contact offsets by the smallest gap found around each node, never below zero. At the edge of a zone a small gap may stay
+    /// whatever the offset is, and would lower it for ever: with `give_way` offsets that hold gaps open are halved.
+    pub(super) fn augment(&mut self, gaps: &[f64], give_way: bool) {
         let Some(side) = &mut self.engine.contact else { return };
-        let raised = |(offset, gap): (&f64, &f64)| if gap.is_finite() { (offset - gap).max(0.0) } else { 0.0 };
+        let open = TOL_OPENING * side.min_radius;
+        let raised = |(offset, gap): (&f64, &f64)| {
+            let share = if give_way && *gap > open { 0.5 } else { 1.0 };
+            if gap.is_finite() { share * (offset - gap).max(0.0) } else { 0.0 }
+        };
         let offsets = side.offsets.iter().zip(gaps).map(raised).collect();
         side.change_law(side.law, offsets);
     }

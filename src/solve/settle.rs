@@ -259,6 +259,7 @@ impl Solver {
             report.penetration = self.contact_errors().penetration;
             return Ok(());
         };
+        let mut opening = 0.0;
         while report.status == Status::Converged {
             let errors = self.contact_errors();
             report.penetration = errors.penetration;
@@ -269,7 +270,9 @@ impl Solver {
                 report.status = Status::Penetration;
                 break;
             }
-            self.augment(&errors.gaps);
+            let stuck = errors.penetration < errors.opening && (errors.opening - opening).abs() < 0.05 * opening;
+            self.augment(&errors.gaps, stuck);
+            opening = errors.opening;
             report.augmentations += 1;
             self.search(&Drive::default(), report)?;
         }

@@ -268,7 +268,7 @@ impl Tracer<'_> {
                 return Ok(false);
             }
             point.augmentations += 1;
-            self.solver.augment(&errors.gaps);
+            self.solver.augment(&errors.gaps, false);
             self.solver.forget_pressures();
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
