@@ -16,6 +16,7 @@
 //!
 //! **Order.** Leaf pairs are compared in the order of the tree, in which neighbours in space follow one another, and pass the capsule test while they are
 //! in the cache; the pairs of segments that remain are sorted by counting: the same list for any number of threads.
+//!
 //! **Growth.** From 1e4 to 1e6 segments the time per segment grows by a half on crowded inputs and where little else is to do: 1e4 segments live in a
 //! cache of 1 MB, 1e6 (200 bytes a segment are moved by a refit, 60 by a search) in main memory. Tried and left: leaves of sixteen segments in two levels and
 //! leaves renumbered in the order of the tree make a search in a crowd 10 % faster, a refit as much slower, plectonemes 15 % slower.

@@ -40,7 +40,13 @@ impl Solver {
         side.change_law(law, offsets);
     }
 
-    /// The first step under the new law starts from its own pressures instead of the old ones.
+    /// Replaces the law like [`Solver::change_law`]; the first step starts from the new law's pressures instead of the old ones.
+    pub(super) fn start_under(&mut self, law: Law, pressures: &[f64]) {
+        self.change_law(law, pressures);
+        self.forget_pressures();
+    }
+
+    /// The first step after a change of law or offsets starts from the present pressures instead of those before.
     pub(super) fn forget_pressures(&mut self) {
         if let Some(side) = &mut self.engine.contact {
             side.before = None;
@@ -63,15 +69,11 @@ impl Solver {
     /// By virtual work: the strands are moved apart along their normals, the frames turning with the tangents, so that nothing is sheared.
     /// What the elastic forces do in that motion over one contact distance to either side is compared with what contact under `law` with
     /// a probing offset does. A shape whose strands are not yet under tension misses the tension's share: of the pressure in a
-    /// plectoneme of angle α it finds cos²α.
-    pub(super) fn balancing_pressures(&mut self, law: Law) -> Result<Vec<f64>, SolveError> {
+    /// plectoneme of angle α it finds cos²α. `scale` is a large pressure \[F/L\]: the probe is a part of it, and no result above its half.
+    pub(super) fn balancing_pressures(&mut self, law: Law, scale: f64) -> Result<Vec<f64>, SolveError> {
         let before = self.snapshot();
         let Some(side) = &mut self.engine.contact else { return Ok(Vec::new()) };
         let distance = 2.0 * side.min_radius;
-        let scale = match law {
-            Law::Core { pressure, .. } => pressure,
-            Law::Linear { stiffness } => stiffness * distance,
-        };
         let probe = law.overlap(PROBING_PRESSURE * scale, distance);
         side.law = law;
         side.offsets.fill(probe);
@@ -178,9 +180,10 @@ mod tests {
         let rod = Rod::new("ply", &Shape::Plectoneme(plectoneme), true, section, 150, 3, Natural::Straight).unwrap();
         let rod = rod.with_excess_link(link).unwrap();
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
-        let law = Law::Core { pressure: solver.engine.pressure_scale(), depth: 0.4 };
+        let scale = solver.engine.pressure_scale();
+        let law = Law::Core { pressure: scale, depth: 0.4 };
         let state = solver.engine.state.clone();
-        let pressures = solver.balancing_pressures(law).unwrap();
+        let pressures = solver.balancing_pressures(law, scale).unwrap();
         assert_eq!(solver.engine.state, state);
         let mean = pressures[100..140].iter().sum::<f64>() / 40.0;
         assert!((mean / exact - 1.0).abs() < 0.02, "{mean} {exact}");

@@ -220,7 +220,7 @@ impl Solver {
             return self.harden(report);
         }
         self.stages_left = 0;
-        self.harden_to(Law::Linear { stiffness: self.engine.contact_stiffness() });
+        self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, &[]);
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
@@ -232,24 +232,19 @@ impl Solver {
         let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
         let core = Law::Core { pressure, depth: DEPTHS[0] };
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
-        if overlap < AT_REST {
-            let pressures = if near { self.balancing_pressures(core)? } else { Vec::new() };
-            self.change_law(core, &pressures);
-            self.forget_pressures();
-            return Ok(());
-        }
         let too_deep = 0.8 * 2.0 * DEPTHS[0];
+        let mut pressures = Vec::new();
         if overlap >= too_deep {
             // strands deep inside each other come apart under a law without a core first
-            self.change_law(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, &[]);
-            self.forget_pressures();
+            self.start_under(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, &[]);
             self.search_roughly(true, &Drive::default(), report)?;
             if report.status == Status::Converged && self.contact_errors().penetration >= too_deep {
                 report.status = Status::Penetration;
             }
+        } else if near && overlap < AT_REST {
+            pressures = self.balancing_pressures(core, pressure)?;
         }
-        self.change_law(core, &[]);
-        self.forget_pressures();
+        self.start_under(core, &pressures);
         Ok(())
     }
 

@@ -170,6 +170,7 @@ mod tests {
             assert!((rhs[i] - exact[i]).abs() < 1e-12);
         }
     }
+
     /// Symptom: a model with a single unknown left, or with unknowns that have nothing to do with each other, broke down. Mechanism: without off-diagonal
     /// entries faer takes its simplicial method, whatever is asked for, and pivots were looked for in supernodes.
     #[test]

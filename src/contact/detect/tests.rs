@@ -287,6 +287,26 @@ fn derivatives_of_lines_match_finite_differences() {
     assert!(touching > 50, "{touching}");
 }
 
+/// A straight slave that crosses .3 above a joint, in any attitude, to rounding on either side of it, up to a million radii from the origin.
+struct OverJoint {
+    /// Along the master, along the slave, and from the one to the other.
+    axes: [Vec3; 3],
+    far: f64,
+    joint: Vec3,
+    slave: [Vec3; 2],
+}
+
+impl OverJoint {
+    fn new(random: &mut Random, trial: usize) -> Self {
+        let turn = nalgebra::Rotation3::new(random.vector() * 3.0);
+        let [t, n, m] = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| turn * e);
+        let far = [0.0, 1.0, 1e3, 0.25e6][trial % 4];
+        let joint = random.vector() * far;
+        let off = t * [0.0, 1e-16, 4e-15 * random.unit(), 1e-15, -1e-15, 1e-12, -1e-9][trial % 7];
+        Self { axes: [t, n, m], far, joint, slave: [joint + off + m * 0.3 - n, joint + off + m * 0.3 + n] }
+    }
+}
+
 /// Two smooth cubics that meet above the middle of a straight slave, in any attitude and to rounding on either side: together they cover
 /// the slave's zone once, near the origin and a million radii from it.
 #[test]
@@ -294,18 +314,14 @@ fn a_slave_over_a_joint_is_covered_once() {
     let mut random = Random(99);
     let exact = 2.0 * (0.25f64 - 0.09).sqrt();
     for trial in 0..3000 {
-        let turn = nalgebra::Rotation3::new(random.vector() * 3.0);
-        let [t, n, m] = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| turn * e);
-        let far = [0.0, 1.0, 1e3, 0.25e6][trial % 4];
-        let joint = random.vector() * far;
-        let off = t * [0.0, 1e-16, 4e-15 * random.unit(), 1e-15, -1e-15, 1e-12, -1e-9][trial % 7];
+        let OverJoint { axes: [t, n, m], far, joint, slave } = OverJoint::new(&mut random, trial);
         // less curved than 1 over the distance, so that there is one foot
         let bend = if trial.is_multiple_of(3) { Vec3::zeros() } else { n * 0.05 + m * 0.02 };
         let masters = vec![
             Cubic::from_hermite(joint - t + bend, t, joint, t),
             Cubic::from_hermite(joint, t * 0.7, joint + t + bend, t),
         ];
-        let slave = vec![Cubic::straight(joint + off + m * 0.3 - n, joint + off + m * 0.3 + n)];
+        let slave = vec![Cubic::straight(slave[0], slave[1])];
         let input = |segments: Vec<Cubic>| {
             let lengths = segments.iter().map(|s| s.chord().norm()).collect();
             CurveInput { segments, lengths, closed: false, radius: 0.25 }
@@ -325,13 +341,8 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
     let mut random = Random(98);
     let exact = 2.0 * (0.25f64 - 0.09).sqrt();
     for trial in 0..3000 {
-        let turn = nalgebra::Rotation3::new(random.vector() * 3.0);
-        let [t, n, m] = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| turn * e);
-        let far = [0.0, 1.0, 1e3, 0.25e6][trial % 4];
-        let joint = random.vector() * far;
-        let off = t * [0.0, 1e-16, 4e-15 * random.unit(), 1e-15, -1e-15, 1e-12, -1e-9][trial % 7];
+        let OverJoint { axes: [t, _, _], far, joint, slave } = OverJoint::new(&mut random, trial);
         let master = [joint - t * 1.3, joint, joint + t * 0.7];
-        let slave = [joint + off + m * 0.3 - n, joint + off + m * 0.3 + n];
         let curves = [Curve::polyline(&master, 0.25), Curve::polyline(&slave, 0.25)];
         let ground = Ground::new(Strands::view(&curves), &[1.3, 0.7, 2.0]);
         let mut covered = 0.0;
