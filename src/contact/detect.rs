@@ -21,8 +21,10 @@ use super::zone::{FootKind, Joint, Pair, Piece, Touch};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 use stiffness::{Blocks, Coordinates, Stiffness};
+use surprise::Touched;
 
 pub(crate) mod stiffness;
+pub(crate) mod surprise;
 
 /// Points of the Gauss rule on each piece of a zone.
 const POINTS_PER_PIECE: usize = 5;
@@ -58,6 +60,8 @@ pub struct PairTerm {
     pub hessian: Option<Box<Hessian>>,
     /// Zones of this pair.
     pub zones: Vec<ZonePiece>,
+    /// Points in contact, if the solver asks for the tangent.
+    pub(crate) touched: Vec<Touched>,
 }
 
 impl PairTerm {
@@ -273,7 +277,7 @@ impl Ground<'_> {
     fn end_term(&self, found: &Found, besides: Besides) -> EndTerm {
         let coordinates = Coordinates::ends(&self.strands.cubic(found.slave), &self.strands.cubic(found.master));
         let mut stiffness = besides.tangent.then(|| Stiffness::new(coordinates));
-        let term = found.sum(besides.zones, stiffness.as_mut());
+        let term = found.sum(besides, stiffness.as_mut());
         let gradient = coordinates.pull(&term.gradient);
         EndTerm { tangent: stiffness.map(|s| s.finish(&term.gradient)), gradient, term }
     }
@@ -396,7 +400,7 @@ struct Local<'a> {
 impl Found<'_> {
     fn pair_term(&self, want: Want) -> PairTerm {
         let mut stiffness = (want == Want::Hessian).then(|| Stiffness::new(Coordinates::Points));
-        let mut term = self.sum(true, stiffness.as_mut());
+        let mut term = self.sum(Besides { zones: true, tangent: false }, stiffness.as_mut());
         term.hessian = stiffness.map(|stiffness| {
             let sum = stiffness.finish(&term.gradient);
             let block = |m: usize, n: usize| Mat3::from_fn(|i, j| if m <= n { sum[3 * m + i][3 * n + j] } else { 0.0 });
@@ -405,8 +409,8 @@ impl Found<'_> {
         term
     }
 
-    /// The integral over the pieces, its second derivative in `stiffness`.
-    fn sum(&self, zones: bool, mut stiffness: Option<&mut Stiffness>) -> PairTerm {
+    /// The integral over the pieces, its second derivative in `stiffness`; with the tangent, the points in contact.
+    fn sum(&self, besides: Besides, mut stiffness: Option<&mut Stiffness>) -> PairTerm {
         let mut term = PairTerm {
             slave: self.slave,
             master: self.master,
@@ -414,6 +418,7 @@ impl Found<'_> {
             gradient: [Vec3::zeros(); 8],
             hessian: None,
             zones: Vec::new(),
+            touched: Vec::new(),
         };
         for piece in self.pieces {
             // ½∫p uᵏ ds
@@ -422,12 +427,17 @@ impl Found<'_> {
                 let touch = (self.touch)(u, guess, piece.kind);
                 let force =
                     weight * add_touch(&mut term, stiffness.as_deref_mut(), piece.kind, &touch, weight, self.local);
+                if besides.tangent {
+                    let (law, carried) = self.local.response(u, touch.distance);
+                    let point = Touched { u, v: touch.v, kind: piece.kind, stiffness: weight * law.stiffness };
+                    term.touched.extend((carried > 0.0).then_some(point));
+                }
                 moments[0] += force;
                 moments[1] += force * u;
                 moments[2] += force * u * u;
                 touch.v
             });
-            if zones {
+            if besides.zones {
                 let [half_force, first, second] = moments;
                 let min_gap = piece.nearest.distance - self.local.contact_distance;
                 term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });

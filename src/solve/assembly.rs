@@ -58,8 +58,6 @@ pub struct Residual {
 pub struct Tangent {
     /// Upper values in the pattern.
     pub values: Vec<f64>,
-    /// The part of contact in them; empty where no strands are near each other.
-    pub(crate) contact: Vec<f64>,
     /// K_fp · drive per unknown (six per node).
     pub drive: Vec<f64>,
 }
@@ -117,10 +115,6 @@ impl Engine {
     ) -> Residual {
         tangent.values.clear();
         tangent.values.resize(pattern.num_entries(), 0.0);
-        tangent.contact.clear();
-        if self.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()) {
-            tangent.contact.resize(pattern.num_entries(), 0.0);
-        }
         tangent.drive.clear();
         tangent.drive.resize(6 * self.num_nodes(), 0.0);
         let prescribed = self.prescribed(drive);
@@ -405,11 +399,6 @@ impl Engine {
                 out.terms.push(found.term);
             }
         }
-        if let Some((_, _, tangent)) = tangent {
-            for (value, contact) in tangent.values.iter_mut().zip(&tangent.contact) {
-                *value += contact;
-            }
-        }
     }
 
     /// Dead forces and moments, line loads, pressure.
@@ -556,9 +545,9 @@ fn scatter_contact(
         for c in a..4 {
             let (p, q) = (nodes[a], nodes[c]);
             let entry = |i: usize, j: usize| block[6 * a + i][6 * c + j];
-            pattern.add_block(&mut tangent.contact, p, q, entry);
+            pattern.add_block(&mut tangent.values, p, q, entry);
             if p == q && a != c {
-                pattern.add_block(&mut tangent.contact, p, q, |i, j| entry(j, i));
+                pattern.add_block(&mut tangent.values, p, q, |i, j| entry(j, i));
             }
             let Some(all) = prescribed else { continue };
             for i in 0..6 {

@@ -3,7 +3,7 @@
 //! A rod is nearly inextensible and contact is nearly rigid: both confine the motion to a curved surface in the space of
 //! configurations. A straight Newton step leaves that surface by second order, which the large stiffnesses turn into
 //! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with
-//! e = ε(x ⊕ Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the same for contact forces, it is
+//! e = ε(x ⊕ Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the forces of gaps that did the same, it is
 //! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and the step
 //! is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or closes along the
 //! way the corrections may not converge; the best state they passed is as good as any if it lies low enough. The trust region is
@@ -42,6 +42,8 @@ const FIRST_RADIUS: f64 = 0.5;
 const MAX_RADIUS: f64 = 2.0;
 /// Larger shifts tried to bring a step within the radius.
 const MAX_SHORTENINGS: usize = 3;
+/// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one factorisation.
+const RELAXING: f64 = 0.1;
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
@@ -90,11 +92,13 @@ struct Trial {
 }
 
 impl Workspace {
+    /// The guarded search. `forces`, if there are any, are the shear forces and the tension of the first linearisation.
     pub(crate) fn guarded(
         &mut self,
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
+        forces: &[[[f64; 3]; 3]],
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let mut remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
@@ -103,6 +107,9 @@ impl Workspace {
         let mut decrements = Vec::new();
         let mut radius = FIRST_RADIUS;
         let mut stress = engine.actual_stress(&state);
+        for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
+            point[..3].copy_from_slice(force);
+        }
         self.shift = 0.0;
         while report.iterations.len() < options.max_iterations {
             self.refresh(engine, &state)?;
@@ -157,7 +164,7 @@ impl Workspace {
                         side.before = None;
                     }
                     radius = next_radius(radius, step.extent, &trial, gain, trial.expected.abs() <= 10.0 * noise);
-                    self.shift *= 0.5 * (step.extent / radius).min(1.0);
+                    self.shift *= RELAXING * (step.extent / radius).min(1.0);
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them
                     stress = engine.predicted_stress(&state, &trial.increment);
@@ -417,7 +424,7 @@ impl Workspace {
         self.free_dot(engine, change, |i| product[i] + self.shift * engine.masses[i] * change[i])
     }
 
-    /// Forces that the linear prediction missed: BᵀC e of the rods and g_c(x ⊕ Δ) − g_c(x) − K_c Δ of contact.
+    /// Forces that the linear prediction missed: BᵀC e of the rods, and Σ k e ∂gap/∂x of contact.
     fn surprise(
         &self,
         engine: &Engine,
@@ -428,15 +435,8 @@ impl Workspace {
         contact: bool,
     ) -> (Vec<[Six; 3]>, Vec<f64>) {
         let (excess, mut out) = engine.elastic_surprise(state, &trial.state, &trial.increment);
-        if !contact {
-            return (excess, out);
-        }
-        for (o, (after, before)) in out.iter_mut().zip(there.contact_gradient.iter().zip(&residual.contact_gradient)) {
-            *o += after - before;
-        }
-        if !self.tangent.contact.is_empty() {
-            let linear = self.multiply(engine, &self.tangent.contact, &trial.increment);
-            out.iter_mut().zip(linear).for_each(|(o, l)| *o -= l);
+        if contact {
+            engine.add_contact_surprise(state, &trial.increment, residual, there, &mut out);
         }
         (excess, out)
     }

@@ -79,6 +79,8 @@ pub struct Workspace {
     pub(crate) timings: Timings,
     /// The extent of a step with which a search ends that only prepares the next one.
     pub(crate) rough: Option<f64>,
+    /// Shear forces and tension, per element and integration point, that the next search starts from instead of those of the state; empty: of the state.
+    pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
     /// A search was given up because it was asked to.
     pub(crate) interrupted: bool,
 }
@@ -102,6 +104,7 @@ impl Workspace {
         leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
         let start = turned(engine, &engine.state, drive);
+        let forces = std::mem::take(&mut self.start_forces);
         engine.state = start.clone();
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
@@ -120,7 +123,7 @@ impl Workspace {
             }
             engine.state = start;
         }
-        let mut report = self.guarded(engine, drive, options)?;
+        let mut report = self.guarded(engine, drive, options, &forces)?;
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)

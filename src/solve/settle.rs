@@ -1,7 +1,7 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
-//! A load step with contact begins under a core law that strands may sink into, with offsets that already balance the elastic forces where
-//! strands touch: plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened in stages,
+//! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already balance the shape
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened in stages,
 //! each of which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
 //! has them. Then the offsets of the augmented Lagrangian are raised until no penetration beyond the tolerance is left.
 //! Unstable equilibria are left along their most negative direction.
@@ -15,7 +15,7 @@ use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 
 /// Depths of the core law that a load step with contact goes through, over the contact distance.
-const DEPTHS: [f64; 4] = [0.4, 0.08, 0.016, 0.004];
+const DEPTHS: [f64; 2] = [0.4, 0.02];
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
@@ -224,8 +224,7 @@ impl Solver {
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
-    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as balances the elastic
-    /// forces there are.
+    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as balances the state.
     fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
@@ -242,7 +241,8 @@ impl Solver {
                 report.status = Status::Penetration;
             }
         } else if near && overlap < AT_REST {
-            pressures = self.balancing_pressures(core, pressure)?;
+            let balance = self.balance(core, pressure)?;
+            (pressures, self.workspace.start_forces) = (balance.pressures, balance.forces);
         }
         self.start_under(core, &pressures);
         Ok(())

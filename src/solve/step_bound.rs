@@ -73,8 +73,8 @@ fn rotation_fraction(engine: &Engine, increment: &[f64], limit: f64) -> f64 {
 }
 
 /// Linear motion of the four control points of a segment and the bound of what is left out.
-struct Motion {
-    linear: [Vec3; 4],
+pub(super) struct Motion {
+    pub(super) linear: [Vec3; 4],
     second_order: f64,
 }
 
@@ -129,7 +129,7 @@ impl ContactSide {
     }
 }
 
-fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> Motion {
+pub(super) fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> Motion {
     let part = |n: usize, k: usize| Vec3::new(increment[6 * n + k], increment[6 * n + k + 1], increment[6 * n + k + 2]);
     let (da, db, ta, tb) = (part(a, 0), part(b, 0), part(a, 3), part(b, 3));
     let d3 = |n: usize| state.frames[n] * Vec3::z();
