@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::capsule::Capsule;
 use super::curve::CurveSet;
+use super::exclusion::Exclusion;
 use super::input::{Shape, Strands};
 use super::law::{Law, Response};
 use super::zone::straight::Lines;
@@ -22,6 +23,8 @@ use crate::math::{Mat3, Vec3};
 
 /// Points of the Gauss rule on each piece of a zone.
 const POINTS_PER_PIECE: usize = 5;
+/// Parts that a piece through a fold is divided into: there and back on the slave.
+const PARTS_OF_FOLD: f64 = 4.0;
 
 /// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
 pub type Hessian = [[Mat3; 8]; 8];
@@ -120,22 +123,24 @@ pub(crate) struct Ground<'a> {
     lengths: &'a [f64],
     /// Capsule of each segment; none if all curves are polylines.
     capsules: Vec<Capsule>,
+    /// Which pairs are left out as neighbours, if the candidates are those that are not.
+    exclusion: Option<&'a Exclusion>,
 }
 
 impl<'a> Ground<'a> {
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self::new(Strands::of_set(set), &set.lengths)
+        Self::new(Strands::of_set(set), &set.lengths, None)
     }
 
-    /// Curves with the reference lengths of their segments \[L\].
-    pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64]) -> Self {
+    /// Curves with the reference lengths of their segments \[L\], and the neighbours that are not among the candidates.
+    pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64], exclusion: Option<&'a Exclusion>) -> Self {
         let mut capsules = Vec::new();
         if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
             let capsule = |k: usize| Capsule::new(&strands.cubic(k));
             (0..strands.len()).into_par_iter().with_min_len(256).map(capsule).collect_into_vec(&mut capsules);
         }
-        Self { strands, lengths, capsules }
+        Self { strands, lengths, capsules, exclusion }
     }
 }
 
@@ -189,18 +194,18 @@ impl Ground<'_> {
         for (slave, master) in [(i, j), (j, i)] {
             let Some(local) = self.local(slave, master, nearest, pressures) else { continue };
             pieces.clear();
-            let mut collect = |touch: &dyn Fn(f64, f64, FootKind) -> Touch, pieces: &[Piece]| {
+            let mut collect = |touch: &dyn Fn(&Piece, f64) -> (Touch, f64), pieces: &[Piece]| {
                 if !pieces.is_empty() {
                     found(local.term(slave, master, want, pieces, touch));
                 }
             };
             if let Some(lines) = self.lines(slave, master, &local) {
                 lines.pieces(|piece| pieces.push(piece));
-                collect(&|u, _, kind| lines.touch(u, kind), pieces);
+                collect(&|piece, fraction| lines.touch(piece, fraction), pieces);
             } else {
                 self.with_pair(slave, master, local.reach, |pair| {
                     pair.pieces(pieces);
-                    collect(&|u, guess, kind| pair.touch(u, guess, kind), pieces);
+                    collect(&|piece, fraction| pair.touch(piece, fraction), pieces);
                 });
             }
         }
@@ -241,7 +246,14 @@ impl Ground<'_> {
     fn lines(&self, slave: usize, master: usize, local: &Local) -> Option<Lines> {
         let lines =
             local.reach[0] == local.reach[1] && self.strands.is_straight(slave) && self.strands.is_straight(master);
-        lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0]))
+        lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0], self.kinks(slave, master)))
+    }
+
+    /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is left out as a neighbour of the
+    /// slave.
+    fn kinks(&self, slave: usize, master: usize) -> [bool; 2] {
+        let left_out = |next: usize| self.exclusion.is_some_and(|e| !wanted(&self.strands, e, [slave, next]));
+        [true, self.strands.next(master).is_some_and(left_out)]
     }
 
     /// Calls `with` the pair as cubics near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain. The same
@@ -251,13 +263,18 @@ impl Ground<'_> {
         let near = |k: usize| self.strands.cubic(k).relative_to(&origin);
         let (own, foreign) = (near(slave), near(master));
         let (before, after) = (self.strands.prev(master), self.strands.next(master));
+        let (open, counted) = ([before.is_none(), after.is_none()], self.kinks(slave, master));
+        let (before, after) = (before.map(near), after.map(near));
+        let joints = Joint::both(before, &foreign, after, &origin);
+        let beyond = [before.map(|before| before.end_tangent()), after.map(|after| after.start_tangent())];
         with(&Pair {
             slave: &own,
             master: &foreign,
-            open_start: before.is_none(),
-            open_end: after.is_none(),
+            open_start: open[0],
+            open_end: open[1],
             reach,
-            joints: Joint::both(before.map(near), &foreign, after.map(near), &origin),
+            joints,
+            kinks: std::array::from_fn(|k| beyond[k].filter(|_| counted[k] && joints[k].is_none())),
         });
     }
 }
@@ -283,15 +300,19 @@ impl PairForce {
     fn add_lines(&mut self, lines: &Lines, piece: &Piece, local: &Local, swapped: bool) {
         // ∫p n ds, and the same weighted by u and by v
         let (mut plain, mut at_u, mut at_v) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
-        local.integrate(piece, |u, _, weight| {
-            let touch = lines.touch(u, piece.kind);
-            let (law, _) = local.response(u, touch.distance);
-            self.energy += weight * law.energy;
-            let push = touch.normal * (weight * law.pressure);
-            plain += push;
-            at_u += push * u;
-            at_v += push * touch.v;
-        });
+        local.integrate(
+            piece,
+            |fraction| lines.touch(piece, fraction),
+            |touch, weight| {
+                let u = touch.u;
+                let (law, _) = local.response(u, touch.distance);
+                self.energy += weight * law.energy;
+                let push = touch.normal * (weight * law.pressure);
+                plain += push;
+                at_u += push * u;
+                at_v += push * touch.v;
+            },
+        );
         self.min_gap = self.min_gap.min(piece.nearest.distance - local.contact_distance);
         let [own, other] = if swapped { [1, 0] } else { [0, 1] };
         self.force[own][0] += plain - at_u;
@@ -313,14 +334,14 @@ struct Local<'a> {
 }
 
 impl Local<'_> {
-    /// The integral over the pieces; `touch(u, guess of v, kind)` tells the geometry.
+    /// The integral over the pieces; `touch(piece, fraction of it)` tells the geometry and the weight of du.
     fn term(
         &self,
         slave: usize,
         master: usize,
         want: Want,
         pieces: &[Piece],
-        touch: &dyn Fn(f64, f64, FootKind) -> Touch,
+        touch: &dyn Fn(&Piece, f64) -> (Touch, f64),
     ) -> PairTerm {
         let mut term = PairTerm {
             slave,
@@ -333,11 +354,12 @@ impl Local<'_> {
         for piece in pieces {
             // ½∫p uᵏ ds
             let mut moments = [0.0; 3];
-            self.integrate(piece, |u, guess, weight| {
-                let force = weight * add_touch(&mut term, piece.kind, &touch(u, guess, piece.kind), weight, self);
+            let at = |fraction: f64| touch(piece, fraction);
+            self.integrate(piece, at, |touch, weight| {
+                let force = weight * add_touch(&mut term, piece.branch.kind, touch, weight, self);
                 moments[0] += force;
-                moments[1] += force * u;
-                moments[2] += force * u * u;
+                moments[1] += force * touch.u;
+                moments[2] += force * touch.u * touch.u;
             });
             let [half_force, first, second] = moments;
             let min_gap = piece.nearest.distance - self.contact_distance;
@@ -346,17 +368,18 @@ impl Local<'_> {
         term
     }
 
-    /// Calls `add(u, guess of v, weight)` for the points of the quadrature ½∫ds of a piece; long pieces are divided so that each part is shorter than
+    /// Calls `add(touch, weight)` for the points of the quadrature ½∫ds of a piece; long pieces are divided so that each part is shorter than
     /// the contact distance.
-    fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64)) {
+    fn integrate(&self, piece: &Piece, at: impl Fn(f64) -> (Touch, f64), mut add: impl FnMut(&Touch, f64)) {
         let rule = gauss(POINTS_PER_PIECE);
-        let width = piece.u[1] - piece.u[0];
-        let parts = (width * self.length / self.contact_distance).ceil().clamp(1.0, 64.0);
+        let parts = match piece.branch.kind {
+            FootKind::Fold => PARTS_OF_FOLD,
+            _ => ((piece.u[1] - piece.u[0]) * self.length / self.contact_distance).ceil().clamp(1.0, 64.0),
+        };
         for part in 0..parts as usize {
             for (&x, &w) in rule.points.iter().zip(rule.weights) {
-                let fraction = (part as f64 + x) / parts;
-                let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
-                add(piece.u[0] + width * fraction, guess, 0.5 * w * width * self.length / parts);
+                let (touch, rate) = at((part as f64 + x) / parts);
+                add(&touch, 0.5 * w * rate * self.length / parts);
             }
         }
     }
@@ -382,6 +405,11 @@ impl Local<'_> {
     }
 }
 
+/// Whether a pair is not one of neighbours along a curve.
+pub(super) fn wanted(strands: &Strands, exclusion: &Exclusion, [i, j]: [usize; 2]) -> bool {
+    !exclusion.excluded(i, j) && !strands.adjacent(i, j)
+}
+
 fn bernstein_weights(u: f64) -> [f64; 4] {
     let t = 1.0 - u;
     [t * t * t, 3.0 * t * t * u, 3.0 * t * u * u, u * u * u]
@@ -396,7 +424,8 @@ fn bernstein_slopes(u: f64) -> [f64; 4] {
 fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, local: &Local) -> f64 {
     let Touch { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
     let (law, carried) = local.response(u, distance);
-    if carried == 0.0 {
+    // What is infinite, is so at the nearer points that a farthest one lies between.
+    if carried == 0.0 || weight < 0.0 && law.energy == f64::INFINITY {
         return 0.0;
     }
     term.energy += weight * law.energy;
@@ -414,7 +443,7 @@ fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, lo
     let over_d = carried / distance;
     let plain = (nn * (law.stiffness + over_d) - Mat3::identity() * over_d) * weight;
     let schur = match kind {
-        FootKind::Orthogonal => {
+        FootKind::Orthogonal | FootKind::Fold => {
             let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
             let slopes = bernstein_slopes(v);
             let q: [Vec3; 8] = std::array::from_fn(|m| {
@@ -423,7 +452,7 @@ fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, lo
             });
             Some((q, weight * carried / d_vv))
         }
-        FootKind::Start | FootKind::End => None,
+        FootKind::Start | FootKind::End | FootKind::Held => None,
     };
     for m in 0..8 {
         for n in m..8 {
@@ -436,5 +465,7 @@ fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, lo
     law.pressure
 }
 
+#[cfg(test)]
+mod folds;
 #[cfg(test)]
 mod tests;

@@ -192,11 +192,15 @@ impl Detector {
         forces.clear(&strands);
         let mut found = std::mem::take(&mut self.pair_forces);
         let this = &*self;
-        let ground = Ground::new(strands.clone(), &this.lengths);
+        let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
         let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
         let force = |pieces: &mut Vec<Piece>, p: &[u32; 2]| {
             let pair = p.map(|k| k as usize);
-            if this.wanted(&strands, pair) { ground.force(pair, &pressures, pieces) } else { PairForce::NONE }
+            if detect::wanted(&strands, &this.exclusion, pair) {
+                ground.force(pair, &pressures, pieces)
+            } else {
+                PairForce::NONE
+            }
         };
         for block in this.broad.pairs().chunks(BLOCK) {
             block.par_iter().with_min_len(64).map_init(Vec::new, force).collect_into_vec(&mut found);
@@ -216,15 +220,11 @@ impl Detector {
     pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
         InputError::positive("stiffness", stiffness)?;
         let strands = self.update(curves, self.options.range.max(0.0))?;
-        let wanted = |p: &&[u32; 2]| self.wanted(&strands, p.map(|k| k as usize));
+        let wanted = |p: &&[u32; 2]| detect::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
         let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
-        Ok(detect::evaluate_within(&Ground::new(strands, &self.lengths), &pairs, &pressures, want))
-    }
-
-    /// Whether a candidate pair is not one of neighbours along a curve.
-    fn wanted(&self, strands: &Strands, [i, j]: [usize; 2]) -> bool {
-        !self.exclusion.excluded(i, j) && !adjacent(strands, i, j)
+        let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
+        Ok(detect::evaluate_within(&ground, &pairs, &pressures, want))
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
@@ -346,7 +346,7 @@ impl Detector {
     fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
             // Two adjacent straight segments are nearest at their joint.
-            if !adjacent(strands, i, j) {
+            if !strands.adjacent(i, j) {
                 out.extend(site::straight_minimum(strands, i, j, reach));
             }
             return;
@@ -386,7 +386,7 @@ impl Detector {
             parts.clear();
             for &[i, j] in chunk {
                 let (i, j) = (i as usize, j as usize);
-                if this.exclusion.excluded(i, j) || adjacent(strands, i, j) {
+                if this.exclusion.excluded(i, j) || strands.adjacent(i, j) {
                     continue;
                 }
                 let arc = |s: usize, u: f64| this.arc(strands, s, u);
@@ -448,11 +448,6 @@ fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) 
         }
     }
     minima.truncate(kept);
-}
-
-/// True if two segments share a joint.
-fn adjacent(strands: &Strands, i: usize, j: usize) -> bool {
-    strands.next(i) == Some(j) || strands.next(j) == Some(i)
 }
 
 pub(super) fn norm(v: &Vec3) -> f64 {
