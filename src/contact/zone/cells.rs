@@ -18,6 +18,9 @@ use crate::math::bernstein::{Roots, roots};
 
 /// Cells looked at before the rest is held.
 const MAX_CELLS: usize = 512;
+/// Least slope of f over its largest in a cell, unless it is narrower than [`SMALL`] in both parameters.
+const EVEN: f64 = 0.1;
+const SMALL: f64 = 1.0 / 64.0;
 /// Cells narrower than this in both parameters are held.
 const SMALLEST: f64 = 1.0 / 4096.0;
 /// Bound of relative roundings, of sums of products of control points.
@@ -40,16 +43,36 @@ enum Verdict {
     Unclear,
 }
 
-/// The sign that all numbers have beyond `noise`, 0 if they have not.
-fn common_sign(values: impl IntoIterator<Item = f64>, noise: f64) -> f64 {
-    let (low, high) =
-        values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    if low > noise {
-        1.0
-    } else if high < -noise {
-        -1.0
-    } else {
-        0.0
+/// Bounds of a function over a cell.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: f64,
+    high: f64,
+    /// Of the roundings in it.
+    noise: f64,
+}
+
+impl Bounds {
+    fn of(values: impl IntoIterator<Item = f64>, noise: f64) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        values.into_iter().for_each(|x| (low, high) = (low.min(x), high.max(x)));
+        Self { low, high, noise }
+    }
+
+    /// The sign of the function throughout, 0 if it is not told.
+    fn sign(&self) -> f64 {
+        if self.low > self.noise {
+            1.0
+        } else if self.high < -self.noise {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// Its least size over its largest, if it has one sign.
+    fn evenness(&self) -> f64 {
+        if self.sign() == 0.0 { 0.0 } else { (self.low / self.high).min(self.high / self.low) }
     }
 }
 
@@ -57,56 +80,54 @@ fn largest(vectors: &[Vec3]) -> f64 {
     vectors.iter().map(Vec3::amax).fold(0.0, f64::max)
 }
 
-/// The sign of ∂f/∂v = (a − b)·b″ − b′² throughout, 0 if it is not told. Bounds: a and b in the hulls of their control points, b″ between its two,
-/// b′² between its Bernstein coefficients.
-fn sense(a: &Cubic, b: &Cubic) -> f64 {
+/// ∂f/∂v = (a − b)·b″ − b′²: a and b in the hulls of their control points, b″ between its two, b′² between its Bernstein coefficients.
+fn sense(a: &Cubic, b: &Cubic) -> Bounds {
     let [e0, e1, e2] = b.edges();
     let speeds =
         [e0.norm_squared(), e0.dot(&e1), (e0.dot(&e2) + 2.0 * e1.norm_squared()) / 3.0, e1.dot(&e2), e2.norm_squared()];
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| [r[0].min(x), r[1].max(x)])
-    };
-    let speed = range(&mut speeds.into_iter());
+    let speed = Bounds::of(speeds, 0.0);
     let mut bend = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut noise = speed[1].abs().max(speed[0].abs());
+    let mut noise = speed.high.abs().max(speed.low.abs());
     let size = largest(&a.b).max(largest(&b.b));
     for c in [e1 - e0, e2 - e1] {
-        let (from, to) = (range(&mut a.b.iter().map(|p| p.dot(&c))), range(&mut b.b.iter().map(|p| p.dot(&c))));
-        bend = [bend[0].min(from[0] - to[1]), bend[1].max(from[1] - to[0])];
+        let [from, to] = [a, b].map(|curve| Bounds::of(curve.b.iter().map(|p| p.dot(&c)), 0.0));
+        bend = [bend[0].min(from.low - to.high), bend[1].max(from.high - to.low)];
         noise = noise.max(size * c.amax());
     }
     // b′ = 3 e, b″ = 6 (differences of e)
-    common_sign([6.0 * bend[0] - 9.0 * speed[1], 6.0 * bend[1] - 9.0 * speed[0]], 100.0 * ROUNDING * noise)
+    let (low, high) = (6.0 * bend[0] - 9.0 * speed.high, 6.0 * bend[1] - 9.0 * speed.low);
+    Bounds { low, high, noise: 100.0 * ROUNDING * noise }
 }
 
 /// `joined`: the part of the master ends at a smooth joint, where the tangent that both segments share decides, not this one's rounding.
-fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> Verdict {
+/// `even`: how little the slope of f may vary, so that what is integrated is smooth.
+fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64, even: f64) -> Verdict {
     if capsule::distance_lower_bound(a, b) > reach {
         return Verdict::Empty;
     }
     let (p, e) = (a.edges(), b.edges());
     let size = largest(&a.b).max(largest(&b.b));
     let noise = 100.0 * ROUNDING * size * largest(&e);
-    if !joined && common_sign(a.b.iter().flat_map(|x| stationarity(b, x)), noise) != 0.0 {
+    if !joined && Bounds::of(a.b.iter().flat_map(|x| stationarity(b, x)), noise).sign() != 0.0 {
         return Verdict::Empty;
     }
-    let sign = -sense(a, b);
-    if sign != 0.0 {
-        return Verdict::Along(sign);
+    let along = sense(a, b);
+    if along.evenness() > even {
+        return Verdict::Along(-along.sign());
     }
-    let across = p.iter().flat_map(|p| e.iter().map(|e| p.dot(e)));
     // At a joint the two segments' tangents may differ by the rounding of coordinates far from the origin: nothing to be steep about.
     let noise = if joined { STEEP } else { 10.0 * ROUNDING };
-    match common_sign(across, noise * largest(&p) * largest(&e)) {
-        0.0 => Verdict::Unclear,
-        sign => Verdict::Across(sign),
+    let across = Bounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
+    if across.evenness() > even {
+        return Verdict::Across(across.sign());
     }
+    Verdict::Unclear
 }
 
 impl Pair<'_> {
     /// No slave point has more than one foot on the master: a bound that holds wherever the master is curved less than 1 over the distance.
     pub(super) fn has_one_branch(&self) -> bool {
-        sense(self.slave, self.master) < 0.0
+        sense(self.slave, self.master).sign() < 0.0
     }
 
     /// Pieces of all feet, cell by cell.
@@ -118,12 +139,13 @@ impl Pair<'_> {
             seen += 1;
             let (a, b) = (self.slave.restrict(cell.u[0], cell.u[1]), self.master.restrict(cell.v[0], cell.v[1]));
             let joined = sides[0].joined && cell.v[0] == 0.0 || sides[1].joined && cell.v[1] == 1.0;
-            match judge(&a, &b, joined, reach) {
+            let [du, dv] = [cell.u, cell.v].map(|r| r[1] - r[0]);
+            let even = if du.max(dv) > SMALL { EVEN } else { 0.0 };
+            match judge(&a, &b, joined, reach, even) {
                 Verdict::Empty => {}
                 Verdict::Along(sign) => self.follow_in(&cell, sides, FootKind::Orthogonal, sign, out),
                 Verdict::Across(sign) => self.fold(&cell, &b, sign, out),
                 Verdict::Unclear => {
-                    let [du, dv] = [cell.u, cell.v].map(|r| r[1] - r[0]);
                     if seen + queue.len() >= MAX_CELLS || du.max(dv) <= SMALLEST {
                         self.follow_in(&cell, sides, FootKind::Held, 1.0, out);
                         continue;
