@@ -16,13 +16,17 @@ use super::curve::CurveSet;
 use super::exclusion::Exclusion;
 use super::input::{Shape, Strands};
 use super::law::{Law, Response};
+use super::projection::{smooth_joint, stationarity};
 use super::zone::straight::Lines;
 use super::zone::{FootKind, Joint, Pair, Piece, Touch};
+use crate::math::bernstein::{Roots, roots};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 
 /// Points of the Gauss rule on each piece of a zone.
 const POINTS_PER_PIECE: usize = 5;
+/// Distances that differ relatively by less are the same.
+const TIE: f64 = 1e-9;
 /// Parts that a piece through a fold is divided into: there and back on the slave.
 const PARTS_OF_FOLD: f64 = 4.0;
 
@@ -194,7 +198,8 @@ impl Ground<'_> {
         for (slave, master) in [(i, j), (j, i)] {
             let Some(local) = self.local(slave, master, nearest, pressures) else { continue };
             pieces.clear();
-            let mut collect = |touch: &dyn Fn(&Piece, f64) -> (Touch, f64), pieces: &[Piece]| {
+            let mut collect = |touch: &dyn Fn(&Piece, f64) -> (Touch, f64), pieces: &mut Vec<Piece>| {
+                self.keep_rings([slave, master], &local, touch, pieces);
                 if !pieces.is_empty() {
                     found(local.term(slave, master, want, pieces, touch));
                 }
@@ -223,9 +228,70 @@ impl Ground<'_> {
         for (slave, master) in [(i, j), (j, i)] {
             let Some(local) = self.local(slave, master, 0.0, pressures) else { continue };
             let Some(lines) = self.lines(slave, master, &local) else { continue };
-            lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
+            pieces.clear();
+            lines.pieces(|piece| pieces.push(piece));
+            self.keep_rings([slave, master], &local, &|piece, fraction| lines.touch(piece, fraction), pieces);
+            pieces.iter().for_each(|piece| sum.add_lines(&lines, piece, &local, slave != i));
         }
         sum
+    }
+
+    /// A closed curve that lies in the ball about a slave point as a whole is a strand there, though its nearest and farthest points are as many:
+    /// the farthest of all is not counted off.
+    fn keep_rings(
+        &self,
+        [slave, master]: [usize; 2],
+        local: &Local,
+        touch: &dyn Fn(&Piece, f64) -> (Touch, f64),
+        pieces: &mut Vec<Piece>,
+    ) {
+        let off = |piece: &Piece| piece.branch.sign < 0.0 || piece.branch.kind == FootKind::Fold;
+        let curve = self.strands.curve_of(master);
+        if !self.strands.curves[curve].closed || curve == self.strands.curve_of(slave) || !pieces.iter().any(off) {
+            return;
+        }
+        let reach = local.reach[0].max(local.reach[1]);
+        let own = self.strands.cubic(slave);
+        let farthest_of_all = |piece: &Piece, fraction: f64| {
+            let (touch, weight) = touch(piece, fraction);
+            let here = |(segment, v): (usize, f64)| match piece.branch.kind {
+                FootKind::End => Some(segment) == self.strands.next(master) && v == 0.0,
+                _ => segment == master && piece.branch.may_be_at(touch.v, v),
+            };
+            weight < 0.0 && self.farthest(&own.point(touch.u), curve, reach).is_some_and(here)
+        };
+        let mut kept = Vec::new();
+        for piece in pieces.iter() {
+            if off(piece) {
+                piece.parts_without(|fraction| farthest_of_all(piece, fraction), |part| kept.push(part));
+            } else {
+                kept.push(*piece);
+            }
+        }
+        *pieces = kept;
+    }
+
+    /// Segment and parameter of the point of a closed curve that is farthest from x, of equals the first; none if that is beyond the reach.
+    fn farthest(&self, x: &Vec3, curve: usize, reach: f64) -> Option<(usize, f64)> {
+        let strand = &self.strands.curves[curve];
+        let segments = strand.first..strand.first + strand.count;
+        if segments.clone().any(|k| (self.strands.ends(k).0 - x).norm() >= reach) {
+            return None;
+        }
+        let mut points = Vec::new();
+        for k in segments {
+            let cubic = self.strands.cubic(k);
+            let before = self.strands.prev(k).map(|k| self.strands.cubic(k));
+            if before.is_some_and(|before| !smooth_joint(&before, &cubic, cubic.b[0].amax())) {
+                points.push((k, 0.0, (cubic.b[0] - x).norm()));
+            }
+            let mut found = Roots::new();
+            roots(&stationarity(&cubic, x), &mut found);
+            points.extend(found.as_slice().iter().map(|&v| (k, v, (cubic.point(v) - x).norm())));
+        }
+        let farthest = points.iter().map(|p| p.2).fold(0.0, f64::max);
+        let first = points.iter().find(|p| p.2 >= farthest * (1.0 - TIE))?;
+        (farthest < reach).then_some((first.0, first.1))
     }
 
     /// Lower bound of the distance \[L\]. Straight segments tell their intervals faster than this would save.

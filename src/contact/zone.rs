@@ -40,6 +40,8 @@ const NUM_SAMPLES: usize = 7;
 /// Iterations of the safeguarded root finder; bisection alone ends after 53.
 const MAX_ROOT_ITERATIONS: usize = 100;
 
+/// Stationary points that differ by less are the same.
+const SAME: f64 = 1e-6;
 /// Intervals of u narrower than this are rounding.
 const NARROW: f64 = 16.0 * f64::EPSILON;
 
@@ -123,6 +125,14 @@ impl Branch {
 
     fn of(kind: FootKind, sign: f64) -> Self {
         Self { kind, sign, ..Self::ONLY }
+    }
+
+    /// Whether a stationary point at v is this branch's, whose foot is at `foot`.
+    pub(super) fn may_be_at(&self, foot: f64, v: f64) -> bool {
+        match self.kind {
+            FootKind::Orthogonal | FootKind::Held => v > self.within[0] - SAME && v < self.within[1] + SAME,
+            FootKind::Start | FootKind::End | FootKind::Fold => (v - foot).abs() < SAME,
+        }
     }
 }
 
@@ -484,6 +494,37 @@ impl Pair<'_> {
             previous = *sample;
         }
         out.push(Piece { u: [first.u, last.u], v: [first.v, last.v], branch, nearest });
+    }
+}
+
+impl Piece {
+    /// The part between two fractions of the way.
+    fn part(&self, from: f64, to: f64) -> Self {
+        let between = |ends: [f64; 2]| [from, to].map(|x| ends[0] + (ends[1] - ends[0]) * x);
+        Self { u: between(self.u), v: between(self.v), ..*self }
+    }
+
+    /// Calls `keep` with the parts on which a condition does not hold; it is asked at samples and where it changes between them.
+    pub(super) fn parts_without(&self, holds: impl Fn(f64) -> bool, mut keep: impl FnMut(Self)) {
+        let at = |k: usize| (k as f64 / NUM_SAMPLES as f64).clamp(1e-6, 1.0 - 1e-6);
+        let mut before = holds(at(0));
+        let mut start = if before { None } else { Some(0.0) };
+        for k in 1..=NUM_SAMPLES {
+            let after = holds(at(k));
+            if after != before {
+                let signed = |x: f64| if holds(x) == before { 1.0 } else { -1.0 };
+                let change = falling_root([at(k - 1), at(k)], signed);
+                if let Some(from) = start.take() {
+                    keep(self.part(from, change));
+                } else {
+                    start = Some(change);
+                }
+            }
+            before = after;
+        }
+        if let Some(from) = start {
+            keep(self.part(from, 1.0));
+        }
     }
 }
 

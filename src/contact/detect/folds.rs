@@ -73,7 +73,8 @@ fn energy_by_counting(master: &[Cubic], slave: &Cubic, closed: bool) -> f64 {
                 sum -= phi(vertex);
             }
         }
-        sum
+        // A ring within reach as a whole is one strand.
+        sum + if closed { phi(d.iter().copied().fold(0.0, f64::max)) } else { 0.0 }
     };
     0.5 * (0..SLAVE).map(at).sum::<f64>() / SLAVE as f64
 }
@@ -105,6 +106,34 @@ fn energy_counts_strands_through_folds_and_kinks() {
         assert!((ours - counted).abs() < 2e-3 * counted + 1e-5, "case {case}: {ours} {counted}");
     }
     assert!(off > 20 && folds > 20, "{off} {folds}");
+}
+
+/// A ring of radius `size` about the z axis, out of round by `uneven`.
+fn ring(size: f64, uneven: f64) -> Vec<Cubic> {
+    const COUNT: usize = 8;
+    let h = std::f64::consts::TAU / COUNT as f64;
+    let at = |k: usize| {
+        let (s, c) = (h * k as f64).sin_cos();
+        let point = Vec3::new(c, s * (1.0 + uneven), uneven * (2.0 * s * s - 1.0));
+        (point * size, Vec3::new(-s, c * (1.0 + uneven), 4.0 * uneven * s * c) * (size * h))
+    };
+    (0..COUNT).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
+}
+
+/// A strand through a ring that is narrower than the contact distance: near the axis every point of the ring is about as far.
+#[test]
+fn a_ring_about_a_strand_is_one_strand() {
+    for (size, uneven) in [(0.4, 0.0), (0.4, 1e-3), (0.35, 0.05), (0.45, 0.2)] {
+        let master = ring(size, uneven);
+        for off in [0.0, 1e-6, 1e-3, 0.02, 0.1] {
+            let slave = Cubic::straight(Vec3::new(off, 0.6 * off, -0.4), Vec3::new(off, -off, 0.6));
+            let terms = terms(&master, &[slave], true, Want::Gradient);
+            let ours: f64 = terms.iter().filter(|t| t.slave == master.len()).map(|t| t.energy).sum();
+            let counted = energy_by_counting(&master, &slave, true);
+            println!("{size} {uneven} {off}: {ours:.6e} {counted:.6e}");
+            assert!((ours - counted).abs() < 2e-3 * counted, "{size} {uneven} {off}: {ours} {counted}");
+        }
+    }
 }
 
 /// Energy, gradient and Hessian by control point of all cubics, at fixed reference lengths.
