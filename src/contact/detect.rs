@@ -27,6 +27,8 @@ use crate::math::{Mat3, Vec3};
 const POINTS_PER_PIECE: usize = 5;
 /// Distances that differ relatively by less are the same.
 const TIE: f64 = 1e-9;
+/// Points that differ by less of the reach are the same.
+const SAME: f64 = 1e-6;
 /// Parts that a piece through a fold is divided into: there and back on the slave.
 const PARTS_OF_FOLD: f64 = 4.0;
 
@@ -254,9 +256,10 @@ impl Ground<'_> {
         let own = self.strands.cubic(slave);
         let farthest_of_all = |piece: &Piece, fraction: f64| {
             let (touch, weight) = touch(piece, fraction);
+            let foot = own.point(touch.u) - touch.normal * touch.distance;
             let here = |(segment, v): (usize, f64)| match piece.branch.kind {
-                FootKind::End => Some(segment) == self.strands.next(master) && v == 0.0,
-                _ => segment == master && piece.branch.may_be_at(touch.v, v),
+                FootKind::Held => segment == master && piece.branch.may_be_at(v),
+                _ => (self.strands.cubic(segment).point(v) - foot).norm() <= SAME * reach,
             };
             weight < 0.0 && self.farthest(&own.point(touch.u), curve, reach).is_some_and(here)
         };

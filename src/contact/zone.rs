@@ -40,8 +40,6 @@ const NUM_SAMPLES: usize = 7;
 /// Iterations of the safeguarded root finder; bisection alone ends after 53.
 const MAX_ROOT_ITERATIONS: usize = 100;
 
-/// Stationary points that differ by less are the same.
-const SAME: f64 = 1e-6;
 /// Intervals of u narrower than this are rounding.
 const NARROW: f64 = 16.0 * f64::EPSILON;
 
@@ -127,12 +125,9 @@ impl Branch {
         Self { kind, sign, ..Self::ONLY }
     }
 
-    /// Whether a stationary point at v is this branch's, whose foot is at `foot`.
-    pub(super) fn may_be_at(&self, foot: f64, v: f64) -> bool {
-        match self.kind {
-            FootKind::Orthogonal | FootKind::Held => v > self.within[0] - SAME && v < self.within[1] + SAME,
-            FootKind::Start | FootKind::End | FootKind::Fold => (v - foot).abs() < SAME,
-        }
+    /// Whether held feet may stand for a stationary point at v.
+    pub(super) fn may_be_at(&self, v: f64) -> bool {
+        v >= self.within[0] && v <= self.within[1]
     }
 }
 
