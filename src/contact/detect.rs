@@ -2,11 +2,11 @@
 //! control points of both cubics, and the zones for reports.
 //!
 //! ```text
-//! U = Σ_ordered pairs ½ ∫_zone ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
+//! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with factor ½. With d the distance at the foot, n the unit normal from foot
-//! to slave point, w_m the eight Bernstein weights (minus on the master):
+//! Each strand integrates over its own length with factor ½; what is counted off (−) tells [`zone`](super::zone). With d the distance at the foot, n the
+//! unit normal from foot to slave point, w_m the eight Bernstein weights (minus on the master):
 //! δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur complement of the foot.
 
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ pub struct ZonePiece {
     pub piece: Piece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
-    /// ½∫p ds \[F\]: this strand's half of the contact force.
+    /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is counted off.
     pub half_force: f64,
     /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: where in the piece the force sits.
     pub half_moments: [f64; 2],
@@ -247,7 +247,7 @@ impl Ground<'_> {
         touch: &dyn Fn(&Piece, f64) -> (Touch, f64),
         pieces: &mut Vec<Piece>,
     ) {
-        let off = |piece: &Piece| piece.branch.sign < 0.0 || piece.branch.kind == FootKind::Fold;
+        let off = |piece: &Piece| piece.branch.is_counted_off() || piece.branch.kind == FootKind::Fold;
         let curve = self.strands.curve_of(master);
         if !self.strands.curves[curve].closed || curve == self.strands.curve_of(slave) || !pieces.iter().any(off) {
             return;
@@ -432,7 +432,7 @@ impl Local<'_> {
             });
             let [half_force, first, second] = moments;
             let min_gap = piece.nearest.distance - self.contact_distance;
-            term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
+            term.zones.push(ZonePiece { piece: piece.ascending(), min_gap, half_force, half_moments: [first, second] });
         }
         term
     }

@@ -179,9 +179,14 @@ impl Detector {
     }
 
     /// Energy, forces and smallest gap of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from
-    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the result is kept in
-    /// buffers. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps
-    /// by the part of the step. Points where centrelines coincide have energy, but no direction and no force.
+    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the
+    /// result is kept in buffers.
+    ///
+    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points there, farthest ones between two of
+    /// them counted off ([`zone`](super::zone)), corners of polylines included. So the force is continuous and the exact slope of the energy, whether a
+    /// strand slides over a kink, inside or outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by
+    /// the part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle or more, by what they leave out. Points where
+    /// centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
     /// As [`Detector::detect`].

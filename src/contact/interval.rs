@@ -11,7 +11,7 @@ use super::curve::angle;
 use super::exclusion::bytes;
 use super::input::Strands;
 use super::zone::straight::{chord, cut};
-use super::zone::{FootKind, Joint, Pair};
+use super::zone::{Joint, Pair, Piece};
 use crate::math::Vec3;
 
 /// A maximal interval of one curve whose points have a point of the partner interval within range.
@@ -109,9 +109,8 @@ pub(crate) fn parts(
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
     // Farthest points lie in zones of nearer ones.
-    for piece in pieces.iter().filter(|piece| piece.branch.sign > 0.0 || piece.branch.kind == FootKind::Fold) {
-        let turned = piece.u[0] > piece.u[1];
-        let (u, v) = if turned { ([piece.u[1], piece.u[0]], [piece.v[1], piece.v[0]]) } else { (piece.u, piece.v) };
+    for piece in pieces.iter().filter(|piece| !piece.branch.is_counted_off()) {
+        let Piece { u, v, .. } = piece.ascending();
         push(u, v, piece.nearest.distance - radii);
     }
 }

@@ -125,6 +125,12 @@ impl Branch {
         Self { kind, sign, ..Self::ONLY }
     }
 
+    /// Only farthest points, which are counted off.
+    #[must_use]
+    pub fn is_counted_off(&self) -> bool {
+        self.sign < 0.0 && self.kind != FootKind::Fold
+    }
+
     /// Whether held feet may stand for a stationary point at v.
     pub(super) fn may_be_at(&self, v: f64) -> bool {
         v >= self.within[0] && v <= self.within[1]
@@ -493,6 +499,12 @@ impl Pair<'_> {
 }
 
 impl Piece {
+    /// The same with u ascending.
+    pub(super) fn ascending(&self) -> Self {
+        let turn = |[a, b]: [f64; 2]| if self.u[0] > self.u[1] { [b, a] } else { [a, b] };
+        Self { u: turn(self.u), v: turn(self.v), ..*self }
+    }
+
     /// The part between two fractions of the way.
     fn part(&self, from: f64, to: f64) -> Self {
         let between = |ends: [f64; 2]| [from, to].map(|x| ends[0] + (ends[1] - ends[0]) * x);
