@@ -11,8 +11,9 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
+use supercoil::contact::detect::Want;
 use supercoil::contact::{Curve, Detector, Options};
 use supercoil::math::{Quat, Vec3};
 
@@ -103,15 +104,15 @@ fn forces_of_a_polyline_on_itself_are_the_slope_of_the_energy() {
         let slope = (at(h).0.energy - at(-h).0.energy) / (2.0 * h);
         assert!((slope + power).abs() < 1e-3 * size + 1e-6, "case {case}: {slope} {power}");
     }
-    assert!(touching > 80, "{touching}");
+    assert!(touching > 60, "{touching}");
 }
 
-/// Two rings in one plane that overlap all round, as polygons: outside and inside, nothing is lost or counted twice at the corners.
+/// Two rings in one plane that overlap all round, as polygons: what the outer one feels of the corners it sees from outside, and the inner one of
+/// those it sees from inside, is neither lost nor counted twice.
 #[test]
 fn polygons_have_the_energy_of_the_rings_they_stand_for() {
     let (inner, outer, radius) = (1.0, 1.15, 0.1);
-    let exact = 0.5 * (0.5 * STIFFNESS * 0.05_f64.powi(2)) * TAU * (inner + outer);
-    let energy = |n: usize, phase: f64| {
+    let energies = |n: usize, phase: f64| {
         let ring = |r: f64, phase: f64| -> Vec<Vec3> {
             // of the area of the circle, so that sides and corners are off by as little
             let r = r * (TAU / n as f64 / (TAU / n as f64).sin()).sqrt();
@@ -120,10 +121,15 @@ fn polygons_have_the_energy_of_the_rings_they_stand_for() {
         };
         let (a, b) = (ring(inner, 0.0), ring(outer, phase));
         let curves = [Curve::polyline(&a, radius).closed(), Curve::polyline(&b, radius).closed()];
-        Detector::new(Options::default()).forces(&curves, STIFFNESS).unwrap().energy
+        let terms = Detector::new(Options::default()).terms(&curves, STIFFNESS, Want::Gradient).unwrap();
+        [true, false].map(|first| terms.iter().filter(|t| (t.slave < n) == first).map(|t| t.energy).sum::<f64>())
     };
-    for phase in [0.0, 0.3] {
-        let errors = [60, 120, 240].map(|n| (energy(n, phase * PI / f64::from(n as u32)) / exact - 1.0).abs());
-        assert!(errors[2] < 2e-3 && errors[2] < 0.4 * errors[1] && errors[1] < 0.4 * errors[0], "{errors:?}");
+    for (side, r) in [inner, outer].into_iter().enumerate() {
+        let exact = 0.5 * (0.5 * STIFFNESS * 0.05_f64.powi(2)) * TAU * r;
+        for phase in [0.0, 0.3] {
+            let error = |n: usize| (energies(n, phase * TAU / n as f64)[side] / exact - 1.0).abs();
+            let errors = [60, 120, 240].map(error);
+            assert!(errors[2] < 2e-3 && errors[2] < 0.4 * errors[1] && errors[1] < 0.4 * errors[0], "{errors:?}");
+        }
     }
 }
