@@ -28,6 +28,7 @@
 //! Pairs with ∂f/∂v < 0 throughout, which a bound of the control points tells at once, have one branch; the others are cut into cells ([`cells`]).
 
 mod cells;
+pub(super) mod facing;
 pub(super) mod straight;
 
 use super::curve::Cubic;
@@ -119,7 +120,7 @@ pub struct Branch {
 }
 
 impl Branch {
-    const ONLY: Self = Self { kind: FootKind::Orthogonal, sign: 1.0, within: [0.0, 1.0] };
+    pub(super) const ONLY: Self = Self { kind: FootKind::Orthogonal, sign: 1.0, within: [0.0, 1.0] };
 
     fn of(kind: FootKind, sign: f64) -> Self {
         Self { kind, sign, ..Self::ONLY }
@@ -224,24 +225,19 @@ impl Pair<'_> {
         self.reach[1] - self.reach[0]
     }
 
-    /// What a potential asks at a fraction of the way along a piece, and what the slave parameter is to be weighted with there: its rate of change
-    /// with the fraction, negative where it is counted off.
-    pub(super) fn touch(&self, piece: &Piece, fraction: f64) -> (Touch, f64) {
-        let along = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * fraction;
-        let Piece { branch, u, v, .. } = piece;
-        let (u, v, weight) = if branch.kind == FootKind::Fold {
-            let (v, width) = (along(*v), v[1] - v[0]);
-            let u = self.slave_of(v, along(*u), branch);
-            (u, v, branch.sign * self.rate(u, v) * width)
+    /// What a potential asks where a branch has come to `t`, what it is followed by, from a guess of the other parameter; and how fast the slave's
+    /// parameter changes with it, less than nothing where it is counted off.
+    pub(super) fn touch(&self, t: f64, guess: f64, branch: &Branch) -> (Touch, f64) {
+        let (u, v, rate) = if branch.kind == FootKind::Fold {
+            let u = self.slave_of(t, guess, branch);
+            (u, t, self.rate(u, t))
         } else {
-            let width = branch.sign * (u[1] - u[0]);
-            let u = along(*u);
-            (u, self.foot_of(&self.slave.point(u), along(*v), branch), width)
+            (t, self.foot_of(&self.slave.point(t), guess, branch), 1.0)
         };
         let (b, tangent, curvature) = self.master.derivatives(v);
         let chord = self.slave.point(u) - b;
         let distance = chord.norm();
-        (Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }, weight)
+        (Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }, branch.sign * rate)
     }
 
     fn foot_of(&self, a: &Vec3, guess: f64, branch: &Branch) -> f64 {
@@ -499,6 +495,11 @@ impl Pair<'_> {
 }
 
 impl Piece {
+    /// What the branch is followed by, at its ends, and the other parameter there.
+    pub(super) fn along(&self) -> [[f64; 2]; 2] {
+        if self.branch.kind == FootKind::Fold { [self.v, self.u] } else { [self.u, self.v] }
+    }
+
     /// The same with u ascending.
     pub(super) fn ascending(&self) -> Self {
         let turn = |[a, b]: [f64; 2]| if self.u[0] > self.u[1] { [b, a] } else { [a, b] };

@@ -9,6 +9,7 @@
 
 use std::collections::VecDeque;
 
+use super::facing::convexity;
 use super::{Branch, FootKind, NARROW, Pair, Piece, Sample, Side, falling_root};
 use crate::contact::capsule;
 use crate::contact::curve::Cubic;
@@ -80,23 +81,11 @@ fn largest(vectors: &[Vec3]) -> f64 {
     vectors.iter().map(Vec3::amax).fold(0.0, f64::max)
 }
 
-/// ∂f/∂v = (a − b)·b″ − b′²: a and b in the hulls of their control points, b″ between its two, b′² between its Bernstein coefficients.
+/// Bounds of ∂f/∂v = −D_vv, to a factor.
 fn sense(a: &Cubic, b: &Cubic) -> Bounds {
-    let [e0, e1, e2] = b.edges();
-    let speeds =
-        [e0.norm_squared(), e0.dot(&e1), (e0.dot(&e2) + 2.0 * e1.norm_squared()) / 3.0, e1.dot(&e2), e2.norm_squared()];
-    let speed = Bounds::of(speeds, 0.0);
-    let mut bend = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut noise = speed.high.abs().max(speed.low.abs());
-    let size = largest(&a.b).max(largest(&b.b));
-    for c in [e1 - e0, e2 - e1] {
-        let [from, to] = [a, b].map(|curve| Bounds::of(curve.b.iter().map(|p| p.dot(&c)), 0.0));
-        bend = [bend[0].min(from.low - to.high), bend[1].max(from.high - to.low)];
-        noise = noise.max(size * c.amax());
-    }
-    // b′ = 3 e, b″ = 6 (differences of e)
-    let (low, high) = (6.0 * bend[0] - 9.0 * speed.high, 6.0 * bend[1] - 9.0 * speed.low);
-    Bounds { low, high, noise: 100.0 * ROUNDING * noise }
+    let [least, most] = convexity(a, b);
+    let (size, edges) = (largest(&a.b).max(largest(&b.b)), largest(&b.edges()));
+    Bounds { low: -most, high: -least, noise: 100.0 * ROUNDING * edges * edges.max(size) }
 }
 
 /// `joined`: the part of the master ends at a smooth joint, where the tangent that both segments share decides, not this one's rounding.

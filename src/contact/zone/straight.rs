@@ -160,16 +160,14 @@ impl Lines {
         Sample { u, v: self.foot(u, kind), distance, t: u, rate: 1.0, slope, curvature }
     }
 
-    /// What the potential asks at a fraction of the way along a piece, and the rate of the slave parameter, negative where it is counted off.
-    pub(in crate::contact) fn touch(&self, piece: &Piece, fraction: f64) -> (Touch, f64) {
-        let width = piece.u[1] - piece.u[0];
-        let (u, kind) = (piece.u[0] + width * fraction, piece.branch.kind);
-        let [x, y] = self.connection(kind);
+    /// What the potential asks at slave parameter `u`, and the sign it counts with.
+    pub(in crate::contact) fn touch(&self, u: f64, branch: &Branch) -> (Touch, f64) {
+        let [x, y] = self.connection(branch.kind);
         let w = x + y * u;
         let distance = w.norm();
-        let v = self.foot(u, kind);
+        let v = self.foot(u, branch.kind);
         let touch = Touch { u, v, distance, normal: unit(&w, distance), tangent: self.e, curvature: Vec3::zeros() };
-        (touch, piece.branch.sign * width)
+        (touch, branch.sign)
     }
 }
 
