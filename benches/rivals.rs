@@ -20,6 +20,27 @@ pub fn boxes_overlap(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
     (0..3).all(|k| lo_i[k] <= hi_j[k] && lo_j[k] <= hi_i[k])
 }
 
+/// What no method can do without, as plain as can be: the box of every segment is written (f32, rounded outward), one after the other.
+pub fn write_boxes(points: &[Vec3], r: f64, boxes: &mut Vec<[f32; 6]>) -> usize {
+    boxes.clear();
+    boxes.extend((0..points.len() - 1).map(|i| {
+        let (low, high) = bounds(points, r, i);
+        let down = |x: f64| (x as f32).next_down();
+        let up = |x: f64| (x as f32).next_up();
+        [down(low.x), down(low.y), down(low.z), up(high.x), up(high.y), up(high.z)]
+    }));
+    boxes.len()
+}
+
+/// What no method can do without, either: the boxes of all pairs that are near each other are read, in the order of the pairs; nothing is looked for.
+pub fn read_pairs(boxes: &[[f32; 6]], pairs: &[[u32; 2]]) -> usize {
+    let overlap = |&&[i, j]: &&[u32; 2]| {
+        let (a, b) = (&boxes[i as usize], &boxes[j as usize]);
+        (0..3).all(|k| a[k] <= b[k + 3] && b[k] <= a[k + 3])
+    };
+    pairs.iter().filter(overlap).count()
+}
+
 fn touching(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
     boxes_overlap(points, r, i, j) && segment_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) < 2.0 * r
 }

@@ -8,7 +8,9 @@
 //! ```
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
-//! where there is one thread, of the clock where there are two. Memory is what the detector holds after a detection, by
+//! where there is one thread, of the clock where there are two. Exponents are fitted to log(time) against log(segments); beside those of the detector are
+//! printed those of two loops that any method contains and that do nothing but go through memory: the boxes of all segments are written, and those of all
+//! pairs that are near are read. What these grow by more than 1 is the machine's: 1e4 segments fit its caches, 1e6 do not. Bytes are what the detector holds after a detection, by
 //! the capacities of its lists; sites apart. Writes `target/scaling/scaling.csv` and
 //! `scaling.svg`.
 
@@ -141,6 +143,14 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("refit", refit);
     let boxes = stage(Stage::Boxes);
     push("box pairs", boxes);
+    if threads == 1 {
+        // How the machine itself takes to more data than its caches hold.
+        let pairs = detector.candidates().to_vec();
+        let mut written = Vec::new();
+        push("memory: write", median(repeat, || rivals::write_boxes(points, RADIUS, &mut written)));
+        push("memory: read", median(repeat, || rivals::read_pairs(&written, &pairs)));
+    }
+    let mut stage = |stage: Stage| median(repeat, || detector.run_stage(&curve, stage).unwrap());
     let candidates = stage(Stage::Candidates);
     push("capsules", (candidates.0 - boxes.0, candidates.1));
     push("refit+candidates", (refit.0 + candidates.0, candidates.1));
@@ -149,8 +159,8 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     let mut detector = Detector::new(options);
     push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
     let (kept, found) = detector.memory();
-    push("memory (bytes)", (0.0, kept));
-    push("memory of sites", (0.0, found));
+    push("bytes held", (0.0, kept));
+    push("bytes of sites", (0.0, found));
     push("forces", median(repeat, || detector.forces(&curve, 1.0).unwrap().forces[0].len()));
     // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond 1e5 gradients only.
     let few = if n > 100_000 { 1 } else { repeat.min(3) };
@@ -218,7 +228,7 @@ fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Ve
 
 fn report(rows: &[Row]) {
     for kind in Kind::ALL {
-        for stage in ["refit+candidates", "whole detection", "zones", "forces"] {
+        for stage in ["refit+candidates", "whole detection", "zones", "forces", "memory: write", "memory: read"] {
             let points = of(rows, kind.name(), stage, 1);
             if points.len() > 1 {
                 let name = kind.name();
@@ -275,7 +285,7 @@ fn main() {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| measure(kind, &points, threads, &arguments, &mut rows));
                 for r in &rows[first..] {
-                    if r.stage.starts_with("memory") {
+                    if r.stage.starts_with("bytes") {
                         let per = r.found as f64 / r.segments as f64;
                         println!(
                             "{:<11} {:>8} {:>3} {:<17} {per:.0} bytes per segment",

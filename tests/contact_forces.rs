@@ -14,7 +14,7 @@
 use std::f64::consts::TAU;
 
 use supercoil::contact::detect::Want;
-use supercoil::contact::{Curve, Detector, Options};
+use supercoil::contact::{Curve, Detector, Law, Options};
 use supercoil::math::{Quat, Vec3};
 
 #[path = "common/random.rs"]
@@ -131,5 +131,35 @@ fn polygons_have_the_energy_of_the_rings_they_stand_for() {
             let errors = [60, 120, 240].map(error);
             assert!(errors[2] < 2e-3 && errors[2] < 0.4 * errors[1] && errors[1] < 0.4 * errors[0], "{errors:?}");
         }
+    }
+}
+
+/// The other law: C¹ through corners as well, its forces the slope of its energy; without limit at its depth; bad numbers refused by name.
+#[test]
+fn any_law_may_be_given() {
+    let own = [Vec3::new(-1.0, 0.1, 0.0), Vec3::zeros(), Vec3::new(1.0, 0.2, 0.1)];
+    let rod = [Vec3::new(0.02, -0.3, -1.0), Vec3::new(0.05, -0.13, 0.7)];
+    let law = Law::Core { pressure: 2.0, depth: 0.6 };
+    let mut detector = Detector::new(Options::default());
+    let mut at = |shift: Vec3, law: Law| {
+        let moved = rod.map(|x| x + shift);
+        detector.forces(&[Curve::polyline(&own, 0.1), Curve::polyline(&moved, 0.12)], law).cloned()
+    };
+    let here = at(Vec3::zeros(), law).unwrap();
+    let force: Vec3 = here.forces[1].iter().sum();
+    assert!(force.norm() > 1e-3, "{force}");
+    for axis in 0..3 {
+        let step = Vec3::ith(axis, 1e-5);
+        let slope = (at(step, law).unwrap().energy - at(-step, law).unwrap().energy) / 2e-5;
+        assert!((slope + force[axis]).abs() < 1e-3 * force.norm(), "{axis}: {slope} {force}");
+    }
+    let through = at(Vec3::y() * 0.18, law).unwrap();
+    assert_eq!(through.energy, f64::INFINITY, "{}", through.min_gap);
+    for (bad, name) in [
+        (Law::Linear { stiffness: -1.0 }, "stiffness"),
+        (Law::Core { pressure: f64::NAN, depth: 0.5 }, "pressure"),
+        (Law::Core { pressure: 1.0, depth: 0.0 }, "depth"),
+    ] {
+        assert!(at(Vec3::zeros(), bad).unwrap_err().to_string().contains(name));
     }
 }

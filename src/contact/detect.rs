@@ -463,6 +463,9 @@ impl PairForce {
             let (touch, sign) = lines.touch(u, &piece.branch);
             let weight = weight * sign;
             let (law, _) = local.response(u, touch.distance);
+            if without_limit(&law, weight) {
+                return touch.v;
+            }
             self.energy += weight * law.energy;
             let push = touch.normal * (weight * law.pressure);
             plain += push;
@@ -581,6 +584,11 @@ impl Local<'_> {
     }
 }
 
+/// Infinite, and to be counted off: it is infinite already at the nearer points that a farthest one lies between.
+fn without_limit(law: &Response, weight: f64) -> bool {
+    weight < 0.0 && law.energy == f64::INFINITY
+}
+
 /// Whether a pair is not one of neighbours along a curve.
 pub(super) fn wanted(strands: &Strands, exclusion: &Exclusion, [i, j]: [usize; 2]) -> bool {
     !exclusion.excluded(i, j) && !strands.adjacent(i, j)
@@ -607,8 +615,7 @@ fn add_touch(
 ) -> f64 {
     let Touch { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
     let (law, carried) = local.response(u, distance);
-    // What is infinite, is so at the nearer points that a farthest one lies between.
-    if carried == 0.0 || weight < 0.0 && law.energy == f64::INFINITY {
+    if carried == 0.0 || without_limit(&law, weight) {
         return 0.0;
     }
     term.energy += weight * law.energy;

@@ -178,9 +178,9 @@ impl Detector {
         self.broad.pairs()
     }
 
-    /// Energy, forces and smallest gap of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from
-    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the
-    /// result is kept in buffers.
+    /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another (half from each side). A number is the
+    /// stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in
+    /// contact all along, and the result is kept in buffers.
     ///
     /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points there, farthest ones between two of
     /// them counted off ([`zone`](super::zone)), corners of polylines included. So the force is continuous and the exact slope of the energy, whether a
@@ -189,16 +189,16 @@ impl Detector {
     /// centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
-    /// As [`Detector::detect`].
-    pub fn forces(&mut self, curves: &[Curve], stiffness: f64) -> Result<&Forces, InputError> {
-        InputError::positive("stiffness", stiffness)?;
+    /// As [`Detector::detect`], and numbers of the law that are not finite and positive.
+    pub fn forces(&mut self, curves: &[Curve], law: impl Into<Law>) -> Result<&Forces, InputError> {
+        let law = checked(law.into())?;
         let strands = self.update(curves, self.options.range.max(0.0))?;
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear(&strands);
         let mut found = std::mem::take(&mut self.pair_forces);
         let this = &*self;
         let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
-        let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
+        let pressures = Pressures { law, offset: &|_| [0.0; 2], before: None };
         let force = |pieces: &mut Vec<Piece>, p: &[u32; 2]| {
             let pair = p.map(|k| k as usize);
             if detect::wanted(&strands, &this.exclusion, pair) {
@@ -221,13 +221,13 @@ impl Detector {
     /// A term takes 370 bytes, with Hessian 5 kB.
     ///
     /// # Errors
-    /// As [`Detector::detect`].
-    pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
-        InputError::positive("stiffness", stiffness)?;
+    /// As [`Detector::forces`].
+    pub fn terms(&mut self, curves: &[Curve], law: impl Into<Law>, want: Want) -> Result<Vec<PairTerm>, InputError> {
+        let law = checked(law.into())?;
         let strands = self.update(curves, self.options.range.max(0.0))?;
         let wanted = |p: &&[u32; 2]| detect::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
+        let pressures = Pressures { law, offset: &|_| [0.0; 2], before: None };
         let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
         Ok(detect::evaluate_within(&ground, &pairs, &pressures, want))
     }
@@ -441,6 +441,25 @@ impl Detector {
         }
         Ok(())
     }
+}
+
+impl From<f64> for Law {
+    /// The penalty of this stiffness \[F/L²\].
+    fn from(stiffness: f64) -> Self {
+        Self::Linear { stiffness }
+    }
+}
+
+/// A law whose numbers make sense.
+fn checked(law: Law) -> Result<Law, InputError> {
+    match law {
+        Law::Linear { stiffness } => InputError::positive("stiffness", stiffness)?,
+        Law::Core { pressure, depth } => {
+            InputError::positive("pressure", pressure)?;
+            InputError::positive("depth", depth)?;
+        }
+    }
+    Ok(law)
 }
 
 /// Drops the minima from index `first` on that are not `wanted`.

@@ -545,8 +545,8 @@ impl Sample {
 
 /// The root of a function that falls over an interval, by bisection; the nearer end if there is none.
 fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
-    // Written so that NaN ends at once.
-    if !(f(low) > 0.0) {
+    let start = f(low);
+    if start <= 0.0 || start.is_nan() {
         return low;
     }
     if f(high) >= 0.0 {
