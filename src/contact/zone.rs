@@ -22,10 +22,13 @@
 //! ```
 //!
 //! (Euler's characteristic of the part of the master in the ball; Morse theory.) A strand bent within the ball is one strand, not two; two that pass
-//! through it are two. Where the projection is unique there is no farthest point, and this is the paper's functional. The sum is C¹ in x: where a nearest and
-//! a farthest point meet, their distances and normals do too, and corners of the master take over from its segments likewise.
+//! through it are two; a closed curve that lies in it as a whole is one, so the farthest of its points is not counted off. Where the projection is unique
+//! there is no farthest point, and this is the paper's functional; so it is wherever the master is curved less than 1 over the reach. The sum is C¹ in x:
+//! where a nearest and a farthest point meet, their distances and normals do too, and corners of the master take over from its segments likewise (of
+//! a closed curve in the ball it is continuous where two points are farthest). On the bisector of an acute notch a point is
+//! pushed out unless it overlaps by more than .85 of the reach; deeper, it sees one strand.
 //!
-//! Pairs with ∂f/∂v < 0 throughout, which a bound of the control points tells at once, have one branch; the others are cut into cells ([`cells`]).
+//! Pairs with ∂f/∂v < 0 throughout, which a bound of the control points tells at once, have one branch; the others are cut into cells.
 
 mod cells;
 pub(super) mod facing;
