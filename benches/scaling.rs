@@ -8,10 +8,10 @@
 //! ```
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
-//! where there is one thread, of the clock where there are two. Exponents are fitted to log(time) against log(segments); beside those of the detector are
-//! printed those of two loops that any method contains and that do nothing but go through memory: the boxes of all segments are written, and those of all
-//! pairs that are near are read. What these grow by more than 1 is the machine's: 1e4 segments fit its caches, 1e6 do not. Bytes are what the detector holds after a detection, by
-//! the capacities of its lists; sites apart. Writes `target/scaling/scaling.csv` and
+//! where there is one thread, of the clock where there are two. Beside the detector's exponents are printed those of two loops that do nothing but go
+//! through memory of its size: the boxes of all segments are written one after the other, and as many are read in no order. A search lies between these; what
+//! they grow by more than 1 is the machine's: 1e4 segments fit its caches, 1e6 do not. Bytes are what the detector holds after a detection, by the
+//! capacities of its lists; those of sites apart. Writes `target/scaling/scaling.csv` and
 //! `scaling.svg`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
@@ -145,12 +145,10 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("box pairs", boxes);
     if threads == 1 {
         // How the machine itself takes to more data than its caches hold.
-        let pairs = detector.candidates().to_vec();
         let mut written = Vec::new();
         push("memory: write", median(repeat, || rivals::write_boxes(points, RADIUS, &mut written)));
-        push("memory: read", median(repeat, || rivals::read_pairs(&written, &pairs)));
+        push("memory: read", median(repeat, || rivals::read_boxes(&written)));
     }
-    let mut stage = |stage: Stage| median(repeat, || detector.run_stage(&curve, stage).unwrap());
     let candidates = stage(Stage::Candidates);
     push("capsules", (candidates.0 - boxes.0, candidates.1));
     push("refit+candidates", (refit.0 + candidates.0, candidates.1));

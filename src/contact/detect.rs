@@ -33,6 +33,8 @@ const POINTS_PER_PIECE: usize = 5;
 const TIE: f64 = 1e-9;
 /// Points that differ by less of the reach are the same.
 const SAME: f64 = 1e-6;
+/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well: polylines have many.
+const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
 /// Parts that a piece through a fold is divided into: there and back on the slave.
 const PARTS_OF_FOLD: f64 = 4.0;
 
@@ -316,6 +318,10 @@ impl Ground<'_> {
         for (slave, master) in [(i, j), (j, i)] {
             let Some(local) = self.local(slave, master, 0.0, pressures) else { continue };
             let Some(lines) = self.lines(slave, master, &local) else { continue };
+            if !self.may_be_ring(slave, master) {
+                lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
+                continue;
+            }
             pieces.clear();
             lines.pieces(|piece| pieces.push(piece));
             self.keep_rings([slave, master], &local, &|u, _, branch| lines.touch(u, branch), pieces);
@@ -328,10 +334,10 @@ impl Ground<'_> {
     /// the farthest of all is not counted off.
     fn keep_rings(&self, [slave, master]: [usize; 2], local: &Local, touch: &Follow, pieces: &mut Vec<Piece>) {
         let off = |piece: &Piece| piece.branch.is_counted_off() || piece.branch.kind == FootKind::Fold;
-        let curve = self.strands.curve_of(master);
-        if !self.strands.curves[curve].closed || curve == self.strands.curve_of(slave) || !pieces.iter().any(off) {
+        if !self.may_be_ring(slave, master) || !pieces.iter().any(off) {
             return;
         }
+        let curve = self.strands.curve_of(master);
         let reach = local.reach[0].max(local.reach[1]);
         let own = self.strands.cubic(slave);
         let farthest_of_all = |piece: &Piece, fraction: f64| {
@@ -353,6 +359,12 @@ impl Ground<'_> {
             }
         }
         *pieces = kept;
+    }
+
+    /// Whether the master's curve could lie in the ball about a point of the slave as a whole.
+    fn may_be_ring(&self, slave: usize, master: usize) -> bool {
+        let curve = self.strands.curve_of(master);
+        self.strands.curves[curve].closed && curve != self.strands.curve_of(slave)
     }
 
     /// Segment and parameter of the point of a closed curve that is farthest from x, of equals the first; none if that is beyond the reach.
@@ -389,13 +401,16 @@ impl Ground<'_> {
         let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
         let reach = reaching(slave).map(|c| contact_distance + c);
         let (length, offset) = (self.lengths[slave], (pressures.offset)(slave));
-        (nearest < reach[0].max(reach[1])).then_some(Local { pressures, contact_distance, reach, offset, length })
+        let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
+        let (start, end) = self.strands.ends(slave);
+        let span = if straight { (end - start).norm() } else { length };
+        let local = Local { pressures, contact_distance, reach, offset, length, straight, span };
+        (nearest < reach[0].max(reach[1])).then_some(local)
     }
 
     /// The pair as lines, if both are straight and the reach does not vary along the slave.
     fn lines(&self, slave: usize, master: usize, local: &Local) -> Option<Lines> {
-        let lines =
-            local.reach[0] == local.reach[1] && self.strands.is_straight(slave) && self.strands.is_straight(master);
+        let lines = local.straight && local.reach[0] == local.reach[1];
         lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0], self.kinks(slave, master)))
     }
 
@@ -491,6 +506,10 @@ struct Local<'a> {
     /// Where the pressure ends, at both ends of the slave: contact distance + offset \[L\].
     reach: [f64; 2],
     offset: [f64; 2],
+    /// Both are straight.
+    straight: bool,
+    /// Length of the slave as it is, if that is known \[L\].
+    span: f64,
 }
 
 impl Found<'_> {
@@ -544,13 +563,15 @@ impl Local<'_> {
     /// other parameter; long pieces are divided so that each part is shorter than the contact distance. Guesses are interpolated between the ends of the
     /// piece and what was returned.
     fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64) -> f64) {
-        let rule = gauss(POINTS_PER_PIECE);
         let [t, other] = piece.along();
         let width = t[1] - t[0];
+        let extent = width * self.span / self.contact_distance;
         let parts = match piece.branch.kind {
             FootKind::Fold => PARTS_OF_FOLD,
-            _ => (width * self.length / self.contact_distance).ceil().clamp(1.0, 64.0),
+            _ => extent.ceil().clamp(1.0, 64.0),
         };
+        let points = FEWER_POINTS.iter().find(|(longest, _)| self.straight && extent <= *longest);
+        let rule = gauss(points.map_or(POINTS_PER_PIECE, |(_, points)| *points));
         let mut last = [t[0], other[0]];
         for part in 0..parts as usize {
             let mut known = Interpolation::between(last, [t[1], other[1]]);

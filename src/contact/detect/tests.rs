@@ -23,7 +23,15 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
     pair.pieces(&mut pieces);
     assert!(!pieces.is_empty());
     let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_| [0.0; 2], before: None };
-    let local = Local { pressures: &pressures, contact_distance: 0.05, length: 1.3, reach, offset: [0.0; 2] };
+    let local = Local {
+        pressures: &pressures,
+        contact_distance: 0.05,
+        length: 1.3,
+        reach,
+        offset: [0.0; 2],
+        straight: false,
+        span: 1.3,
+    };
     let touch = |t, guess, branch: &Branch| pair.touch(t, guess, branch);
     Found { slave: 0, master: 1, local: &local, pieces: &pieces, touch: &touch }.pair_term(Want::Hessian)
 }
@@ -368,7 +376,15 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         let (old_offset, new_offset) = (|_: usize| old, |_: usize| new);
         let pressures = Pressures { law, offset: &new_offset, before: Some((before, &old_offset)) };
         let reach = old.map(|c| contact_distance + c);
-        let local = Local { pressures: &pressures, contact_distance, length: 1.0, reach, offset: new };
+        let local = Local {
+            pressures: &pressures,
+            contact_distance,
+            length: 1.0,
+            reach,
+            offset: new,
+            straight: false,
+            span: 1.0,
+        };
         for (u, distance) in [(0.0, 0.45), (0.3, 0.49), (1.0, 0.505), (0.6, 0.42)] {
             let carried =
                 before.response(contact_distance + old[0] + (old[1] - old[0]) * u - distance, contact_distance);

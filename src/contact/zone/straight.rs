@@ -81,8 +81,11 @@ impl Lines {
     /// The sign function of one end. Rounding alone counts as resting on a joint.
     fn side(&self, k: usize, tangent: &Vec3) -> [f64; 2] {
         let (start, slope) = (self.from[k].dot(tangent), self.d.dot(tangent));
+        if !self.joined[k] {
+            return [start, slope];
+        }
         let noise = 8.0 * f64::EPSILON * self.from[k].amax().max(self.d.amax()) * tangent.amax();
-        if self.joined[k] && start.abs() <= noise && (start + slope).abs() <= noise { [0.0; 2] } else { [start, slope] }
+        if start.abs() <= noise && (start + slope).abs() <= noise { [0.0; 2] } else { [start, slope] }
     }
 
     /// All pieces of this pair: those of feet ascending in u, then those of kinks.
@@ -107,9 +110,14 @@ impl Lines {
         for (k, kind) in [FootKind::Start, FootKind::End].into_iter().enumerate() {
             let Some(beyond) = self.kinks[k] else { continue };
             let [before, after] = if k == 0 { [beyond, self.sides[0]] } else { [self.sides[1], beyond] };
-            let outside = cut(cut(whole, before[0], before[1]), -after[0], -after[1]);
-            self.within_reach(outside, kind, 1.0, &mut push);
-            if before != [0.0; 2] && after != [0.0; 2] {
+            // Past the corner by both tangents at both ends of the slave, or short of it: nearly all.
+            let ends = |[start, slope]: [f64; 2]| [start, start + slope];
+            let ([b0, b1], [a0, a1]) = (ends(before), ends(after));
+            if (b0 >= 0.0 || b1 >= 0.0) && (a0 <= 0.0 || a1 <= 0.0) {
+                let outside = cut(cut(whole, before[0], before[1]), -after[0], -after[1]);
+                self.within_reach(outside, kind, 1.0, &mut push);
+            }
+            if (b0 < 0.0 || b1 < 0.0) && (a0 > 0.0 || a1 > 0.0) {
                 let inside = cut(cut(whole, -before[0], -before[1]), after[0], after[1]);
                 self.within_reach(inside, kind, -1.0, &mut push);
             }
