@@ -179,7 +179,7 @@ impl Detector {
     }
 
     /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another (half from each side). A number is the
-    /// stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in
+    /// stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in
     /// contact all along, and the result is kept in buffers.
     ///
     /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points there, farthest ones between two of
@@ -218,7 +218,7 @@ impl Detector {
     /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per ordered pair of segments in
     /// contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁ counts as the cubic with
     /// b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points.
-    /// A term takes 370 bytes, with Hessian 5 kB.
+    /// A term takes about 400 bytes, with Hessian 5 kB.
     ///
     /// # Errors
     /// As [`Detector::forces`].
