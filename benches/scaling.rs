@@ -246,13 +246,20 @@ fn report(rows: &[Row]) {
     // The whole only: more lines leave no room for a legend; the table has them.
     let line = |kind: &Kind| {
         let points = of(rows, kind.name(), "whole detection", 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
-        Series { name: kind.name().to_owned(), points, style: SeriesStyle::LinePoints }
+        Series { name: kind.title().to_owned(), points, style: SeriesStyle::LinePoints }
     };
+    let mut series: Vec<Series> = Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    // Times from 0 on, and room above the lines for the legend: two points of which nothing is drawn.
+    let all = || series.iter().flat_map(|s| &s.points);
+    let (first, last) = all().fold((f64::INFINITY, 0.0_f64), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let (middle, top) = ((first * last).sqrt(), 1.5 * all().map(|p| p.1).fold(0.0, f64::max));
+    let points = vec![(middle, 0.0), (f64::NAN, 0.0), (middle, top)];
+    series.push(Series { name: String::new(), points, style: SeriesStyle::Line });
     let plot = PlotSpec {
-        title: "Contact detection of polylines, one thread".to_owned(),
+        title: "Finding all contact sites of a polyline, one thread".to_owned(),
         x_label: "segments".to_owned(),
         y_label: "processor time per segment, ns".to_owned(),
-        series: Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect(),
+        series,
         log_x: true,
         ..PlotSpec::default()
     };
