@@ -31,6 +31,17 @@ impl Kind {
         }
     }
 
+    /// Name for a reader.
+    #[allow(dead_code, reason = "not every user draws")]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Plecto => "plectoneme",
+            Self::Plectocoil => "plectoneme on a coil",
+            Self::Wlc => "worm-like chain",
+            Self::Packed => "crowded sphere",
+        }
+    }
+
     /// The N + 1 points.
     pub fn points(self, n: usize) -> Vec<Vec3> {
         match self {

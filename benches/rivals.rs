@@ -20,6 +20,31 @@ pub fn boxes_overlap(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
     (0..3).all(|k| lo_i[k] <= hi_j[k] && lo_j[k] <= hi_i[k])
 }
 
+/// What no method can do without, as plain as can be: the box of every segment is written (f32, rounded outward), one after the other.
+pub fn write_boxes(points: &[Vec3], r: f64, boxes: &mut Vec<[f32; 6]>) -> usize {
+    boxes.clear();
+    boxes.extend((0..points.len() - 1).map(|i| {
+        let (low, high) = bounds(points, r, i);
+        let down = |x: f64| (x as f32).next_down();
+        let up = |x: f64| (x as f32).next_up();
+        [down(low.x), down(low.y), down(low.z), up(high.x), up(high.y), up(high.z)]
+    }));
+    boxes.len()
+}
+
+/// For every segment the box of another is read, in no order; nothing is looked for. Returns how many overlap.
+pub fn read_boxes(boxes: &[[f32; 6]]) -> usize {
+    let overlap = |a: &[f32; 6], b: &[f32; 6]| (0..3).all(|k| a[k] <= b[k + 3] && b[k] <= a[k + 3]);
+    let (mut state, mut count) = (1_u64, 0);
+    for own in boxes {
+        // Knuth's linear congruential generator; its upper bits are random.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let other = ((state >> 32) * boxes.len() as u64) >> 32;
+        count += usize::from(overlap(own, &boxes[other as usize]));
+    }
+    count
+}
+
 fn touching(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
     boxes_overlap(points, r, i, j) && segment_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) < 2.0 * r
 }

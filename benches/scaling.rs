@@ -8,8 +8,10 @@
 //! ```
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
-//! where there is one thread, of the clock where there are two. Memory is what the detector holds after a detection, by
-//! the capacities of its lists; sites apart. Writes `target/scaling/scaling.csv` and
+//! where there is one thread, of the clock where there are two. Beside the detector's exponents are printed those of two loops that do nothing but go
+//! through memory of its size: the boxes of all segments are written one after the other, and as many are read in no order. A search lies between these; what
+//! they grow by more than 1 is the machine's: 1e4 segments fit its caches, 1e6 do not. Bytes are what the detector holds after a detection, by the
+//! capacities of its lists; those of sites apart. Writes `target/scaling/scaling.csv` and
 //! `scaling.svg`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
@@ -141,6 +143,12 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("refit", refit);
     let boxes = stage(Stage::Boxes);
     push("box pairs", boxes);
+    if threads == 1 {
+        // How the machine itself takes to more data than its caches hold.
+        let mut written = Vec::new();
+        push("memory: write", median(repeat, || rivals::write_boxes(points, RADIUS, &mut written)));
+        push("memory: read", median(repeat, || rivals::read_boxes(&written)));
+    }
     let candidates = stage(Stage::Candidates);
     push("capsules", (candidates.0 - boxes.0, candidates.1));
     push("refit+candidates", (refit.0 + candidates.0, candidates.1));
@@ -149,8 +157,8 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     let mut detector = Detector::new(options);
     push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
     let (kept, found) = detector.memory();
-    push("memory (bytes)", (0.0, kept));
-    push("memory of sites", (0.0, found));
+    push("bytes held", (0.0, kept));
+    push("bytes of sites", (0.0, found));
     push("forces", median(repeat, || detector.forces(&curve, 1.0).unwrap().forces[0].len()));
     // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond 1e5 gradients only.
     let few = if n > 100_000 { 1 } else { repeat.min(3) };
@@ -218,7 +226,7 @@ fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Ve
 
 fn report(rows: &[Row]) {
     for kind in Kind::ALL {
-        for stage in ["refit+candidates", "whole detection", "zones", "forces"] {
+        for stage in ["refit+candidates", "whole detection", "zones", "forces", "memory: write", "memory: read"] {
             let points = of(rows, kind.name(), stage, 1);
             if points.len() > 1 {
                 let name = kind.name();
@@ -238,13 +246,20 @@ fn report(rows: &[Row]) {
     // The whole only: more lines leave no room for a legend; the table has them.
     let line = |kind: &Kind| {
         let points = of(rows, kind.name(), "whole detection", 1).into_iter().map(|(n, t)| (n, t / n * 1e9)).collect();
-        Series { name: kind.name().to_owned(), points, style: SeriesStyle::LinePoints }
+        Series { name: kind.title().to_owned(), points, style: SeriesStyle::LinePoints }
     };
+    let mut series: Vec<Series> = Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    // Times from 0 on, and room above the lines for the legend: two points of which nothing is drawn.
+    let all = || series.iter().flat_map(|s| &s.points);
+    let (first, last) = all().fold((f64::INFINITY, 0.0_f64), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let (middle, top) = ((first * last).sqrt(), 1.5 * all().map(|p| p.1).fold(0.0, f64::max));
+    let points = vec![(middle, 0.0), (f64::NAN, 0.0), (middle, top)];
+    series.push(Series { name: String::new(), points, style: SeriesStyle::Line });
     let plot = PlotSpec {
-        title: "Contact detection of polylines, one thread".to_owned(),
+        title: "Finding all contact sites of a polyline, one thread".to_owned(),
         x_label: "segments".to_owned(),
         y_label: "processor time per segment, ns".to_owned(),
-        series: Kind::ALL.iter().map(line).filter(|s| !s.points.is_empty()).collect(),
+        series,
         log_x: true,
         ..PlotSpec::default()
     };
@@ -275,7 +290,7 @@ fn main() {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| measure(kind, &points, threads, &arguments, &mut rows));
                 for r in &rows[first..] {
-                    if r.stage.starts_with("memory") {
+                    if r.stage.starts_with("bytes") {
                         let per = r.found as f64 / r.segments as f64;
                         println!(
                             "{:<11} {:>8} {:>3} {:<17} {per:.0} bytes per segment",

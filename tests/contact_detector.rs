@@ -453,3 +453,18 @@ fn terms_and_zones_do_not_know_the_origin() {
         assert!((x.arc[0] - y.arc[0]).abs() + (x.arc[1] - y.arc[1]).abs() < 1e-12, "{x:?} {y:?}");
     }
 }
+
+/// The memory that the documents state: 130 bytes a segment, 8 a pair of the list and 32 to look for its site, in lists that have grown by a half at most.
+#[test]
+fn memory_is_what_is_stated() {
+    for kind in Kind::ALL {
+        let points = kind.points(100_000);
+        let mut detector = Detector::new(Options { zones: false, ..Options::default() });
+        let sites = detector.detect(&[Curve::polyline(&points, 1.0)]).unwrap().sites.len();
+        let (held, found) = detector.memory();
+        let pairs = detector.candidates().len();
+        println!("{}: {held} bytes, {pairs} pairs; {found} bytes, {sites} sites", kind.name());
+        assert!(held < 130 * 100_000 + 60 * pairs, "{}: {held}", kind.name());
+        assert!(found <= 112 * (sites + sites / 2), "{}: {found}", kind.name());
+    }
+}

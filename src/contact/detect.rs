@@ -2,22 +2,25 @@
 //! control points of both cubics, and the zones for reports.
 //!
 //! ```text
-//! U = Σ_ordered pairs ½ ∫_zone ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
+//! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with factor ½. With d the distance at the foot, n the unit normal from foot
-//! to slave point, w_m the eight Bernstein weights (minus on the master):
+//! Each strand integrates over its own length with factor ½; what is counted off (−) tells [`zone`](super::zone). With d the distance at the foot, n the
+//! unit normal from foot to slave point, w_m the eight Bernstein weights (minus on the master):
 //! δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur complement of the foot.
 
 use rayon::prelude::*;
 
 use super::capsule::Capsule;
 use super::curve::CurveSet;
+use super::exclusion::Exclusion;
 use super::input::{Shape, Strands};
 use super::law::{Law, Response};
+use super::projection::{smooth_joint, stationarity};
 use super::zone::facing::Facing;
 use super::zone::straight::Lines;
-use super::zone::{FootKind, Joint, Pair, Piece, Touch};
+use super::zone::{Branch, FootKind, Joint, Pair, Piece, Touch};
+use crate::math::bernstein::{Roots, roots};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 use stiffness::{Blocks, Coordinates, Stiffness};
@@ -28,6 +31,14 @@ pub(crate) mod surprise;
 
 /// Points of the Gauss rule on each piece of a zone.
 const POINTS_PER_PIECE: usize = 5;
+/// Distances that differ relatively by less are the same.
+const TIE: f64 = 1e-9;
+/// Points that differ by less of the reach are the same.
+const SAME: f64 = 1e-6;
+/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well: polylines have many.
+const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
+/// Parts that a piece through a fold is divided into: there and back on the slave.
+const PARTS_OF_FOLD: f64 = 4.0;
 
 /// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
 pub type Hessian = [[Mat3; 8]; 8];
@@ -39,7 +50,7 @@ pub struct ZonePiece {
     pub piece: Piece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
-    /// ½∫p ds \[F\]: this strand's half of the contact force.
+    /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is counted off.
     pub half_force: f64,
     /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: where in the piece the force sits.
     pub half_moments: [f64; 2],
@@ -128,22 +139,35 @@ pub(crate) struct Ground<'a> {
     lengths: &'a [f64],
     /// Capsule of each segment; none if all curves are polylines.
     capsules: Vec<Capsule>,
+    /// Whether the curve has a kink at the start of each segment; none if all curves are polylines.
+    kinked: Vec<bool>,
+    /// Which pairs are left out as neighbours, if the candidates are those that are not.
+    exclusion: Option<&'a Exclusion>,
 }
 
 impl<'a> Ground<'a> {
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self::new(Strands::of_set(set), &set.lengths)
+        Self::new(Strands::of_set(set), &set.lengths, None)
     }
 
-    /// Curves with the reference lengths of their segments \[L\].
-    pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64]) -> Self {
+    /// Curves with the reference lengths of their segments \[L\], and the neighbours that are not among the candidates.
+    pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64], exclusion: Option<&'a Exclusion>) -> Self {
         let mut capsules = Vec::new();
         if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
             let capsule = |k: usize| Capsule::new(&strands.cubic(k));
             (0..strands.len()).into_par_iter().with_min_len(256).map(capsule).collect_into_vec(&mut capsules);
         }
-        Self { strands, lengths, capsules }
+        let mut kinked = Vec::new();
+        if !capsules.is_empty() {
+            let kink = |k: usize| {
+                let own = strands.cubic(k);
+                let before = strands.prev(k).map(|before| strands.cubic(before));
+                before.is_some_and(|before| !smooth_joint(&before, &own, own.b[0].amax()))
+            };
+            (0..strands.len()).into_par_iter().with_min_len(256).map(kink).collect_into_vec(&mut kinked);
+        }
+        Self { strands, lengths, capsules, kinked, exclusion }
     }
 }
 
@@ -222,9 +246,12 @@ struct Found<'a> {
     master: usize,
     local: &'a Local<'a>,
     pieces: &'a [Piece],
-    /// The geometry at a slave parameter from a guess of the foot's.
-    touch: &'a dyn Fn(f64, f64, FootKind) -> Touch,
+    touch: &'a Follow<'a>,
 }
+
+/// The geometry of a branch at the parameter it is followed by, from a guess of the other, and by what the slave's parameter changes with that: less than
+/// nothing where it is counted off.
+type Follow<'a> = dyn Fn(f64, f64, &Branch) -> (Touch, f64) + 'a;
 
 impl Ground<'_> {
     /// The terms of one candidate pair, either way round. `pieces` is scratch.
@@ -252,23 +279,24 @@ impl Ground<'_> {
         for (slave, master) in [(i, j), (j, i)] {
             let Some(local) = self.local(slave, master, distance, pressures) else { continue };
             pieces.clear();
-            let mut collect = |touch: &dyn Fn(f64, f64, FootKind) -> Touch, pieces: &[Piece]| {
+            let mut collect = |touch: &Follow, pieces: &mut Vec<Piece>| {
+                self.keep_rings([slave, master], &local, touch, pieces);
                 if !pieces.is_empty() {
                     found(&Found { slave, master, local: &local, pieces, touch });
                 }
             };
             if let Some(lines) = self.lines(slave, master, &local) {
                 lines.pieces(|piece| pieces.push(piece));
-                collect(&|u, _, kind| lines.touch(u, kind), pieces);
+                collect(&|u, _, branch| lines.touch(u, branch), pieces);
                 continue;
             }
             self.with_pair(slave, master, local.reach, |pair, facing| match facing {
                 Some(facing) if facing.pieces(pair, nearest, pieces) => {
-                    collect(&|u, guess, _| facing.touch(pair, u, guess), pieces);
+                    collect(&|u, guess, _| (facing.touch(pair, u, guess), 1.0), pieces);
                 }
                 _ => {
                     pair.pieces(pieces);
-                    collect(&|u, guess, kind| pair.touch(u, guess, kind), pieces);
+                    collect(&|t, guess, branch| pair.touch(t, guess, branch), pieces);
                 }
             });
         }
@@ -294,9 +322,76 @@ impl Ground<'_> {
         for (slave, master) in [(i, j), (j, i)] {
             let Some(local) = self.local(slave, master, 0.0, pressures) else { continue };
             let Some(lines) = self.lines(slave, master, &local) else { continue };
-            lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
+            if !self.may_be_ring(slave, master) {
+                lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
+                continue;
+            }
+            pieces.clear();
+            lines.pieces(|piece| pieces.push(piece));
+            self.keep_rings([slave, master], &local, &|u, _, branch| lines.touch(u, branch), pieces);
+            pieces.iter().for_each(|piece| sum.add_lines(&lines, piece, &local, slave != i));
         }
         sum
+    }
+
+    /// A closed curve that lies in the ball about a slave point as a whole is a strand there, though its nearest and farthest points are as many:
+    /// the farthest of all is not counted off.
+    fn keep_rings(&self, [slave, master]: [usize; 2], local: &Local, touch: &Follow, pieces: &mut Vec<Piece>) {
+        let off = |piece: &Piece| piece.branch.is_counted_off() || piece.branch.kind == FootKind::Fold;
+        if !self.may_be_ring(slave, master) || !pieces.iter().any(off) {
+            return;
+        }
+        let curve = self.strands.curve_of(master);
+        let reach = local.reach[0].max(local.reach[1]);
+        let own = self.strands.cubic(slave);
+        let farthest_of_all = |piece: &Piece, fraction: f64| {
+            let [t, other] = piece.along().map(|ends| ends[0] + (ends[1] - ends[0]) * fraction);
+            let (touch, weight) = touch(t, other, &piece.branch);
+            let foot = own.point(touch.u) - touch.normal * touch.distance;
+            let here = |(segment, v): (usize, f64)| match piece.branch.kind {
+                FootKind::Held => segment == master && piece.branch.may_be_at(v),
+                _ => (self.strands.cubic(segment).point(v) - foot).norm() <= SAME * reach,
+            };
+            weight < 0.0 && self.farthest(&own.point(touch.u), curve, reach).is_some_and(here)
+        };
+        let mut kept = Vec::new();
+        for piece in pieces.iter() {
+            if off(piece) {
+                piece.parts_without(|fraction| farthest_of_all(piece, fraction), |part| kept.push(part));
+            } else {
+                kept.push(*piece);
+            }
+        }
+        *pieces = kept;
+    }
+
+    /// Whether the master's curve could lie in the ball about a point of the slave as a whole.
+    fn may_be_ring(&self, slave: usize, master: usize) -> bool {
+        let curve = self.strands.curve_of(master);
+        self.strands.curves[curve].closed && curve != self.strands.curve_of(slave)
+    }
+
+    /// Segment and parameter of the point of a closed curve that is farthest from x, of equals the first; none if that is beyond the reach.
+    fn farthest(&self, x: &Vec3, curve: usize, reach: f64) -> Option<(usize, f64)> {
+        let strand = &self.strands.curves[curve];
+        let segments = strand.first..strand.first + strand.count;
+        if segments.clone().any(|k| (self.strands.ends(k).0 - x).norm() >= reach) {
+            return None;
+        }
+        let mut points = Vec::new();
+        for k in segments {
+            let cubic = self.strands.cubic(k);
+            let before = self.strands.prev(k).map(|k| self.strands.cubic(k));
+            if before.is_some_and(|before| !smooth_joint(&before, &cubic, cubic.b[0].amax())) {
+                points.push((k, 0.0, (cubic.b[0] - x).norm()));
+            }
+            let mut found = Roots::new();
+            roots(&stationarity(&cubic, x), &mut found);
+            points.extend(found.as_slice().iter().map(|&v| (k, v, (cubic.point(v) - x).norm())));
+        }
+        let farthest = points.iter().map(|p| p.2).fold(0.0, f64::max);
+        let first = points.iter().find(|p| p.2 >= farthest * (1.0 - TIE))?;
+        (farthest < reach).then_some((first.0, first.1))
     }
 
     /// Lower bound of the distance \[L\]. Straight segments tell their intervals faster than this would save.
@@ -310,14 +405,24 @@ impl Ground<'_> {
         let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
         let reach = reaching(slave).map(|c| contact_distance + c);
         let (length, offset) = (self.lengths[slave], (pressures.offset)(slave));
-        (nearest < reach[0].max(reach[1])).then_some(Local { pressures, contact_distance, reach, offset, length })
+        let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
+        let (start, end) = self.strands.ends(slave);
+        let span = if straight { (end - start).norm() } else { length };
+        let local = Local { pressures, contact_distance, reach, offset, length, straight, span };
+        (nearest < reach[0].max(reach[1])).then_some(local)
     }
 
     /// The pair as lines, if both are straight and the reach does not vary along the slave.
     fn lines(&self, slave: usize, master: usize, local: &Local) -> Option<Lines> {
-        let lines =
-            local.reach[0] == local.reach[1] && self.strands.is_straight(slave) && self.strands.is_straight(master);
-        lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0]))
+        let lines = local.straight && local.reach[0] == local.reach[1];
+        lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0], self.kinks(slave, master)))
+    }
+
+    /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is left out as a neighbour of the
+    /// slave.
+    fn kinks(&self, slave: usize, master: usize) -> [bool; 2] {
+        let left_out = |next: usize| self.exclusion.is_some_and(|e| !wanted(&self.strands, e, [slave, next]));
+        [true, self.strands.next(master).is_some_and(left_out)]
     }
 
     /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen to have no foot: far from the origin
@@ -329,20 +434,26 @@ impl Ground<'_> {
         let (own, foreign) = (near(slave), near(master));
         let beyond = [self.strands.prev(master), self.strands.next(master)];
         let goes_on = beyond.map(|k| k.is_some());
+        let counted = self.kinks(slave, master);
+        let kinked = [master, beyond[1].unwrap_or(master)].map(|k| self.kinked.get(k) != Some(&false));
+        let counted: [bool; 2] = std::array::from_fn(|k| goes_on[k] && kinked[k] && counted[k]);
         let facing = Facing::new(&own, &foreign);
-        if facing.as_ref().is_some_and(|facing| (0..2).any(|k| goes_on[k] && facing.misses()[k])) {
+        if facing.as_ref().is_some_and(|facing| (0..2).any(|k| goes_on[k] && !counted[k] && facing.misses()[k])) {
             return;
         }
         let [before, after] = beyond.map(|k| k.map(near));
+        let joints = Joint::both(before, &foreign, after, &origin);
+        let tangents = [before.map(|before| before.end_tangent()), after.map(|after| after.start_tangent())];
         let pair = Pair {
             slave: &own,
             master: &foreign,
             open_start: !goes_on[0],
             open_end: !goes_on[1],
             reach,
-            joints: Joint::both(before, &foreign, after, &origin),
+            joints,
+            kinks: std::array::from_fn(|k| tangents[k].filter(|_| counted[k] && joints[k].is_none())),
         };
-        with(&pair, facing.as_ref().filter(|_| goes_on == [true; 2]));
+        with(&pair, facing.as_ref().filter(|_| goes_on == [true; 2] && counted == [false; 2]));
     }
 }
 
@@ -368,8 +479,12 @@ impl PairForce {
         // ∫p n ds, and the same weighted by u and by v
         let (mut plain, mut at_u, mut at_v) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
         local.integrate(piece, |u, _, weight| {
-            let touch = lines.touch(u, piece.kind);
+            let (touch, sign) = lines.touch(u, &piece.branch);
+            let weight = weight * sign;
             let (law, _) = local.response(u, touch.distance);
+            if without_limit(&law, weight) {
+                return touch.v;
+            }
             self.energy += weight * law.energy;
             let push = touch.normal * (weight * law.pressure);
             plain += push;
@@ -395,6 +510,10 @@ struct Local<'a> {
     /// Where the pressure ends, at both ends of the slave: contact distance + offset \[L\].
     reach: [f64; 2],
     offset: [f64; 2],
+    /// Both are straight.
+    straight: bool,
+    /// Length of the slave as it is, if that is known \[L\].
+    span: f64,
 }
 
 impl Found<'_> {
@@ -423,24 +542,28 @@ impl Found<'_> {
         for piece in self.pieces {
             // ½∫p uᵏ ds
             let mut moments = [0.0; 3];
-            self.local.integrate(piece, |u, guess, weight| {
-                let touch = (self.touch)(u, guess, piece.kind);
-                let force =
-                    weight * add_touch(&mut term, stiffness.as_deref_mut(), piece.kind, &touch, weight, self.local);
-                if besides.tangent {
-                    let (law, carried) = self.local.response(u, touch.distance);
-                    let point = Touched { u, v: touch.v, kind: piece.kind, stiffness: weight * law.stiffness };
-                    term.touched.extend((carried > 0.0).then_some(point));
+            let kind = piece.branch.kind;
+            self.local.integrate(piece, |t, guess, weight| {
+                let (touch, rate) = (self.touch)(t, guess, &piece.branch);
+                let weight = weight * rate;
+                let force = weight * add_touch(&mut term, stiffness.as_deref_mut(), kind, &touch, weight, self.local);
+                // farthest points, counted off, are followed by no one
+                if besides.tangent && weight > 0.0 {
+                    let (law, carried) = self.local.response(touch.u, touch.distance);
+                    let known = carried > 0.0 && law.stiffness.is_finite();
+                    let point = Touched { u: touch.u, v: touch.v, kind, stiffness: weight * law.stiffness };
+                    term.touched.extend(known.then_some(point));
                 }
                 moments[0] += force;
-                moments[1] += force * u;
-                moments[2] += force * u * u;
-                touch.v
+                moments[1] += force * touch.u;
+                moments[2] += force * touch.u * touch.u;
+                if kind == FootKind::Fold { touch.u } else { touch.v }
             });
             if besides.zones {
                 let [half_force, first, second] = moments;
                 let min_gap = piece.nearest.distance - self.local.contact_distance;
-                term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
+                let piece = piece.ascending();
+                term.zones.push(ZonePiece { piece, min_gap, half_force, half_moments: [first, second] });
             }
         }
         term
@@ -448,20 +571,27 @@ impl Found<'_> {
 }
 
 impl Local<'_> {
-    /// Calls `add(u, guess of v, weight)` for the points of the quadrature ½∫ds of a piece, which returns v; long pieces are divided so that each part is
-    /// shorter than the contact distance. Guesses are interpolated between the ends of the piece and what was returned.
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t what it is followed by, which returns the
+    /// other parameter; long pieces are divided so that each part is shorter than the contact distance. Guesses are interpolated between the ends of the
+    /// piece and what was returned.
     fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64) -> f64) {
-        let rule = gauss(POINTS_PER_PIECE);
-        let width = piece.u[1] - piece.u[0];
-        let parts = (width * self.length / self.contact_distance).ceil().clamp(1.0, 64.0);
-        let mut last = [piece.u[0], piece.v[0]];
+        let [t, other] = piece.along();
+        let width = t[1] - t[0];
+        let extent = width * self.span / self.contact_distance;
+        let parts = match piece.branch.kind {
+            FootKind::Fold => PARTS_OF_FOLD,
+            _ => extent.ceil().clamp(1.0, 64.0),
+        };
+        let points = FEWER_POINTS.iter().find(|(longest, _)| self.straight && extent <= *longest);
+        let rule = gauss(points.map_or(POINTS_PER_PIECE, |(_, points)| *points));
+        let mut last = [t[0], other[0]];
         for part in 0..parts as usize {
-            let mut known = Interpolation::between(last, [piece.u[1], piece.v[1]]);
+            let mut known = Interpolation::between(last, [t[1], other[1]]);
             for (&x, &w) in rule.points.iter().zip(rule.weights) {
-                let u = piece.u[0] + width * (part as f64 + x) / parts;
-                let v = add(u, known.at(u), 0.5 * w * width * self.length / parts);
-                known.add(u, v);
-                last = [u, v];
+                let t = t[0] + width * (part as f64 + x) / parts;
+                let other = add(t, known.at(t), 0.5 * w * width * self.length / parts);
+                known.add(t, other);
+                last = [t, other];
             }
         }
     }
@@ -487,6 +617,16 @@ impl Local<'_> {
     }
 }
 
+/// Infinite, and to be counted off: it is infinite already at the nearer points that a farthest one lies between.
+fn without_limit(law: &Response, weight: f64) -> bool {
+    weight < 0.0 && law.energy == f64::INFINITY
+}
+
+/// Whether a pair is not one of neighbours along a curve.
+pub(super) fn wanted(strands: &Strands, exclusion: &Exclusion, [i, j]: [usize; 2]) -> bool {
+    !exclusion.excluded(i, j) && !strands.adjacent(i, j)
+}
+
 fn bernstein_weights(u: f64) -> [f64; 4] {
     let t = 1.0 - u;
     [t * t * t, 3.0 * t * t * u, 3.0 * t * u * u, u * u * u]
@@ -508,7 +648,7 @@ fn add_touch(
 ) -> f64 {
     let Touch { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
     let (law, carried) = local.response(u, distance);
-    if carried == 0.0 {
+    if carried == 0.0 || without_limit(&law, weight) {
         return 0.0;
     }
     term.energy += weight * law.energy;
@@ -526,7 +666,7 @@ fn add_touch(
     let over_d = carried / distance;
     stiffness.add_product(&w.map(|w| normal * w), weight * (law.stiffness + over_d));
     stiffness.subtract_spread(&w, weight * over_d);
-    if kind == FootKind::Orthogonal {
+    if matches!(kind, FootKind::Orthogonal | FootKind::Fold) {
         let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
         let slopes = bernstein_slopes(v);
         let along = db / -distance;
@@ -567,5 +707,7 @@ impl Interpolation {
     }
 }
 
+#[cfg(test)]
+mod folds;
 #[cfg(test)]
 mod tests;

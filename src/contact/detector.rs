@@ -178,25 +178,34 @@ impl Detector {
         self.broad.pairs()
     }
 
-    /// Energy, forces and smallest gap of the penalty ½κ⟨−gap⟩² per length, integrated over the parts of each curve that overlap another (half from
-    /// each side). `stiffness` κ \[F/L²\]. What an explicit stepper asks: it costs up to three times [`Detector::detect`] on polylines in contact all along, and the result is kept in
-    /// buffers. Smooth for C¹ curves; at the kinks of a polyline the force jumps by the part of the kink's angle, and where a radius per segment steps
-    /// by the part of the step. Points where centrelines coincide have energy, but no direction and no force.
+    /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another (half from each side). A number is the
+    /// stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in
+    /// contact all along, and the result is kept in buffers.
+    ///
+    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points there, farthest ones between two of
+    /// them counted off ([`zone`](super::zone)), corners of polylines included. So the force is continuous and the exact slope of the energy, whether a
+    /// strand slides over a kink, inside or outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by
+    /// the part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle or more, by what they leave out. Points where
+    /// centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
-    /// As [`Detector::detect`].
-    pub fn forces(&mut self, curves: &[Curve], stiffness: f64) -> Result<&Forces, InputError> {
-        InputError::positive("stiffness", stiffness)?;
+    /// As [`Detector::detect`], and numbers of the law that are not finite and positive.
+    pub fn forces(&mut self, curves: &[Curve], law: impl Into<Law>) -> Result<&Forces, InputError> {
+        let law = checked(law.into())?;
         let strands = self.update(curves, self.options.range.max(0.0))?;
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear(&strands);
         let mut found = std::mem::take(&mut self.pair_forces);
         let this = &*self;
-        let ground = Ground::new(strands.clone(), &this.lengths);
-        let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
+        let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
+        let pressures = Pressures { law, offset: &|_| [0.0; 2], before: None };
         let force = |pieces: &mut Vec<Piece>, p: &[u32; 2]| {
             let pair = p.map(|k| k as usize);
-            if this.wanted(&strands, pair) { ground.force(pair, &pressures, pieces) } else { PairForce::NONE }
+            if detect::wanted(&strands, &this.exclusion, pair) {
+                ground.force(pair, &pressures, pieces)
+            } else {
+                PairForce::NONE
+            }
         };
         for block in this.broad.pairs().chunks(BLOCK) {
             block.par_iter().with_min_len(64).map_init(Vec::new, force).collect_into_vec(&mut found);
@@ -209,22 +218,18 @@ impl Detector {
     /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per ordered pair of segments in
     /// contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁ counts as the cubic with
     /// b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points.
-    /// A term takes 370 bytes, with Hessian 5 kB.
+    /// A term takes about 400 bytes, with Hessian 5 kB.
     ///
     /// # Errors
-    /// As [`Detector::detect`].
-    pub fn terms(&mut self, curves: &[Curve], stiffness: f64, want: Want) -> Result<Vec<PairTerm>, InputError> {
-        InputError::positive("stiffness", stiffness)?;
+    /// As [`Detector::forces`].
+    pub fn terms(&mut self, curves: &[Curve], law: impl Into<Law>, want: Want) -> Result<Vec<PairTerm>, InputError> {
+        let law = checked(law.into())?;
         let strands = self.update(curves, self.options.range.max(0.0))?;
-        let wanted = |p: &&[u32; 2]| self.wanted(&strands, p.map(|k| k as usize));
+        let wanted = |p: &&[u32; 2]| detect::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        let pressures = Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None };
-        Ok(detect::evaluate_within(&Ground::new(strands, &self.lengths), &pairs, &pressures, want))
-    }
-
-    /// Whether a candidate pair is not one of neighbours along a curve.
-    fn wanted(&self, strands: &Strands, [i, j]: [usize; 2]) -> bool {
-        !self.exclusion.excluded(i, j) && !adjacent(strands, i, j)
+        let pressures = Pressures { law, offset: &|_| [0.0; 2], before: None };
+        let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
+        Ok(detect::evaluate_within(&ground, &pairs, &pressures, want))
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
@@ -346,7 +351,7 @@ impl Detector {
     fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
             // Two adjacent straight segments are nearest at their joint.
-            if !adjacent(strands, i, j) {
+            if !strands.adjacent(i, j) {
                 out.extend(site::straight_minimum(strands, i, j, reach));
             }
             return;
@@ -386,7 +391,7 @@ impl Detector {
             parts.clear();
             for &[i, j] in chunk {
                 let (i, j) = (i as usize, j as usize);
-                if this.exclusion.excluded(i, j) || adjacent(strands, i, j) {
+                if this.exclusion.excluded(i, j) || strands.adjacent(i, j) {
                     continue;
                 }
                 let arc = |s: usize, u: f64| this.arc(strands, s, u);
@@ -438,6 +443,25 @@ impl Detector {
     }
 }
 
+impl From<f64> for Law {
+    /// The penalty of this stiffness \[F/L²\].
+    fn from(stiffness: f64) -> Self {
+        Self::Linear { stiffness }
+    }
+}
+
+/// A law whose numbers make sense.
+fn checked(law: Law) -> Result<Law, InputError> {
+    match law {
+        Law::Linear { stiffness } => InputError::positive("stiffness", stiffness)?,
+        Law::Core { pressure, depth } => {
+            InputError::positive("pressure", pressure)?;
+            InputError::positive("depth", depth)?;
+        }
+    }
+    Ok(law)
+}
+
 /// Drops the minima from index `first` on that are not `wanted`.
 fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) -> bool) {
     let mut kept = first;
@@ -448,11 +472,6 @@ fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) 
         }
     }
     minima.truncate(kept);
-}
-
-/// True if two segments share a joint.
-fn adjacent(strands: &Strands, i: usize, j: usize) -> bool {
-    strands.next(i) == Some(j) || strands.next(j) == Some(i)
 }
 
 pub(super) fn norm(v: &Vec3) -> f64 {

@@ -329,6 +329,11 @@ impl<'a> Strands<'a> {
         }
     }
 
+    /// True if two segments share a joint.
+    pub(crate) fn adjacent(&self, i: usize, j: usize) -> bool {
+        self.next(i) == Some(j) || self.next(j) == Some(i)
+    }
+
     /// All control points, curve after curve (polylines: their points).
     pub(crate) fn control_points(&self) -> impl Iterator<Item = &'a [Vec3]> + use<'a, '_> {
         self.curves.iter().flat_map(|strand| {

@@ -11,7 +11,7 @@ use super::curve::angle;
 use super::exclusion::bytes;
 use super::input::Strands;
 use super::zone::straight::{chord, cut};
-use super::zone::{Joint, Pair};
+use super::zone::{Joint, Pair, Piece};
 use crate::math::Vec3;
 
 /// A maximal interval of one curve whose points have a point of the partner interval within range.
@@ -104,11 +104,14 @@ pub(crate) fn parts(
         open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
         joints: Joint::both(strands.prev(j).map(near), &master, strands.next(j).map(near), &origin),
+        kinks: [None; 2],
     };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
-    for piece in pieces {
-        push(piece.u, piece.v, piece.nearest.distance - radii);
+    // Farthest points lie in zones of nearer ones.
+    for piece in pieces.iter().filter(|piece| !piece.branch.is_counted_off()) {
+        let Piece { u, v, .. } = piece.ascending();
+        push(u, v, piece.nearest.distance - radii);
     }
 }
 

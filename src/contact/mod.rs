@@ -39,6 +39,7 @@ pub mod zone;
 pub use detector::{Contacts, Detector, Forces, detect};
 pub use input::{Curve, Shape};
 pub use interval::Zone;
+pub use law::Law;
 pub use options::{Neighbours, Options};
 pub use radius::Radius;
 pub use site::{Site, SiteKind};

@@ -6,18 +6,36 @@
 //! the potential, and Newton's method converges quadratically; with sloppy ends it does not (interval segmentation:
 //! Meier, Popp & Wall 2016).
 //!
-//! A foot on the master moves along it as the slave parameter u moves: a branch v(u). Branches are cut
-//! * where the foot enters or leaves the master at v = 0 or 1: roots of (a(u) − b(0))·b'(0), a cubic in u, likewise at 1;
+//! A foot on the master moves along it as the slave parameter u moves: a branch v(u), f(u, v) = (a(u) − b(v))·b′(v) = 0. Branches are cut
+//! * where the foot enters or leaves the master at v = 0 or 1: roots of f(u, 0), a cubic in u, likewise at 1;
 //! * where distance − reach changes sign: bracketed by samples and by minima between samples, then by safeguarded Newton.
 //!
 //! At an open end of the master the end point itself is the foot on the far side (a spherical cap); the distance to a
 //! curve is C¹ across that change.
+//!
+//! **What is counted.** A slave point x that lies farther than a centre of curvature from the master, or inside a kink, has farthest points between
+//! its nearest ones, and feet appear and vanish in pairs (∂f/∂v = 0: a fold of the projection). Feet alone would make the potential jump there. So
+//! farthest points within reach are counted off: with φ the potential of a distance,
+//!
+//! ```text
+//! Σ_nearest φ(d) − Σ_farthest φ(d) = −∫₀^reach φ′(ρ) χ(ρ) dρ        χ(ρ): number of strands of the master in the ball of radius ρ about x
+//! ```
+//!
+//! (Euler's characteristic of the part of the master in the ball; Morse theory.) A strand bent within the ball is one strand, not two; two that pass
+//! through it are two; a closed curve that lies in it as a whole is one, so the farthest of its points is not counted off. Where the projection is unique
+//! there is no farthest point, and this is the paper's functional; so it is wherever the master is curved less than 1 over the reach. The sum is C¹ in x:
+//! where a nearest and a farthest point meet, their distances and normals do too, and corners of the master take over from its segments likewise (of
+//! a closed curve in the ball it is continuous where two points are farthest). On the bisector of an acute notch a point is
+//! pushed out unless it overlaps by more than .85 of the reach; deeper, it sees one strand.
+//!
+//! Pairs with ∂f/∂v < 0 throughout, which a bound of the control points tells at once, have one branch; the others are cut into cells.
 
+mod cells;
 pub(super) mod facing;
 pub(super) mod straight;
 
 use super::curve::Cubic;
-use super::projection::{Feet, local_minima, smooth_joint};
+use super::projection::smooth_joint;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
@@ -26,15 +44,23 @@ const NUM_SAMPLES: usize = 7;
 /// Iterations of the safeguarded root finder; bisection alone ends after 53.
 const MAX_ROOT_ITERATIONS: usize = 100;
 
+/// Intervals of u narrower than this are rounding.
+const NARROW: f64 = 16.0 * f64::EPSILON;
+
 /// What the foot does along a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FootKind {
     /// Orthogonal projection on the interior of the master curve.
     Orthogonal,
-    /// The open start of the master.
+    /// The open start of the master, or a kink there.
     Start,
-    /// The open end of the master.
+    /// The open end of the master, or a kink there.
     End,
+    /// The foot's parameter tells the slave's: a branch through a fold of the projection, nearest points before it and farthest after it (or the
+    /// other way round), followed along the master.
+    Fold,
+    /// Feet that rounding cannot tell apart, all taken to be at one parameter.
+    Held,
 }
 
 /// Master and slave at one slave parameter.
@@ -46,9 +72,13 @@ pub struct Sample {
     pub v: f64,
     /// |a(u) − b(v)| \[L\].
     pub distance: f64,
-    /// d distance / du \[L\].
+    /// What a branch is followed by: v for a fold, otherwise u.
+    t: f64,
+    /// du/dt.
+    rate: f64,
+    /// d distance / dt \[L\].
     slope: f64,
-    /// d² distance / du² \[L\].
+    /// d² distance / dt² \[L\]; NaN for a fold.
     curvature: f64,
 }
 
@@ -75,10 +105,40 @@ pub struct Piece {
     pub u: [f64; 2],
     /// Foot parameters at the ends.
     pub v: [f64; 2],
-    /// What the foot does.
-    pub kind: FootKind,
+    /// The branch.
+    pub branch: Branch,
     /// Where the distance is smallest inside the piece.
     pub nearest: Sample,
+}
+
+/// A way for the foot to go along with the slave's point.
+#[derive(Debug, Clone, Copy)]
+pub struct Branch {
+    /// What the foot does.
+    pub kind: FootKind,
+    /// 1 for nearest points of the master; −1 for farthest ones between two nearest, which are counted off; of a fold the sign of ∂f/∂u.
+    pub sign: f64,
+    /// Where the only foot is sought: an interval of v, for a fold of u.
+    within: [f64; 2],
+}
+
+impl Branch {
+    pub(super) const ONLY: Self = Self { kind: FootKind::Orthogonal, sign: 1.0, within: [0.0, 1.0] };
+
+    fn of(kind: FootKind, sign: f64) -> Self {
+        Self { kind, sign, ..Self::ONLY }
+    }
+
+    /// Only farthest points, which are counted off.
+    #[must_use]
+    pub fn is_counted_off(&self) -> bool {
+        self.sign < 0.0 && self.kind != FootKind::Fold
+    }
+
+    /// Whether held feet may stand for a stationary point at v.
+    pub(super) fn may_be_at(&self, v: f64) -> bool {
+        v >= self.within[0] && v <= self.within[1]
+    }
 }
 
 /// A slave and a master segment with what their curves do at the master's ends.
@@ -96,6 +156,8 @@ pub struct Pair<'a> {
     pub reach: [f64; 2],
     /// Where the master continues smoothly before its start and beyond its end.
     pub joints: [Option<Joint>; 2],
+    /// Tangents of the curve before the master's start and beyond its end, of any length, where it has a kink that this pair is to count.
+    pub kinks: [Option<Vec3>; 2],
 }
 
 /// A smooth joint at an end of the master. A foot that rests on it all along belongs to the segment after it: rounding must neither lose it
@@ -120,14 +182,10 @@ impl Joint {
     }
 }
 
-/// Feet nearer to a joint than this (in v) are given to a segment by the joint's tangent.
-const NEAR_JOINT: f64 = 1e-7;
-
-/// On which side of an end of the master the foot is, over the slave: the sign of a cubic in Bernstein form.
+/// On which side of a point of the master the foot is, over the slave: the sign of a cubic in Bernstein form.
 struct Side {
     coefficients: [f64; 4],
     joined: bool,
-    tangent_norm_sq: f64,
 }
 
 impl Side {
@@ -138,7 +196,7 @@ impl Side {
         if joined && coefficients.iter().all(|c| c.abs() <= noise) {
             coefficients = [0.0; 4];
         }
-        Self { coefficients, joined, tangent_norm_sq: tangent.norm_squared() }
+        Self { coefficients, joined }
     }
 
     fn at(&self, u: f64) -> f64 {
@@ -147,6 +205,17 @@ impl Side {
         (a, b, c) = (mix(a, b), mix(b, c), mix(c, d));
         (a, b) = (mix(a, b), mix(b, c));
         mix(a, b)
+    }
+
+    /// The foot is after this point, which is the start of what is looked at. A foot that rests on a joint belongs to the segment after it.
+    fn passed_start(&self, u: f64) -> bool {
+        let f = self.at(u);
+        f > 0.0 || self.joined && f == 0.0
+    }
+
+    /// The foot is after this point, which is the end of what is looked at.
+    fn passed_end(&self, u: f64) -> bool {
+        self.at(u) >= 0.0
     }
 }
 
@@ -159,44 +228,56 @@ impl Pair<'_> {
         self.reach[1] - self.reach[0]
     }
 
-    /// The branch at slave parameter `u`, starting from foot `guess`.
-    pub(super) fn touch(&self, u: f64, guess: f64, kind: FootKind) -> Touch {
-        let a = self.slave.point(u);
-        let v = self.foot_of(&a, guess, kind);
+    /// What a potential asks where a branch has come to `t`, what it is followed by, from a guess of the other parameter; and how fast the slave's
+    /// parameter changes with it, less than nothing where it is counted off.
+    pub(super) fn touch(&self, t: f64, guess: f64, branch: &Branch) -> (Touch, f64) {
+        let (u, v, rate) = if branch.kind == FootKind::Fold {
+            let u = self.slave_of(t, guess, branch);
+            (u, t, self.rate(u, t))
+        } else {
+            (t, self.foot_of(&self.slave.point(t), guess, branch), 1.0)
+        };
         let (b, tangent, curvature) = self.master.derivatives(v);
-        let chord = a - b;
+        let chord = self.slave.point(u) - b;
         let distance = chord.norm();
-        Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }
+        (Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }, branch.sign * rate)
     }
 
-    fn foot_of(&self, a: &Vec3, guess: f64, kind: FootKind) -> f64 {
-        match kind {
+    fn foot_of(&self, a: &Vec3, guess: f64, branch: &Branch) -> f64 {
+        match branch.kind {
             FootKind::Start => 0.0,
             FootKind::End => 1.0,
-            FootKind::Orthogonal => self.foot(a, guess),
+            FootKind::Orthogonal => self.foot(a, guess, branch),
+            FootKind::Held | FootKind::Fold => guess,
         }
     }
 
-    /// Follows the branch to slave parameter `u`, starting from foot `guess`.
-    pub fn sample(&self, u: f64, guess: f64, kind: FootKind) -> Sample {
+    /// Follows the branch to parameter `t`, starting from a guess of the other parameter.
+    fn sample(&self, t: f64, guess: f64, branch: &Branch) -> Sample {
+        if branch.kind == FootKind::Fold {
+            return self.sample_of_fold(t, guess, branch);
+        }
+        let u = t;
         let (a, da, dda) = self.slave.derivatives(u);
-        let v = self.foot_of(&a, guess, kind);
+        let v = self.foot_of(&a, guess, branch);
         let (b, db, ddb) = self.master.derivatives(v);
         let chord = a - b;
         let distance = chord.norm();
         let normal = chord / distance;
         let slope = normal.dot(&da);
         let mut curvature = (da.norm_squared() - slope * slope) / distance + normal.dot(&dda);
-        if kind == FootKind::Orthogonal {
+        if branch.kind == FootKind::Orthogonal {
             let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
             let d_uv = da.dot(&db) / distance;
             curvature -= d_uv * d_uv / d_vv;
         }
-        Sample { u, v, distance, slope, curvature }
+        Sample { u, v, distance, t, rate: 1.0, slope, curvature }
     }
 
-    /// Newton on (a − b(v))·b'(v) from a near guess; if it leaves the segment, the certified projection decides.
-    fn foot(&self, a: &Vec3, guess: f64) -> f64 {
+    /// Newton on f from a near guess; if it leaves the interval or the sense of the branch, bisection.
+    fn foot(&self, a: &Vec3, guess: f64, branch: &Branch) -> f64 {
+        let [low, high] = branch.within;
+        let border = 1e-9 * (high - low);
         let mut v = guess;
         let mut last = f64::INFINITY;
         for _ in 0..12 {
@@ -204,79 +285,93 @@ impl Pair<'_> {
             let f = (a - b).dot(&db);
             let slope = (a - b).dot(&ddb) - db.norm_squared();
             let step = -f / slope;
-            if !step.is_finite() || slope >= 0.0 {
+            if !step.is_finite() || slope * branch.sign >= 0.0 {
                 break;
             }
             v += step;
-            if !(-0.5..=1.5).contains(&v) {
+            if v < low - border || v > high + border {
                 break;
             }
             // Where the connection is longer than the segment, rounding keeps the last steps above a few ulp: they only stop shrinking.
             let noise = step.abs() < 1e-12 && step.abs() >= 0.25 * last;
             if step.abs() <= 4.0 * f64::EPSILON || noise {
-                return v.clamp(0.0, 1.0);
+                return v.clamp(low, high);
             }
             last = step.abs();
         }
-        let mut feet = Feet::new();
-        local_minima(self.master, a, f64::INFINITY, &mut feet);
-        let nearest = feet.as_slice().iter().min_by(|x, y| (x.u - guess).abs().total_cmp(&(y.u - guess).abs()));
-        nearest.map_or(v.clamp(0.0, 1.0), |foot| foot.u)
+        let f = |v: f64| {
+            let (b, db, _) = self.master.derivatives(v);
+            (a - b).dot(&db) * branch.sign
+        };
+        falling_root(branch.within, f)
     }
 
     /// All pieces of this pair, appended to `out`.
     pub fn pieces(&self, out: &mut Vec<Piece>) {
         let sides = self.sides();
-        let (breaks, count) = breaks(&sides);
+        if self.has_one_branch() {
+            self.follow([&sides[0], &sides[1]], [0.0, 1.0], Branch::ONLY, out);
+        } else {
+            self.cells(&sides, out);
+        }
+        self.ends(&sides, out);
+    }
+
+    /// Pieces over slave parameters in `range` of the feet between two points of the master.
+    fn follow(&self, sides: [&Side; 2], range: [f64; 2], branch: Branch, out: &mut Vec<Piece>) {
+        let (breaks, count) = breaks(range, sides);
         for window in breaks[..count].windows(2) {
             let (start, end) = (window[0], window[1]);
-            if end - start <= 16.0 * f64::EPSILON {
+            if end - start <= NARROW {
                 continue;
             }
             let middle = 0.5 * (start + end);
-            let a = self.slave.point(middle);
-            let mut feet = Feet::new();
-            local_minima(self.master, &a, f64::INFINITY, &mut feet);
-            // ours are feet after the start and before the end
-            let ours = [sides[0].at(middle) >= 0.0, sides[1].at(middle) < 0.0];
-            let near = |v: f64| [v < NEAR_JOINT, v > 1.0 - NEAR_JOINT];
-            let foreign = |v: f64, k: usize| near(v)[k] && sides[k].joined && !ours[k];
-            let inside = |v: &f64| {
-                let within = [sides[0].joined && ours[0] || *v > 0.0, sides[1].joined && ours[1] || *v < 1.0];
-                within == [true; 2] && !foreign(*v, 0) && !foreign(*v, 1)
-            };
-            let mut seen = [false; 2];
-            for v in feet.as_slice().iter().map(|f| f.u).filter(inside) {
-                seen = [seen[0] || near(v)[0], seen[1] || near(v)[1]];
-                self.branch(start, end, v, FootKind::Orthogonal, out);
-            }
-            for k in 0..2 {
-                if sides[k].joined && ours[k] && !seen[k] && self.rests_on_joint(&sides[k], middle, k as f64) {
-                    self.branch(start, end, k as f64, FootKind::Orthogonal, out);
-                }
-            }
-            let (b0, db0, _) = self.master.derivatives(0.0);
-            if self.open_start && (a - b0).dot(&db0) <= 0.0 {
-                self.branch(start, end, 0.0, FootKind::Start, out);
-            }
-            let (b1, db1, _) = self.master.derivatives(1.0);
-            if self.open_end && (a - b1).dot(&db1) >= 0.0 {
-                self.branch(start, end, 1.0, FootKind::End, out);
+            let passed = [sides[0].passed_start(middle), sides[1].passed_end(middle)];
+            // Into the interval as a nearest point, or as a farthest one.
+            let sign = f64::from(i8::from(passed[0]) - i8::from(passed[1]));
+            let held = branch.kind == FootKind::Held;
+            if sign == branch.sign || held && sign != 0.0 {
+                let guess = 0.5 * (branch.within[0] + branch.within[1]);
+                self.branch(start, end, guess, Branch { sign, ..branch }, out);
             }
         }
     }
 
-    /// The end of the master at v is a foot of the slave's point at u to rounding, and a local minimum of the distance.
-    fn rests_on_joint(&self, side: &Side, u: f64, v: f64) -> bool {
-        let a = self.slave.point(u);
-        let (b, db, ddb) = self.master.derivatives(v);
-        let tangent = side.tangent_norm_sq;
-        side.at(u).abs() <= NEAR_JOINT * tangent && db.norm_squared() > (a - b).dot(&ddb)
+    /// Pieces whose foot is an end of the master: caps of open ends, and wedges of kinks.
+    fn ends(&self, sides: &[Side; 2], out: &mut Vec<Piece>) {
+        let open = [self.open_start, self.open_end];
+        let points = [self.master.b[0], self.master.b[3]];
+        for (k, kind) in [FootKind::Start, FootKind::End].into_iter().enumerate() {
+            let beyond = self.kinks[k].map(|tangent| Side::new(self.slave, &points[k], &tangent, false));
+            if !open[k] && beyond.is_none() {
+                continue;
+            }
+            let (breaks, count) = breaks([0.0, 1.0], [&sides[k], beyond.as_ref().unwrap_or(&sides[k])]);
+            for window in breaks[..count].windows(2) {
+                let (start, end) = (window[0], window[1]);
+                if end - start <= NARROW {
+                    continue;
+                }
+                let middle = 0.5 * (start + end);
+                let own = sides[k].at(middle);
+                let sign = match &beyond {
+                    Some(beyond) => {
+                        let beyond = beyond.at(middle);
+                        let [before, after] = if k == 0 { [beyond, own] } else { [own, beyond] };
+                        f64::from(i8::from(before >= 0.0) - i8::from(after > 0.0))
+                    }
+                    None => f64::from(i8::from(if k == 0 { own <= 0.0 } else { own >= 0.0 })),
+                };
+                if sign != 0.0 {
+                    self.branch(start, end, k as f64, Branch::of(kind, sign), out);
+                }
+            }
+        }
     }
 
     fn sides(&self) -> [Side; 2] {
         let b = &self.master.b;
-        let own = [(b[0], b[1] - b[0]), (b[3], b[3] - b[2])];
+        let own = [(b[0], self.master.start_tangent()), (b[3], self.master.end_tangent())];
         std::array::from_fn(|k| {
             let (foot, tangent) = own[k];
             let joint = self.joints[k];
@@ -284,19 +379,20 @@ impl Pair<'_> {
         })
     }
 
-    /// Pieces of the branch over [start, end] whose foot at the middle is `v_middle`.
-    fn branch(&self, start: f64, end: f64, v_middle: f64, kind: FootKind, out: &mut Vec<Piece>) {
-        let mut samples = [Sample { u: 0.0, v: 0.0, distance: 0.0, slope: 0.0, curvature: 0.0 }; NUM_SAMPLES];
+    /// Pieces of a branch over parameters [start, end], from a guess of the other parameter in the middle.
+    fn branch(&self, start: f64, end: f64, guess: f64, branch: Branch, out: &mut Vec<Piece>) {
+        let none = Sample { u: 0.0, v: 0.0, distance: 0.0, t: 0.0, rate: 0.0, slope: 0.0, curvature: 0.0 };
+        let mut samples = [none; NUM_SAMPLES];
         let half = NUM_SAMPLES / 2;
         let at = |k: usize| {
             if k == NUM_SAMPLES - 1 { end } else { start + (end - start) * k as f64 / (NUM_SAMPLES - 1) as f64 }
         };
-        samples[half] = self.sample(at(half), v_middle, kind);
+        samples[half] = self.sample(at(half), guess, &branch);
         for k in (0..half).rev() {
-            samples[k] = self.sample(at(k), samples[k + 1].v, kind);
+            samples[k] = self.sample(at(k), samples[k + 1].other(&branch), &branch);
         }
         for k in half + 1..NUM_SAMPLES {
-            samples[k] = self.sample(at(k), samples[k - 1].v, kind);
+            samples[k] = self.sample(at(k), samples[k - 1].other(&branch), &branch);
         }
         let mut crossings: [Option<Sample>; 2 * NUM_SAMPLES] = [None; 2 * NUM_SAMPLES];
         let mut count = 0;
@@ -304,15 +400,15 @@ impl Pair<'_> {
             let (s0, s1) = (&samples[k], &samples[k + 1]);
             let (h0, h1) = (self.excess(s0), self.excess(s1));
             if (h0 < 0.0) != (h1 < 0.0) {
-                crossings[count] = Some(self.root(s0, s1, kind, Target::Excess));
+                crossings[count] = Some(self.root(s0, s1, &branch, Target::Excess));
                 count += 1;
             } else {
-                let (d0, d1) = (s0.slope - self.reach_slope(), s1.slope - self.reach_slope());
+                let (d0, d1) = (self.excess_slope(s0), self.excess_slope(s1));
                 if (h0 >= 0.0 && d0 < 0.0 && d1 > 0.0) || (h0 < 0.0 && d0 > 0.0 && d1 < 0.0) {
-                    let extremum = self.root(s0, s1, kind, Target::ExcessSlope);
+                    let extremum = self.root(s0, s1, &branch, Target::ExcessSlope);
                     if (self.excess(&extremum) < 0.0) != (h0 < 0.0) {
-                        crossings[count] = Some(self.root(s0, &extremum, kind, Target::Excess));
-                        crossings[count + 1] = Some(self.root(&extremum, s1, kind, Target::Excess));
+                        crossings[count] = Some(self.root(s0, &extremum, &branch, Target::Excess));
+                        crossings[count + 1] = Some(self.root(&extremum, s1, &branch, Target::Excess));
                         count += 2;
                     }
                 }
@@ -322,15 +418,19 @@ impl Pair<'_> {
         for crossing in crossings.iter().take(count).flatten() {
             open = match open {
                 Some(first) => {
-                    self.finish(&first, crossing, &samples, kind, out);
+                    self.finish(&first, crossing, &samples, branch, out);
                     None
                 }
                 None => Some(*crossing),
             };
         }
         if let Some(first) = open {
-            self.finish(&first, &samples[NUM_SAMPLES - 1], &samples, kind, out);
+            self.finish(&first, &samples[NUM_SAMPLES - 1], &samples, branch, out);
         }
+    }
+
+    fn excess_slope(&self, sample: &Sample) -> f64 {
+        sample.slope - self.reach_slope() * sample.rate
     }
 
     fn excess(&self, sample: &Sample) -> f64 {
@@ -338,10 +438,10 @@ impl Pair<'_> {
     }
 
     /// Root of the target between two samples where it has opposite signs: Newton kept inside a shrinking bracket.
-    fn root(&self, s0: &Sample, s1: &Sample, kind: FootKind, target: Target) -> Sample {
+    fn root(&self, s0: &Sample, s1: &Sample, branch: &Branch, target: Target) -> Sample {
         let value = |s: &Sample| match target {
-            Target::Excess => (self.excess(s), s.slope - self.reach_slope()),
-            Target::ExcessSlope => (s.slope - self.reach_slope(), s.curvature),
+            Target::Excess => (self.excess(s), self.excess_slope(s)),
+            Target::ExcessSlope => (self.excess_slope(s), s.curvature),
             Target::Slope => (s.slope, s.curvature),
         };
         let (mut low, mut high) = (*s0, *s1);
@@ -354,10 +454,10 @@ impl Pair<'_> {
             } else {
                 high = sample;
             }
-            let (left, right) = (low.u.min(high.u), low.u.max(high.u));
-            let mut next = sample.u - f / df;
+            let (left, right) = (low.t.min(high.t), low.t.max(high.t));
+            let mut next = sample.t - f / df;
             if !(next > left && next < right) {
-                if f == 0.0 || (next - sample.u).abs() <= f64::EPSILON {
+                if f == 0.0 || (next - sample.t).abs() <= f64::EPSILON {
                     return sample;
                 }
                 next = 0.5 * (left + right);
@@ -365,8 +465,8 @@ impl Pair<'_> {
                     return sample;
                 }
             }
-            let done = (next - sample.u).abs() <= 2.0 * f64::EPSILON;
-            sample = self.sample(next, sample.v, kind);
+            let done = (next - sample.t).abs() <= 2.0 * f64::EPSILON;
+            sample = self.sample(next, sample.other(branch), branch);
             if done {
                 return sample;
             }
@@ -374,11 +474,11 @@ impl Pair<'_> {
         sample
     }
 
-    fn finish(&self, first: &Sample, last: &Sample, samples: &[Sample], kind: FootKind, out: &mut Vec<Piece>) {
-        if last.u - first.u <= 0.0 {
+    fn finish(&self, first: &Sample, last: &Sample, samples: &[Sample], branch: Branch, out: &mut Vec<Piece>) {
+        if last.t - first.t <= 0.0 {
             return;
         }
-        let inside = samples.iter().filter(|s| s.u > first.u && s.u < last.u);
+        let inside = samples.iter().filter(|s| s.t > first.t && s.t < last.t);
         let mut nearest = if first.distance <= last.distance { *first } else { *last };
         let mut previous = *first;
         for sample in inside.chain(std::iter::once(last)) {
@@ -386,14 +486,85 @@ impl Pair<'_> {
                 nearest = *sample;
             }
             if previous.slope < 0.0 && sample.slope > 0.0 {
-                let minimum = self.root(&previous, sample, kind, Target::Slope);
+                let minimum = self.root(&previous, sample, &branch, Target::Slope);
                 if minimum.distance < nearest.distance {
                     nearest = minimum;
                 }
             }
             previous = *sample;
         }
-        out.push(Piece { u: [first.u, last.u], v: [first.v, last.v], kind, nearest });
+        out.push(Piece { u: [first.u, last.u], v: [first.v, last.v], branch, nearest });
+    }
+}
+
+impl Piece {
+    /// What the branch is followed by, at its ends, and the other parameter there.
+    pub(super) fn along(&self) -> [[f64; 2]; 2] {
+        if self.branch.kind == FootKind::Fold { [self.v, self.u] } else { [self.u, self.v] }
+    }
+
+    /// The same with u ascending.
+    pub(super) fn ascending(&self) -> Self {
+        let turn = |[a, b]: [f64; 2]| if self.u[0] > self.u[1] { [b, a] } else { [a, b] };
+        Self { u: turn(self.u), v: turn(self.v), ..*self }
+    }
+
+    /// The part between two fractions of the way.
+    fn part(&self, from: f64, to: f64) -> Self {
+        let between = |ends: [f64; 2]| [from, to].map(|x| ends[0] + (ends[1] - ends[0]) * x);
+        Self { u: between(self.u), v: between(self.v), ..*self }
+    }
+
+    /// Calls `keep` with the parts on which a condition does not hold; it is asked at samples and where it changes between them.
+    pub(super) fn parts_without(&self, holds: impl Fn(f64) -> bool, mut keep: impl FnMut(Self)) {
+        let at = |k: usize| (k as f64 / NUM_SAMPLES as f64).clamp(1e-6, 1.0 - 1e-6);
+        let mut before = holds(at(0));
+        let mut start = if before { None } else { Some(0.0) };
+        for k in 1..=NUM_SAMPLES {
+            let after = holds(at(k));
+            if after != before {
+                let signed = |x: f64| if holds(x) == before { 1.0 } else { -1.0 };
+                let change = falling_root([at(k - 1), at(k)], signed);
+                if let Some(from) = start.take() {
+                    keep(self.part(from, change));
+                } else {
+                    start = Some(change);
+                }
+            }
+            before = after;
+        }
+        if let Some(from) = start {
+            keep(self.part(from, 1.0));
+        }
+    }
+}
+
+impl Sample {
+    /// The parameter that the branch is not followed by.
+    fn other(&self, branch: &Branch) -> f64 {
+        if branch.kind == FootKind::Fold { self.u } else { self.v }
+    }
+}
+
+/// The root of a function that falls over an interval, by bisection; the nearer end if there is none.
+fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    let start = f(low);
+    if start <= 0.0 || start.is_nan() {
+        return low;
+    }
+    if f(high) >= 0.0 {
+        return high;
+    }
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if f(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
 }
 
@@ -402,19 +573,19 @@ fn unit(v: &Vec3, length: f64) -> Vec3 {
     if length > 0.0 { v / length } else { Vec3::zeros() }
 }
 
-/// 0, 1 and the slave parameters whose foot passes an end of the master, ascending.
-fn breaks(sides: &[Side; 2]) -> ([f64; 8], usize) {
-    let mut breaks = [0.0; 8];
+/// The ends of a range and the slave parameters in it whose foot passes one of two points of the master, ascending.
+fn breaks(range: [f64; 2], sides: [&Side; 2]) -> ([f64; 8], usize) {
+    let mut breaks = [range[0]; 8];
     let mut count = 1;
     for side in sides {
         let mut found = Roots::new();
         roots(&side.coefficients, &mut found);
-        for &u in found.as_slice() {
+        for &u in found.as_slice().iter().filter(|u| (range[0]..=range[1]).contains(*u)) {
             breaks[count] = u;
             count += 1;
         }
     }
-    breaks[count] = 1.0;
+    breaks[count] = range[1];
     count += 1;
     breaks[..count].sort_unstable_by(f64::total_cmp);
     (breaks, count)
@@ -433,6 +604,7 @@ enum Target {
 
 #[cfg(test)]
 mod tests {
+    use super::super::projection::{Feet, local_minima};
     use super::*;
     use crate::math::random::Random;
 
@@ -441,7 +613,15 @@ mod tests {
     }
 
     fn pair<'a>(slave: &'a Cubic, master: &'a Cubic, reach: f64) -> Pair<'a> {
-        Pair { slave, master, open_start: false, open_end: false, reach: [reach; 2], joints: [None; 2] }
+        Pair {
+            slave,
+            master,
+            open_start: false,
+            open_end: false,
+            reach: [reach; 2],
+            joints: [None; 2],
+            kinks: [None; 2],
+        }
     }
 
     /// Perpendicular straight strands at height h: the zone is |x| < √(reach² − h²), exactly.
@@ -467,11 +647,12 @@ mod tests {
         let open = Pair { open_start: true, open_end: true, ..pair(&a, &b, 0.3) };
         pieces.clear();
         open.pieces(&mut pieces);
+        pieces.sort_by(|p, q| p.u[0].total_cmp(&q.u[0]));
         assert_eq!(pieces.len(), 3);
         let cap = (0.09f64 - 0.04).sqrt();
-        assert_eq!(pieces[0].kind, FootKind::Start);
+        assert_eq!(pieces[0].branch.kind, FootKind::Start);
         assert!((pieces[0].u[0] - (1.0 - cap) / 4.0).abs() < 1e-15);
-        assert_eq!(pieces[2].kind, FootKind::End);
+        assert_eq!(pieces[2].branch.kind, FootKind::End);
         assert!((pieces[2].u[1] - (2.0 + cap) / 4.0).abs() < 1e-15);
     }
 
@@ -506,7 +687,7 @@ mod tests {
             let mut pieces = Vec::new();
             Pair { joints: [None, shared], ..pair(&slave, &before, 0.5) }.pieces(&mut pieces);
             Pair { joints: [shared, None], ..pair(&slave, &after, 0.5) }.pieces(&mut pieces);
-            let covered: f64 = pieces.iter().map(|p| 2.0 * (p.u[1] - p.u[0])).sum();
+            let covered: f64 = pieces.iter().map(|p| 2.0 * p.branch.sign * (p.u[1] - p.u[0])).sum();
             assert!((covered - exact).abs() < 0.02, "trial {trial}: {covered} {exact} {pieces:?}");
         }
     }

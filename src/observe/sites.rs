@@ -141,7 +141,7 @@ fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
 fn pieces(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
     let mut pieces: Vec<Zone> = Vec::new();
     for term in terms {
-        for zone in &term.zones {
+        for zone in term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()) {
             let nearest = zone.piece.nearest;
             let (_, tangent_a, _) = set.segments[term.slave].derivatives(nearest.u);
             let (_, tangent_b, _) = set.segments[term.master].derivatives(nearest.v);

@@ -42,17 +42,16 @@ pub(crate) fn surprise_of_gaps(
     let gradient = sum_of_gaps(term, cubics, change, |point, touch| {
         let (along, beside) = (slave.derivatives(point.u).1, master.derivatives(point.v).1);
         let (speed, speed_beside) = (along.norm(), beside.norm());
-        let [shift, shift_beside] = if point.kind == FootKind::Orthogonal {
-            sliding(&(along / speed), &(beside / speed_beside), &touch.approach)
-        } else {
-            [0.0; 2]
-        };
+        let follows = matches!(point.kind, FootKind::Orthogonal | FootKind::Fold);
+        let [shift, shift_beside] =
+            if follows { sliding(&(along / speed), &(beside / speed_beside), &touch.approach) } else { [0.0; 2] };
         let (segment, u) = place(moved, term.slave, point.u + shift / speed);
         (first, last) = (first.or(Some(segment)), segment);
         let there = moved.segments[segment].point(u);
-        let foot = match point.kind {
-            FootKind::Orthogonal => follow_foot(moved, &there, term.master, point.v + shift_beside / speed_beside),
-            FootKind::Start | FootKind::End => moved.segments[term.master].point(point.v),
+        let foot = if follows {
+            follow_foot(moved, &there, term.master, point.v + shift_beside / speed_beside)
+        } else {
+            moved.segments[term.master].point(point.v)
         };
         let slope = touch.normal.dot(&along) / speed;
         (there - foot).norm() - touch.distance - touch.linear - slope * shift

@@ -18,13 +18,21 @@ fn moved(a: &Cubic, b: &Cubic, dof: usize, step: f64) -> (Cubic, Cubic) {
 }
 
 fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
-    let pair = Pair { slave: a, master: b, open_start: false, open_end, reach, joints: [None; 2] };
+    let pair = Pair { slave: a, master: b, open_start: false, open_end, reach, joints: [None; 2], kinks: [None; 2] };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
     assert!(!pieces.is_empty());
     let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_| [0.0; 2], before: None };
-    let local = Local { pressures: &pressures, contact_distance: 0.05, length: 1.3, reach, offset: [0.0; 2] };
-    let touch = |u, guess, kind| pair.touch(u, guess, kind);
+    let local = Local {
+        pressures: &pressures,
+        contact_distance: 0.05,
+        length: 1.3,
+        reach,
+        offset: [0.0; 2],
+        straight: false,
+        span: 1.3,
+    };
+    let touch = |t, guess, branch: &Branch| pair.touch(t, guess, branch);
     Found { slave: 0, master: 1, local: &local, pieces: &pieces, touch: &touch }.pair_term(Want::Hessian)
 }
 
@@ -100,13 +108,13 @@ fn polylines(random: &mut Random, case: usize, away: f64) -> [Vec<Vec3>; 2] {
 #[test]
 fn lines_are_treated_as_the_cubics_that_they_are() {
     let mut random = Random(77);
-    let mut found = [0; 3];
+    let mut found = [0; 6];
     for case in 0..3000 {
         let away = 0.1 + 0.5 * random.unit().abs();
         let [master, slave] = polylines(&mut random, case, away);
         let curves = [Curve::polyline(&master, 0.2), Curve::polyline(&slave, 0.3)];
         let lengths = [1.1, 0.9, 1.0, 1.3];
-        let ground = Ground::new(Strands::view(&curves), &lengths);
+        let ground = Ground::new(Strands::view(&curves), &lengths, None);
         let pressures = penalty(3.0);
         for (own, foreign) in [(3, 0), (3, 1), (3, 2), (1, 3)] {
             let local = ground.local(own, foreign, 0.0, &pressures).unwrap();
@@ -120,11 +128,12 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
                 // pieces narrower than rounding may be found by one only
                 for list in [&mut ours, &mut general] {
                     list.retain(|p| p.u[1] - p.u[0] > 1e-12);
+                    list.sort_by(|p, q| p.u[0].total_cmp(&q.u[0]).then(q.branch.sign.total_cmp(&p.branch.sign)));
                 }
                 assert_eq!(ours.len(), general.len(), "case {case} {own} {foreign}: {ours:?} {general:?}");
                 for (p, q) in ours.iter().zip(&general) {
-                    assert_eq!(p.kind, q.kind, "case {case}");
-                    found[p.kind as usize] += 1;
+                    assert_eq!((p.branch.kind, p.branch.sign), (q.branch.kind, q.branch.sign), "case {case}");
+                    found[p.branch.kind as usize + if p.branch.sign < 0.0 { 3 } else { 0 }] += 1;
                     // a grazing zone's ends are known to the square root of rounding
                     let tol = 1e-13 / (p.u[1] - p.u[0]).min(1.0) + 1e-12;
                     for k in 0..2 {
@@ -133,11 +142,11 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
                     }
                     assert!((p.nearest.distance - q.nearest.distance).abs() < 1e-12, "case {case}: {p:?} {q:?}");
                 }
-                let term = |pieces: &[Piece], touch: &dyn Fn(f64, f64, FootKind) -> Touch| {
+                let term = |pieces: &[Piece], touch: &Follow| {
                     Found { slave: own, master: foreign, local: &local, pieces, touch }.pair_term(Want::Hessian)
                 };
-                let a = term(&ours, &|u, _, kind| lines.touch(u, kind));
-                let b = term(&general, &|u, guess, kind| pair.touch(u, guess, kind));
+                let a = term(&ours, &|u, _, branch| lines.touch(u, branch));
+                let b = term(&general, &|t, guess, branch| pair.touch(t, guess, branch));
                 assert!((a.energy - b.energy).abs() < 1e-12 * (1.0 + b.energy), "case {case}");
                 let (x, y) = (a.hessian.unwrap(), b.hessian.unwrap());
                 for m in 0..8 {
@@ -150,29 +159,23 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
             assert!(seen, "case {case}: {ours:?}");
         }
     }
-    assert!(found.iter().all(|&n| n > 250), "{found:?}");
+    // Counted off are corners, by the segment after them.
+    assert!([0, 1, 2, 4].into_iter().all(|k| found[k] > 250), "{found:?}");
 }
 
-/// The potential of lines by its definition: midpoints of many small parts, feet by hand.
+/// The potential of lines by its definition: midpoints of many small parts. How many strands of the master a slave point has within a distance is
+/// the number of its segments there less that of the joints there.
 fn energy_by_sampling(slave: &[Vec3], master: &[Vec3], length: f64, reach: f64, stiffness: f64) -> f64 {
     const PARTS: usize = 10_000;
-    let count = master.len() - 1;
     let sample = |k: usize| {
         let a = slave[0] + (slave[1] - slave[0]) * ((k as f64 + 0.5) / PARTS as f64);
-        let overlap = |distance: f64| (reach - distance).max(0.0);
-        let mut sum = 0.0;
-        for m in 0..count {
-            let e = master[m + 1] - master[m];
-            let v = (a - master[m]).dot(&e) / e.norm_squared();
-            if (0.0..1.0).contains(&v) {
-                sum += overlap((a - master[m] - e * v).norm()).powi(2);
-            } else if v < 0.0 && m == 0 {
-                sum += overlap((a - master[0]).norm()).powi(2);
-            } else if v >= 1.0 && m + 1 == count {
-                sum += overlap((a - master[count]).norm()).powi(2);
-            }
-        }
-        sum
+        let overlap = |to: Vec3| (reach - (a - to).norm()).max(0.0).powi(2);
+        let segment = |ends: &[Vec3]| {
+            let e = ends[1] - ends[0];
+            overlap(ends[0] + e * ((a - ends[0]).dot(&e) / e.norm_squared()).clamp(0.0, 1.0))
+        };
+        let joints = &master[1..master.len() - 1];
+        master.windows(2).map(segment).sum::<f64>() - joints.iter().map(|p| overlap(*p)).sum::<f64>()
     };
     (0..PARTS).map(sample).sum::<f64>() * 0.25 * stiffness * length / PARTS as f64
 }
@@ -182,7 +185,7 @@ fn with_ground<T>(points: &[Vec<Vec3>; 2], see: impl FnOnce(&Ground) -> T) -> T 
     let curves = [Curve::polyline(&points[0], 0.2), Curve::polyline(&points[1], 0.3)];
     let strands = Strands::view(&curves);
     let lengths = &[1.1, 0.9, 1.0, 1.3][4 - strands.len()..];
-    see(&Ground::new(strands, lengths))
+    see(&Ground::new(strands, lengths, None))
 }
 
 /// Overlaps deeper than this \[L\], a fifth of the contact distance, are beyond the accuracy asked of the quadrature here.
@@ -245,8 +248,8 @@ fn energy_of_lines_is_the_integral_along_them() {
         let [master, slave] = &points;
         let whole = energy_by_sampling(slave, master, 1.3, 0.5, 3.0)
             + (0..3).map(|k| energy_by_sampling(&master[k..k + 2], slave, [1.1, 0.9, 1.0][k], 0.5, 3.0)).sum::<f64>();
-        // the sampling loses half a part where a foot jumps from one segment to another
-        assert!((energy - whole).abs() <= 1e-5 * whole + 1e-6, "case {case}: {energy} {whole}");
+        // the quadrature's share, at overlaps of up to a fifth
+        assert!((energy - whole).abs() <= 1e-4 * whole + 1e-8, "case {case}: {energy} {whole}");
         let (summed, of_terms, _) = tangent(&points);
         assert!((summed - energy).abs() < 1e-13, "case {case}: {summed} {energy}");
         let apart = forces.iter().zip(&of_terms).map(|(f, g)| (f - g).norm()).fold(0.0, f64::max);
@@ -256,32 +259,32 @@ fn energy_of_lines_is_the_integral_along_them() {
     assert!(touching > 50, "{touching}");
 }
 
-/// Forces and Hessian of two segments, caps included, against finite differences.
+/// Forces and Hessian of kinked polylines, caps included, against finite differences.
 #[test]
 fn derivatives_of_lines_match_finite_differences() {
     let mut random = Random(8);
     let mut touching = 0;
     for case in 0..600 {
         let away = 0.3 + 0.15 * random.unit().abs();
-        let [master, slave] = polylines(&mut random, case, away);
-        let points = [master[1..3].to_vec(), slave];
+        let points = polylines(&mut random, case, away);
+        let count = points[0].len();
         let (energy, forces, hessian) = tangent(&points);
         if force(&points).2 < DEEP {
             continue;
         }
         touching += usize::from(energy > 0.0);
         let h = 1e-5;
-        for dof in 0..12 {
+        for dof in 0..3 * (count + 2) {
             let (node, axis) = (dof / 3, dof % 3);
             let moved = |step: f64| {
                 let mut points = points.clone();
-                points[node / 2][node % 2][axis] += step;
+                points[node / count][node % count][axis] += step;
                 force(&points)
             };
             let (plus, minus) = (moved(h), moved(-h));
             let (slope, ours) = ((minus.0 - plus.0) / (2.0 * h), forces[node][axis]);
             assert!((slope - ours).abs() < 1e-4 * (0.01 + ours.abs()), "case {case} dof {dof}: {slope} {ours}");
-            for other in 0..4 {
+            for other in 0..count + 2 {
                 let slope = (minus.1[other] - plus.1[other]) / (2.0 * h);
                 let ours = hessian[other][node].column(axis).into_owned();
                 assert!((slope - ours).norm() < 2e-3 * (0.1 + ours.norm()), "case {case} dof {dof}: {slope} {ours}");
@@ -334,7 +337,8 @@ fn a_slave_over_a_joint_is_covered_once() {
         let law = Law::Linear { stiffness: 1.0 };
         let terms = evaluate(&set, &[[0, 2], [1, 2]], law, &|_| [0.0; 2], Want::Gradient);
         let zones = terms.iter().filter(|term| term.slave == 2).flat_map(|term| &term.zones);
-        let covered: f64 = zones.map(|zone| 2.0 * (zone.piece.u[1] - zone.piece.u[0])).sum();
+        let length = |zone: &ZonePiece| 2.0 * zone.piece.branch.sign * (zone.piece.u[1] - zone.piece.u[0]);
+        let covered: f64 = zones.map(length).sum();
         assert!((covered - exact).abs() < 0.02, "trial {trial}, {far} from the origin: {covered} {exact}");
     }
 }
@@ -348,7 +352,7 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
         let OverJoint { axes: [t, _, _], far, joint, slave } = OverJoint::new(&mut random, trial);
         let master = [joint - t * 1.3, joint, joint + t * 0.7];
         let curves = [Curve::polyline(&master, 0.25), Curve::polyline(&slave, 0.25)];
-        let ground = Ground::new(Strands::view(&curves), &[1.3, 0.7, 2.0]);
+        let ground = Ground::new(Strands::view(&curves), &[1.3, 0.7, 2.0], None);
         let mut covered = 0.0;
         for pair in [[0, 2], [1, 2]] {
             ground.terms(pair, &penalty(1.0), Want::Gradient, &mut Vec::new(), |term| {
@@ -372,7 +376,15 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         let (old_offset, new_offset) = (|_: usize| old, |_: usize| new);
         let pressures = Pressures { law, offset: &new_offset, before: Some((before, &old_offset)) };
         let reach = old.map(|c| contact_distance + c);
-        let local = Local { pressures: &pressures, contact_distance, length: 1.0, reach, offset: new };
+        let local = Local {
+            pressures: &pressures,
+            contact_distance,
+            length: 1.0,
+            reach,
+            offset: new,
+            straight: false,
+            span: 1.0,
+        };
         for (u, distance) in [(0.0, 0.45), (0.3, 0.49), (1.0, 0.505), (0.6, 0.42)] {
             let carried =
                 before.response(contact_distance + old[0] + (old[1] - old[0]) * u - distance, contact_distance);

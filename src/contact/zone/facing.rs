@@ -11,7 +11,7 @@
 //! With φ linear between the feet of the ends, |w|² is of degree six: mostly its coefficients tell that a slave is in reach all along, or nowhere. What
 //! they leave open, folds and open ends is for [`Pair`].
 
-use super::{FootKind, NEAR_JOINT, Pair, Piece, Sample, Side, Touch, unit};
+use super::{Branch, NARROW, Pair, Piece, Sample, Side, Touch, unit};
 use crate::contact::curve::Cubic;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
@@ -25,8 +25,8 @@ const LAST_STEP: f64 = 1e-9;
 const MAX_STEPS: usize = 10;
 /// Roundings of squared distances, relative.
 const ROUNDING: f64 = 1e-13;
-/// Intervals of u narrower than this are rounding.
-const NARROW: f64 = 16.0 * f64::EPSILON;
+/// Feet nearer to an end than this are left to [`Pair`].
+const NEAR_JOINT: f64 = 1e-7;
 
 /// A master seen from a slave along all of which D_vv > 0.
 pub(in crate::contact) struct Facing {
@@ -50,34 +50,8 @@ impl Facing {
     /// `None` if D_vv > 0 is not shown.
     pub(in crate::contact) fn new(slave: &Cubic, master: &Cubic) -> Option<Self> {
         let (b, e) = (&master.b, master.edges());
-        let d = |i: usize, j: usize| b[i].dot(&e[j]);
-        // (b − x)·b′/3 = own − foreign·x, of degree five
-        let own = [
-            d(0, 0),
-            (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
-            (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
-            (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
-            (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
-            d(3, 2),
-        ];
-        let foreign = [
-            e[0],
-            (e[1] * 2.0 + e[0] * 3.0) / 5.0,
-            (e[2] + e[1] * 6.0 + e[0] * 3.0) / 10.0,
-            (e[2] * 3.0 + e[1] * 6.0 + e[0]) / 10.0,
-            (e[2] * 3.0 + e[1] * 2.0) / 5.0,
-            e[2],
-        ];
-        let (mut least, mut largest) = (f64::INFINITY, 0.0f64);
-        for k in 0..5 {
-            let (constant, slope) = (own[k + 1] - own[k], foreign[k + 1] - foreign[k]);
-            for x in &slave.b {
-                let value = constant - slope.dot(x);
-                least = least.min(value);
-                largest = largest.max(value.abs());
-            }
-        }
-        let plain = least > CONVEX * largest && largest.is_finite();
+        let [least, most] = convexity(slave, master);
+        let plain = least > CONVEX * most.max(-least) && most.is_finite();
         plain.then(|| Self {
             power: [b[0], e[0] * 3.0, (e[1] - e[0]) * 3.0, e[2] - e[1] * 2.0 + e[0]],
             convexity: 15.0 * least,
@@ -121,7 +95,7 @@ impl Facing {
     pub(in crate::contact) fn touch(&self, pair: &Pair, u: f64, guess: f64) -> Touch {
         let a = pair.slave.point(u);
         let Some(Foot { v, point, tangent, curvature }) = self.foot(&a, guess) else {
-            return pair.touch(u, guess, FootKind::Orthogonal);
+            return pair.touch(u, guess, &Branch::ONLY).0;
         };
         let chord = a - point;
         let distance = chord.norm();
@@ -151,21 +125,22 @@ impl Facing {
                 Some(true) => {
                     let nearest = if first.distance <= last.distance { first } else { last };
                     let (u, v) = ([start, end], [first.v, last.v]);
-                    out.push(Piece { u, v, kind: FootKind::Orthogonal, nearest });
+                    out.push(Piece { u, v, branch: Branch::ONLY, nearest });
                     return true;
                 }
                 Some(false) => return true,
                 None => {}
             }
         }
-        pair.branch(start, end, foot.v, FootKind::Orthogonal, out);
+        pair.branch(start, end, foot.v, Branch::ONLY, out);
         true
     }
 
     fn sample(&self, pair: &Pair, u: f64, guess: f64) -> Option<Sample> {
         let a = pair.slave.point(u);
         let foot = self.foot(&a, guess)?;
-        Some(Sample { u, v: foot.v, distance: (a - foot.point).norm(), slope: f64::NAN, curvature: f64::NAN })
+        let distance = (a - foot.point).norm();
+        Some(Sample { u, v: foot.v, distance, t: u, rate: 1.0, slope: f64::NAN, curvature: f64::NAN })
     }
 
     /// Whether the slave is in reach all along between two samples (true) or nowhere (false), if the bounds tell.
@@ -208,6 +183,38 @@ impl Facing {
         let harm = products.iter().fold(0.0f64, |most, c| most.max(c.abs()));
         (least * (1.0 - ROUNDING) - harm * harm / self.convexity > longest * longest).then_some(false)
     }
+}
+
+/// Bounds of D_vv/15 \[L²\], by Bernstein coefficients: (b − x)·b′/3 = own − foreign·x of degree five, x at the slave's control points.
+pub(super) fn convexity(slave: &Cubic, master: &Cubic) -> [f64; 2] {
+    let (b, e) = (&master.b, master.edges());
+    let d = |i: usize, j: usize| b[i].dot(&e[j]);
+    let own = [
+        d(0, 0),
+        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
+        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
+        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
+        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
+        d(3, 2),
+    ];
+    let foreign = [
+        e[0],
+        (e[1] * 2.0 + e[0] * 3.0) / 5.0,
+        (e[2] + e[1] * 6.0 + e[0] * 3.0) / 10.0,
+        (e[2] * 3.0 + e[1] * 6.0 + e[0]) / 10.0,
+        (e[2] * 3.0 + e[1] * 2.0) / 5.0,
+        e[2],
+    ];
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for k in 0..5 {
+        let (constant, slope) = (own[k + 1] - own[k], foreign[k + 1] - foreign[k]);
+        for x in &slave.b {
+            let value = constant - slope.dot(x);
+            least = least.min(value);
+            most = most.max(value);
+        }
+    }
+    [least, most]
 }
 
 /// Whether the whole curve lies clearly beyond a point along a direction.

@@ -5,15 +5,15 @@
 //!  master  b(v) = b₀ + v e        r = a₀ − b₀                         x = r − e (e·r)/e²,  y = d − e (e·d)/e²
 //! ```
 //!
+//! At a kink the wedge between the planes orthogonal to both segments belongs to the corner itself: on the outside it is the nearest point, on
+//! the inside a point between two feet that is counted off.
+//!
 //! The foot leaves the master where a linear function of u vanishes, the distance passes the reach at the roots of a quadratic.
 
-use super::{FootKind, Piece, Sample, Touch, unit};
+use super::{Branch, FootKind, NARROW, Piece, Sample, Touch, unit};
 use crate::contact::input::Strands;
 use crate::contact::projection::same_direction;
 use crate::math::Vec3;
-
-/// Intervals of u narrower than this are rounding, as between the breaks of cubics.
-const NARROW: f64 = 16.0 * f64::EPSILON;
 
 /// A straight slave and a straight master, and what the master's curve does at its ends.
 pub(in crate::contact) struct Lines {
@@ -30,12 +30,20 @@ pub(in crate::contact) struct Lines {
     /// The curve goes straight on at this end: a foot that rests there belongs to the later segment.
     joined: [bool; 2],
     open: [bool; 2],
+    /// The same sign functions by the tangent of the curve beyond the end, at the kinks that this pair counts.
+    kinks: [Option<[f64; 2]>; 2],
     reach: f64,
 }
 
 impl Lines {
-    /// Two straight segments and a reach \[L\] that is the same all along.
-    pub(in crate::contact) fn new(strands: &Strands, slave: usize, master: usize, reach: f64) -> Self {
+    /// Two straight segments and a reach \[L\] that is the same all along; `kinks`: at which ends a kink of the master counts here.
+    pub(in crate::contact) fn new(
+        strands: &Strands,
+        slave: usize,
+        master: usize,
+        reach: f64,
+        kinks: [bool; 2],
+    ) -> Self {
         let ((a0, a1), (b0, b1)) = (strands.ends(slave), strands.ends(master));
         let (d, e, from) = (a1 - a0, b1 - b0, [a0 - b0, a0 - b1]);
         let beyond = [strands.prev(master), strands.next(master)];
@@ -50,6 +58,7 @@ impl Lines {
             sides: [[0.0; 2]; 2],
             joined: [false; 2],
             open: beyond.map(|k| k.is_none()),
+            kinks: [None; 2],
             reach,
         };
         for k in 0..2 {
@@ -62,6 +71,9 @@ impl Lines {
             // Both segments that meet at a joint judge by the tangent of the first: the same bits.
             let tangent = if k == 0 && lines.joined[0] { chord.unwrap_or(e) } else { e };
             lines.sides[k] = lines.side(k, &tangent);
+            if kinks[k] && !lines.joined[k] {
+                lines.kinks[k] = chord.map(|chord| lines.side(k, &chord));
+            }
         }
         lines
     }
@@ -69,11 +81,14 @@ impl Lines {
     /// The sign function of one end. Rounding alone counts as resting on a joint.
     fn side(&self, k: usize, tangent: &Vec3) -> [f64; 2] {
         let (start, slope) = (self.from[k].dot(tangent), self.d.dot(tangent));
+        if !self.joined[k] {
+            return [start, slope];
+        }
         let noise = 8.0 * f64::EPSILON * self.from[k].amax().max(self.d.amax()) * tangent.amax();
-        if self.joined[k] && start.abs() <= noise && (start + slope).abs() <= noise { [0.0; 2] } else { [start, slope] }
+        if start.abs() <= noise && (start + slope).abs() <= noise { [0.0; 2] } else { [start, slope] }
     }
 
-    /// All pieces of this pair, ascending in u.
+    /// All pieces of this pair: those of feet ascending in u, then those of kinks.
     pub(in crate::contact) fn pieces(&self, mut push: impl FnMut(Piece)) {
         let [[s0, k0], [s1, k1]] = self.sides;
         let whole = [0.0, 1.0];
@@ -90,14 +105,31 @@ impl Lines {
             ranges.swap(0, 2);
         }
         for (range, kind) in ranges {
-            // Written so that NaN is an empty range.
-            if range[1] - range[0] > NARROW {
-                self.within_reach(range, kind, &mut push);
+            self.within_reach(range, kind, 1.0, &mut push);
+        }
+        for (k, kind) in [FootKind::Start, FootKind::End].into_iter().enumerate() {
+            let Some(beyond) = self.kinks[k] else { continue };
+            let [before, after] = if k == 0 { [beyond, self.sides[0]] } else { [self.sides[1], beyond] };
+            // Past the corner by both tangents at both ends of the slave, or short of it: nearly all.
+            let ends = |[start, slope]: [f64; 2]| [start, start + slope];
+            let ([b0, b1], [a0, a1]) = (ends(before), ends(after));
+            if (b0 >= 0.0 || b1 >= 0.0) && (a0 <= 0.0 || a1 <= 0.0) {
+                let outside = cut(cut(whole, before[0], before[1]), -after[0], -after[1]);
+                self.within_reach(outside, kind, 1.0, &mut push);
+            }
+            if (b0 < 0.0 || b1 < 0.0) && (a0 > 0.0 || a1 > 0.0) {
+                let inside = cut(cut(whole, -before[0], -before[1]), after[0], after[1]);
+                self.within_reach(inside, kind, -1.0, &mut push);
             }
         }
     }
 
-    fn within_reach(&self, range: [f64; 2], kind: FootKind, push: &mut impl FnMut(Piece)) {
+    fn within_reach(&self, range: [f64; 2], kind: FootKind, sign: f64, push: &mut impl FnMut(Piece)) {
+        // Written so that NaN is an empty range.
+        let wide = range[1] - range[0] > NARROW;
+        if !wide {
+            return;
+        }
         let [x, y] = self.connection(kind);
         let Some(inside) = chord(&x, &y, self.reach) else { return };
         let u = [inside[0].max(range[0]), inside[1].min(range[1])];
@@ -105,14 +137,15 @@ impl Lines {
             // Parallel lines are as near everywhere.
             let nearest = if inside[0].is_finite() { 0.5 * (inside[0] + inside[1]) } else { u[0] };
             let nearest = nearest.clamp(u[0], u[1]);
-            push(Piece { u, v: u.map(|u| self.foot(u, kind)), kind, nearest: self.sample(nearest, kind) });
+            let branch = Branch::of(kind, sign);
+            push(Piece { u, v: u.map(|u| self.foot(u, kind)), branch, nearest: self.sample(nearest, kind) });
         }
     }
 
     /// From foot to slave point as x + u y.
     fn connection(&self, kind: FootKind) -> [Vec3; 2] {
         match kind {
-            FootKind::Orthogonal => self.beside,
+            FootKind::Orthogonal | FootKind::Fold | FootKind::Held => self.beside,
             FootKind::Start => [self.from[0], self.d],
             FootKind::End => [self.from[1], self.d],
         }
@@ -120,7 +153,7 @@ impl Lines {
 
     fn foot(&self, u: f64, kind: FootKind) -> f64 {
         match kind {
-            FootKind::Orthogonal => (self.foot[0] + u * self.foot[1]).clamp(0.0, 1.0),
+            FootKind::Orthogonal | FootKind::Fold | FootKind::Held => (self.foot[0] + u * self.foot[1]).clamp(0.0, 1.0),
             FootKind::Start => 0.0,
             FootKind::End => 1.0,
         }
@@ -132,16 +165,17 @@ impl Lines {
         let distance = w.norm();
         let slope = w.dot(&y) / distance;
         let curvature = (y.norm_squared() - slope * slope) / distance;
-        Sample { u, v: self.foot(u, kind), distance, slope, curvature }
+        Sample { u, v: self.foot(u, kind), distance, t: u, rate: 1.0, slope, curvature }
     }
 
-    /// What the potential asks at slave parameter `u`.
-    pub(in crate::contact) fn touch(&self, u: f64, kind: FootKind) -> Touch {
-        let [x, y] = self.connection(kind);
+    /// What the potential asks at slave parameter `u`, and the sign it counts with.
+    pub(in crate::contact) fn touch(&self, u: f64, branch: &Branch) -> (Touch, f64) {
+        let [x, y] = self.connection(branch.kind);
         let w = x + y * u;
         let distance = w.norm();
-        let v = self.foot(u, kind);
-        Touch { u, v, distance, normal: unit(&w, distance), tangent: self.e, curvature: Vec3::zeros() }
+        let v = self.foot(u, branch.kind);
+        let touch = Touch { u, v, distance, normal: unit(&w, distance), tangent: self.e, curvature: Vec3::zeros() };
+        (touch, branch.sign)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The short way against the general one.
 
+use super::super::FootKind;
 use super::*;
 use crate::math::random::Random;
 
@@ -28,8 +29,15 @@ fn what_faces_plainly_is_found_as_in_general() {
         let (slave, master) = strands(&mut random, wild, away);
         let Some(facing) = Facing::new(&slave, &master) else { continue };
         let reach = [0.5, 0.5 + 0.01 * random.unit()];
-        let pair =
-            Pair { slave: &slave, master: &master, open_start: false, open_end: false, reach, joints: [None; 2] };
+        let pair = Pair {
+            slave: &slave,
+            master: &master,
+            open_start: false,
+            open_end: false,
+            reach,
+            joints: [None; 2],
+            kinks: [None; 2],
+        };
         let (mut general, mut ours, mut nearest) = (Vec::new(), Vec::new(), Vec::new());
         pair.pieces(&mut general);
         if facing.misses() != [false; 2] {
@@ -58,11 +66,11 @@ fn what_faces_plainly_is_found_as_in_general() {
                     "case {case}: {n:?} {q:?}"
                 );
             }
-            assert_eq!(p.kind, FootKind::Orthogonal);
+            assert_eq!((p.branch.kind, p.branch.sign), (FootKind::Orthogonal, 1.0));
             assert!((n.nearest.distance - q.nearest.distance).abs() < 1e-14, "case {case}: {n:?} {q:?}");
             for share in [0.1, 0.5, 0.8] {
                 let at = |ends: [f64; 2]| ends[0] + share * (ends[1] - ends[0]);
-                let (a, b) = (facing.touch(&pair, at(q.u), at(q.v)), pair.touch(at(q.u), at(q.v), q.kind));
+                let (a, b) = (facing.touch(&pair, at(q.u), at(q.v)), pair.touch(at(q.u), at(q.v), &q.branch).0);
                 assert!((a.v - b.v).abs() < 1e-14 / CONVEX, "case {case}: {a:?} {b:?}");
                 assert!((a.distance - b.distance).abs() < 1e-14 && (a.normal - b.normal).norm() < 1e-12);
                 assert!((a.tangent - b.tangent).norm() < 1e-12 && (a.curvature - b.curvature).norm() < 1e-12);
@@ -98,6 +106,7 @@ fn a_line_of_contact_is_decided_by_bounds() {
                 open_end: false,
                 reach: [reach; 2],
                 joints: [None; 2],
+                kinks: [None; 2],
             };
             let Some(facing) = Facing::new(&slave, &master) else { continue };
             let Some([start, end]) = between(&pair.sides()) else { panic!("{k}") };
