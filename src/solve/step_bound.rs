@@ -238,7 +238,7 @@ mod tests {
         for with_ring in [false, true] {
             let mut engine = knot(20, with_ring);
             for seed in 1..=3 {
-                for (by, turn) in [(0.02, 0.1), (0.1, 0.5), (0.4, 2.0)] {
+                for (by, turn) in [(0.003, 0.03), (0.03, 0.2), (0.3, 1.5)] {
                     let state = engine.state.clone();
                     engine.update_contact(&state).unwrap();
                     let step = waves(&engine, f64::from(seed), by, turn);

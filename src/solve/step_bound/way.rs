@@ -45,7 +45,7 @@ impl Engine {
         for leg in 1..=legs as usize {
             let to = self.between(start, end, &increment, leg as f64 / legs);
             for step in 0.. {
-                self.update_contact(&state)?;
+                self.look_at(&state)?;
                 let rest = to.increment_since(&state);
                 let fraction = self.fraction_keeping(&state, &rest, STEP)?;
                 state = state.retract(&rest, fraction);
@@ -58,6 +58,17 @@ impl Engine {
             }
         }
         Ok(true)
+    }
+
+    /// Brings to a state what the step bound looks at: curves and their turning, not the candidates.
+    fn look_at(&mut self, state: &State) -> Result<(), SolveError> {
+        let Some(mut side) = self.contact.take() else { return Ok(()) };
+        let turned = self.install(|| {
+            side.place(state);
+            side.exclusion.update(&side.set)
+        });
+        self.contact = Some(side);
+        turned
     }
 
     /// The increment between the states with the rotations that turn tangents only, whole turns added where those of neighbouring nodes would
