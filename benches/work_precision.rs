@@ -403,12 +403,13 @@ fn bend_knobs() -> Vec<Knobs> {
     list
 }
 
-/// Size of residual and increment at which a search stops to gain, over slenderness and elements: half a circle by an end moment.
+/// Smallest residual and increment that a search comes to, and the error of the tip, over slenderness and over elements: half a circle by an end moment.
 fn condition() {
     let mut text = "slenderness,elements,residual,increment,tip\n".to_owned();
-    let (mut by_slenderness, mut by_elements) = (Vec::new(), Vec::new());
-    let cases = (1..=6).map(|d| (10f64.powi(d), 16)).chain([4, 16, 64, 256, 1024, 4096].map(|n| (1e2, n)));
-    for (slenderness, elements) in cases {
+    let mut lines = [(); 2].map(|()| ["residual", "increment", "tip error / L"].map(|name| (name, Vec::new())));
+    let by_slenderness = (2..=14).map(|half_decades| (10f64.powf(0.5 * f64::from(half_decades)), 16));
+    let by_elements = [4, 16, 64, 256, 1024, 4096].map(|elements| (1e2, elements));
+    for (slenderness, elements) in by_slenderness.chain(by_elements) {
         let section = Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0);
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
         let rod = Rod::new("beam", &line, false, section, elements, 3, Natural::Straight).unwrap();
@@ -419,8 +420,10 @@ fn condition() {
         let mut knobs = MIDDLE;
         knobs.tol_increment = 1e-7;
         let mut solver = Solver::new(model, options(&knobs)).unwrap();
-        let _ = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
-        let at = solver.engine().positions(0).last().unwrap() - Vec3::new(0.0, 2.0 / PI, 0.0);
+        for quarter in 1..=4 {
+            let _ = solver.step_to(&[Ramp::Load { to: 0.25 * f64::from(quarter) }]).unwrap();
+        }
+        let tip = (solver.engine().positions(0).last().unwrap() - Vec3::new(0.0, 2.0 / PI, 0.0)).norm();
         // a tolerance that nothing meets: the smallest increment on the way is what rounding leaves
         solver.options_mut().newton.tol_increment = 1e-30;
         solver.options_mut().newton.max_iterations = 12;
@@ -428,24 +431,30 @@ fn condition() {
         let least = |of: fn(&supercoil::solve::newton::Iteration) -> f64| {
             report.history.iter().flatten().map(of).fold(f64::INFINITY, f64::min)
         };
-        let (residual, increment) = (least(|i| i.residual), least(|i| i.increment));
+        let floors = [least(|i| i.residual), least(|i| i.increment), tip];
+        let [residual, increment, tip] = floors;
         println!(
-            "slenderness {slenderness:.0e}, {elements} elements: residual {residual:.1e}, increment {increment:.1e}, tip {:.1e}",
-            at.norm()
+            "slenderness {slenderness:.1e}, {elements} elements: residual {residual:.1e}, increment {increment:.1e}, tip {tip:.1e}"
         );
-        text += &format!("{slenderness:e},{elements},{residual:.3e},{increment:.3e},{:.3e}\n", at.norm());
-        if elements == 16 {
-            by_slenderness.push((slenderness, increment));
-        }
-        if slenderness == 1e2 {
-            by_elements.push((elements as f64, increment));
+        text += &format!("{slenderness:e},{elements},{residual:.3e},{increment:.3e},{tip:.3e}\n");
+        for (plot, wanted, at) in [(0, elements == 16, slenderness), (1, slenderness == 1e2, elements as f64)] {
+            if wanted {
+                lines[plot].iter_mut().zip(floors).for_each(|((_, points), y)| points.push((at, y)));
+            }
         }
     }
     std::fs::write(folder().join("condition.csv"), text).unwrap();
-    let axes = ["slenderness L/ε", "smallest increment"];
-    plot("condition_slenderness", "increments at rounding", axes, by_slenderness, Vec::new(), Vec::new());
-    let axes = ["cubic elements", "smallest increment"];
-    plot("condition_elements", "increments at rounding, L/ε = 100", axes, by_elements, Vec::new(), Vec::new());
+    let named = [
+        ("condition_slenderness", "what rounding leaves, 16 cubic elements", "slenderness L/ε"),
+        ("condition_elements", "what rounding leaves, L/ε = 100", "cubic elements"),
+    ];
+    for ((name, title, x_label), lines) in named.into_iter().zip(lines) {
+        let series = lines.map(|(name, mut points)| {
+            points.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
+            Series { name: name.to_owned(), points, style: SeriesStyle::LinePoints }
+        });
+        plot(name, title, [x_label, "relative size"], Vec::new(), Vec::new(), series.to_vec());
+    }
 }
 
 fn setting(k: &Knobs) -> String {

@@ -94,33 +94,35 @@ fn slender(slenderness: f64) -> Section {
     Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0)
 }
 
-/// *Returns* up to slenderness 1e6 with the error of the mesh, none of it by slenderness. Beyond, rounding of positions makes forces of
-/// ε EA/h, and increments stop falling before the default tolerance of 1e-8 is met, which the search says. With a tolerance of
-/// 1e-16 (L/ε)² it *returns* to 1e-17 (L/ε)² at 3e6; at 1e7 it *returns* to 1e-3 or *refuses* by `MaxIterations`.
+/// *Returns* up to slenderness 1e6 with the error of the mesh, none of it by slenderness. Beyond, rounding of a stiffness of EA/h is no longer small
+/// against EI/L³: each step is right to ε EA L²/EI only, which is a tenth at 3e6, where coarse meshes still *return*, and more than all at 1e7,
+/// which is *refused* by `MaxIterations`.
 #[test]
 fn slenderness_from_3_to_1e7() {
     for half_decades in 1..=14 {
         let slenderness = 10f64.powf(0.5 * f64::from(half_decades));
+        let (elements, tolerance) = if slenderness > 2e6 { (6, 1e-6) } else { (16, 1e-9) };
         let section = slender(slenderness);
         let (x, y) = shot_tip(&section, 4.0);
         for (force, moment, exact) in [
             (Vec3::zeros(), Vec3::z() * PI, Vec3::new(0.0, 2.0 / PI, 0.0)),
             (Vec3::y() * 4.0, Vec3::zeros(), Vec3::new(x, y, 0.0)),
         ] {
-            let mut solver = cantilever(section, 16, 3, force, moment);
+            let mut solver = cantilever(section, elements, 3, force, moment);
             if slenderness > 2e6 {
-                solver.options_mut().newton.tol_increment = 1e-16 * slenderness.powi(2);
+                solver.options_mut().newton.tol_increment = 1e-6;
+                solver.options_mut().newton.max_iterations = 60;
             }
-            let report = load(&mut solver, 1);
+            let report = load(&mut solver, if slenderness > 2e6 { 4 } else { 1 });
             let error = (tip(&solver) - exact).norm();
             let last = report.history.last().and_then(|h| h.last()).map(|i| (i.increment, i.residual));
             println!("{slenderness:.1e}: {} in {}, error {error:.1e}, {last:?}", report.status, report.iterations);
-            if slenderness > 5e6 && report.status == Status::MaxIterations {
+            if slenderness > 5e6 {
+                assert_eq!(report.status, Status::MaxIterations, "{slenderness:e}");
                 continue;
             }
             assert_eq!(report.status, Status::Converged, "{slenderness:e}");
-            let floor = if slenderness > 2e6 { 1e-17 * slenderness.powi(2) } else { 0.0 };
-            assert!(error < 1e-9 + floor, "{slenderness:e}: {error:e}");
+            assert!(error < tolerance, "{slenderness:e}: {error:e}");
         }
     }
 }
@@ -160,15 +162,7 @@ fn ratios_of_stiffnesses() {
     let mut solver = cantilever(Section::isotropic(1.0, 1e-8, 1e4, 1e4, 0.0), 16, 3, Vec3::y() * 4.0, Vec3::zeros());
     solver.options_mut().newton.max_iterations = 60;
     let status = load(&mut solver, 1).status;
-    assert!(matches!(status, Status::Converged | Status::MaxIterations), "{status}");
-    if status == Status::Converged {
-        assert!((tip(&solver) - Vec3::from(tip_of_default())).norm() < 1e-8);
-    }
-}
-
-fn tip_of_default() -> [f64; 3] {
-    let (x, y) = shot_tip(&Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.0), 4.0);
-    [x, y, 0.0]
+    assert_eq!(status, Status::MaxIterations, "C/B = 1e-8");
 }
 
 /// A shaft twisted from end to end between clamps, bending far too stiff to buckle.
@@ -327,9 +321,9 @@ fn a_load_step_ten_times_too_large() {
     assert!((at(1) - at(20)).norm() < 1e-9);
     let mut solver = cantilever(section, 16, 3, Vec3::zeros(), Vec3::z() * (20.0 * PI));
     let report = load(&mut solver, 1);
-    if report.status == Status::Converged {
-        assert!(tip(&solver).norm() < 1e-2, "ten circles: {}", tip(&solver));
-    }
+    // sixteen elements for ten circles: what is left is the mesh's
+    assert_eq!(report.status, Status::Converged);
+    assert!(tip(&solver).norm() < 5e-3, "ten circles: {}", tip(&solver));
 }
 
 /// Mechanisms are *refused* before anything is computed, with the motion in words.

@@ -111,8 +111,8 @@ fn offset_from_the_origin() {
 }
 
 /// Penalties from 1e-2 to 1e12 times the default. A plain penalty *returns* up to 1e4 times the default with a penetration that falls as
-/// κ^(−2/3); the augmented Lagrangian a gap within the tolerance from 1e-2 to 1e6 times. Beyond, both *return* gaps no worse or *refuse* by
-/// `MaxIterations`; none says it converged while strands overlap.
+/// κ^(−2/3); the augmented Lagrangian a gap within the tolerance from 1e-2 to 1e8 times. Beyond, both are *refused* by `MaxIterations`: a millionfold
+/// penalty without a soft start rattles, and 1e12 times the default is beyond what rounding of positions leaves of a gap.
 #[test]
 fn penalties() {
     let mut before = f64::INFINITY;
@@ -131,13 +131,9 @@ fn penalties() {
                 report.status, report.iterations, seen.total_contact_force
             );
             assert_eq!(flat.status, Status::Converged);
-            if decade > if augmented { 6 } else { 4 } {
-                let honest = report.status != Status::Converged || gap > -1e-6 || (!augmented && gap > -before);
-                assert!(
-                    honest && seen.energies.total.is_finite(),
-                    "1e{decade}: {} with a gap of {gap:e}",
-                    report.status
-                );
+            if decade > if augmented { 8 } else { 4 } {
+                assert_eq!(report.status, Status::MaxIterations, "1e{decade}, augmented {augmented}");
+                assert!(seen.energies.total.is_finite(), "1e{decade}: {:?}", seen.energies);
                 continue;
             }
             assert_eq!(report.status, Status::Converged, "1e{decade}, augmented {augmented}");
@@ -269,15 +265,17 @@ fn assert_at_rest(height: f64, (report, seen): (StepReport, Observation)) {
 }
 
 /// Two free rings, one in the other, in contact all along: they *return* apart, flat and without force, from overlaps up to nine tenths of a diameter;
-/// nearly coincident and coincident ones are *refused* by `MaxIterations`.
+/// nearly coincident and coincident ones are *refused* by `MaxIterations`, with the penetration in the report. (Symptom before: infinite energies. Mechanism: the
+/// core law, infinite from two fifths of the contact distance on, was put in force though the search that parts such strands had failed.)
 #[test]
 fn parallel_starts() {
     for height in [0.999, 0.9, 0.75, 0.5, 0.1] {
         assert_at_rest(height, two_rings(height));
     }
     for height in [0.01, 0.0] {
-        let status = two_rings(height).0.status;
-        assert!(matches!(status, Status::MaxIterations | Status::BrokeDown), "{height}: {status}");
+        let (report, seen) = two_rings(height);
+        assert_eq!((report.status, report.error), (Status::MaxIterations, None), "{height}");
+        assert!(report.penetration > 1.9 && seen.energies.total.is_finite(), "{height}: {:?}", seen.energies);
     }
 }
 
@@ -310,25 +308,36 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to 4 % from it; a thicker one has no state without
-/// overlap and is *refused* by a status.
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to 4 % from it. Nearer than 1.5 % its strands'
+/// radius of curvature falls to the contact distance, feet of normals are no longer unique, and it is *refused* by `MaxIterations`, as is a thicker
+/// one, which has no state without overlap. (Symptom before, from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be
+/// factorised" and infinite energy. Mechanism: the law was hardened to a depth of .08 D while pressure still held strands deeper in each other.
+/// Threshold: the energy under the harder law must be finite where it begins.)
 #[test]
 fn a_knot_at_its_limit() {
-    for (ratio, exists) in [(30.0, true), (20.0, true), (17.0, true), (16.0, false), (15.0, false)] {
+    for (ratio, exists) in [
+        (30.0, true),
+        (20.0, true),
+        (17.0, true),
+        (16.6, false),
+        (16.5, false),
+        (16.4, false),
+        (16.0, false),
+        (15.0, false),
+    ] {
         let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.5 / ratio);
-        let knot = TorusKnot::new(1.0, [2, 3]);
-        let rod = Rod::new("knot", &Shape::TorusKnot(knot), true, section, 48, 3, Natural::Straight);
-        let Ok(rod) = rod else {
-            assert!(!exists, "{ratio}");
-            continue;
-        };
+        let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
+        let rod = Rod::new("knot", &knot, true, section, 48, 3, Natural::Straight).unwrap();
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
+        solver.options_mut().newton.max_iterations = if exists { 500 } else { 60 };
         let report = solver.step_to(&[]).unwrap();
         let seen = seen(&solver, &report);
         let gap = seen.min_gap.map_or(f64::INFINITY, |gap| gap.lower * ratio);
         println!("L/D = {ratio}: {} in {}, gap {gap:.1e} D", report.status, report.iterations);
-        assert_eq!(report.status == Status::Converged, exists, "{ratio}");
-        assert!(!exists || gap > -1e-6, "{ratio}: {gap:e}");
+        let expected = if exists { Status::Converged } else { Status::MaxIterations };
+        assert_eq!((report.status, report.error), (expected, None), "{ratio}");
+        assert!(seen.energies.total.is_finite(), "{ratio}: {:?}", seen.energies);
+        assert!(gap > if exists { -1e-6 } else { -0.2 }, "{ratio}: {gap:e}");
     }
 }
 

@@ -179,3 +179,28 @@ fn tiny_and_huge_numbers_are_refused_or_survive() {
     println!("{tally:?}");
     assert!(tally["converged"] > 50 && tally["refused"] > 100, "{tally:?}");
 }
+
+/// Natural curvature that turns by more than .4 turns from node to node is *refused*, below that it *returns*. (Symptom before: 1.8e308 was taken, and a run ended with
+/// numbers that broke down. Mechanism: squares of it overflow, and far below that elements take the other way round.)
+#[test]
+fn natural_curvature_beyond_the_mesh() {
+    let most = 0.4 * std::f64::consts::TAU * 8.0;
+    for (kappa, ok) in [(0.99 * most, true), (1.01 * most, false), (1e30, false), (f64::MAX, false)] {
+        for k in 0..3 {
+            let mut odd = problem();
+            let mut all = [0.0; 3];
+            all[k] = -kappa;
+            odd.model.rods[0].natural = Natural::Uniform { kappa: all };
+            match ends(&odd) {
+                Ok(_) => assert!(ok, "{kappa:e}"),
+                Err(error) => {
+                    let text = error.to_string();
+                    assert!(
+                        !ok && text.contains("rods.beam.natural.kappa") && text.contains("use more elements"),
+                        "{text}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Only what a scene requires: sizes of reduced problems against the full one.
 
-#![allow(clippy::unwrap_used)] // helpers of tests
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
 use supercoil::contact::broad_phase::BroadPhase;
 use supercoil::contact::curve::CurveSet;
@@ -73,4 +73,38 @@ fn strands_apart_keep_their_list() {
             segment.b = segment.b.map(|p| p - Vec3::z());
         }
     }
+}
+
+/// A margin trades candidates for changes of the list (and of the pattern of the matrix with it): two strands wound around each other, one sliding by a fiftieth of a radius a step.
+#[test]
+fn a_margin_saves_changes_and_costs_candidates() {
+    let (radius, count) = (0.5, 1500);
+    let strand = |phase: f64| -> Vec<Vec3> {
+        let at = |k: i32| 0.25 * f64::from(k);
+        (0..count)
+            .map(|k| Vec3::new((at(k) + phase).cos(), (at(k) + phase).sin(), 0.8 * at(k)) * (1.05 * radius))
+            .collect()
+    };
+    let (a, b) = (strand(0.0), strand(std::f64::consts::PI));
+    let mut seen = Vec::new();
+    for margin in [0.0, 0.1, 0.5, 2.0] {
+        let mut set = CurveSet::from_polylines(&[(&a, radius, false), (&b, radius, false)]).unwrap();
+        let (mut exclusion, mut broad) = (Exclusion::new(), BroadPhase::new());
+        let mut candidates = 0;
+        for _ in 0..100 {
+            exclusion.update(&set).unwrap();
+            candidates += broad.candidates(&set, &exclusion, 0.02 * radius, margin * radius).unwrap().len();
+            let first = set.curves[1].first;
+            for segment in &mut set.segments_mut()[first..] {
+                segment.b = segment.b.map(|p| p + Vec3::z() * (0.02 * radius));
+            }
+        }
+        println!(
+            "margin {margin} radii: {} changes of the list in 100 steps, {:.1} candidates a segment",
+            broad.generation(),
+            candidates as f64 / 3e5
+        );
+        seen.push((broad.generation(), candidates));
+    }
+    assert!(seen.windows(2).all(|w| w[0].0 > w[1].0 && w[0].1 < w[1].1), "{seen:?}");
 }

@@ -198,6 +198,16 @@ impl Exclusion {
         self.turning_between(set, i, u, j, v) < FRAC_PI_2 || self.turning_between(set, j, v, i, u) < FRAC_PI_2
     }
 
+    /// Turning accumulated from the start of its curve to the start and to the end of a segment, rad (bounds).
+    pub(crate) fn turning_at(&self, segment: usize) -> [f64; 2] {
+        [self.start[segment], self.end[segment]]
+    }
+
+    /// Turning of a whole curve, of a closed one all the way round, rad (bound).
+    pub(crate) fn turning_of(&self, curve: usize) -> f64 {
+        self.total[curve]
+    }
+
     /// True if whole segments i ≠ j of one curve have at least `limit` of turning (bound) between their facing ends, both ways round.
     pub(crate) fn turns_between_at_least(&self, set: &CurveSet, i: usize, j: usize, limit: f64) -> bool {
         let (i, j) = if i < j { (i, j) } else { (j, i) };

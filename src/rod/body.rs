@@ -151,7 +151,7 @@ impl Rod {
     /// # Errors
     /// An order other than 1, 2, 3; a number of nodes that does not fit order and elements; a closed rod of fewer than 3
     /// nodes; frames not as many as positions; numbers that are not finite; stiffnesses or a length not positive;
-    /// neighbouring nodes that coincide, or whose frames are more than [`MAX_TURN`] apart; a rod thicker than its own curvature
+    /// neighbouring nodes that coincide, or whose frames are more than [`MAX_TURN`] apart; a natural curvature or twist that turns by more than that from node to node; a rod thicker than its own curvature
     /// allows (ε·curvature ≥ 1, curvature = turning of d3 from node to node over the arc length between them).
     pub fn check(&self) -> Result<(), InputError> {
         let path = format!("rods.{}", self.name);
@@ -174,7 +174,22 @@ impl Rod {
             let ok = (norm - 1.0).abs() < 1e-6;
             InputError::check(&format!("{path}.frames[{i}].norm"), norm, ok, "1 (a unit quaternion)")?;
         }
+        self.check_natural(&path)?;
         (0..self.num_segments()).try_for_each(|segment| self.check_segment(&path, segment))
+    }
+
+    /// What a rod would turn by from node to node where nothing holds it must be within what elements can tell.
+    fn check_natural(&self, path: &str) -> Result<(), InputError> {
+        let Natural::Uniform { kappa } = self.natural else { return Ok(()) };
+        let spacing = self.length / self.num_segments() as f64;
+        let turns = Vec3::from(kappa).amax() * spacing / std::f64::consts::TAU;
+        if turns <= MAX_TURN {
+            return Ok(());
+        }
+        let reason = format!(
+            "turns by {turns:.3e} turns from node to node, more than {MAX_TURN}: use more elements, or less natural curvature and twist"
+        );
+        Err(InputError::Inconsistent { field: format!("{path}.natural.kappa"), reason })
     }
 
     fn check_counts(&self, path: &str) -> Result<(), InputError> {

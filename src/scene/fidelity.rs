@@ -17,10 +17,10 @@ use super::{Contact, ContactLaw};
 /// | last Newton increment | 1e-3 | 1e-6 | 1e-8 |
 /// | energy, relative error stated (worst measured) | 1e-2 (5e-3) | 1e-3 (3e-4) | 1e-4 (4e-5) |
 /// | writhe | 1e-2 (6e-3) | 2e-3 (5e-4) | 5e-4 (2e-4) |
-/// | twisting moment | 5e-2 (3e-2) | 5e-3 (8e-4) | 1e-3 (4e-4) |
+/// | twisting moment | 5e-2 (3e-2) | 5e-3 (9e-4) | 1e-3 (4e-4) |
 /// | contact force | 2e-2 (6e-3) | 2e-3 (6e-4) | 5e-4 (3e-4) |
 /// | positions without contact, over the length | 1e-3 (2e-5) | 1e-5 (5e-8) | 1e-7 (8e-10) |
-/// | work (Newton iterations × nodes) and time, relative | 1 | 3 to 4 | 7 to 15 |
+/// | work (Newton iterations × nodes) and time, relative | 1 | 1 to 5 | 5 to 18 |
 ///
 /// A mesh must resolve two lengths. Bending and twist vary over the rod's own turns, so elements are counted per turn it goes through. Strands that
 /// wind around each other or lie along each other do so over lengths of the order of the distance of their centrelines, however long the

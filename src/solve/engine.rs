@@ -37,8 +37,6 @@ pub struct ContactSide {
     pub exclusion: Exclusion,
     /// Candidate pairs.
     pub broad_phase: BroadPhase,
-    /// Separate search for the step bound (ranges differ every time).
-    pub step_search: BroadPhase,
     /// Pressure against overlap.
     pub law: Law,
     /// Offsets c per node \[L\] (all rods; zero for a plain penalty).
@@ -365,7 +363,6 @@ impl Engine {
             rods,
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
-            step_search: BroadPhase::new(),
             law: Law::Linear { stiffness: law_stiffness(dimensionless, &self.scales, min_radius) },
             offsets: vec![0.0; self.num_nodes()],
             before: None,

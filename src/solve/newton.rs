@@ -92,7 +92,7 @@ impl Workspace {
     ///
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in one step,
     /// passing tangents that are indefinite although both ends of the way are stable. If it does not converge, or if strands are
-    /// near, or when leaving an unstable state (`leaving`), the guarded search does the work.
+    /// near or would touch or pass each other, or when leaving an unstable state (`leaving`), the guarded search does the work.
     ///
     /// # Errors
     /// Numbers that break down; not converging is in the report.
@@ -109,7 +109,14 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
         let mut spent = Vec::new();
-        if !options.stable_only || !(near_contact || leaving) {
+        if engine.contact.is_some() && !(near_contact || leaving) {
+            if let Some(report) = self.direct_apart(engine, drive, options, &mut spent)? {
+                return Ok(report);
+            }
+            engine.state = start.clone();
+            self.refresh(engine, &start)?;
+        }
+        if !options.stable_only || !(engine.contact.is_some() || leaving) {
             let direct = NewtonOptions {
                 stable_only: false,
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
@@ -127,6 +134,35 @@ impl Workspace {
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)
+    }
+
+    /// The plain search for rods that are apart, as if there were no contact: none is felt where none comes about. Its result counts if nothing touches
+    /// there and no strand passes another on the way; otherwise its iterations are `spent`.
+    fn direct_apart(
+        &mut self,
+        engine: &mut Engine,
+        drive: &Drive,
+        options: &NewtonOptions,
+        spent: &mut Vec<Iteration>,
+    ) -> Result<Option<NewtonReport>, SolveError> {
+        let start = engine.state.clone();
+        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
+        let side = engine.contact.take();
+        let outcome = self.direct(engine, drive, &direct, true);
+        engine.contact = side;
+        // numbers that broke down on the way are for the other searches to mend
+        let Ok(mut report) = outcome else { return Ok(None) };
+        if report.converged
+            && timed(&mut self.timings.detection, || engine.is_way_free(&start)).unwrap_or(false)
+            && !engine.is_touching()
+        {
+            if engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()) {
+                report.num_unstable = self.count_unstable(engine)?;
+            }
+            return Ok(Some(report));
+        }
+        spent.append(&mut report.iterations);
+        Ok(None)
     }
 
     /// Plain mixed-integration-point Newton: no shift, no descent test.
@@ -199,7 +235,8 @@ impl Workspace {
     /// Brings contact candidates, pattern and symbolic analysis up to date with a state.
     pub(crate) fn refresh(&mut self, engine: &mut Engine, state: &State) -> Result<(), SolveError> {
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
-        let generation = engine.contact.as_ref().map_or(0, |side| side.broad_phase.generation());
+        // without contact, or with contact left out for now, the pattern there is holds
+        let generation = engine.contact.as_ref().map_or(self.generation, |side| side.broad_phase.generation());
         if self.pattern.is_none() || generation != self.generation {
             timed(&mut self.timings.symbolic, || {
                 let pattern = engine.build_pattern()?;

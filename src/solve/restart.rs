@@ -136,7 +136,6 @@ impl Engine {
         if let Some(side) = &mut self.contact {
             side.exclusion = Exclusion::new();
             side.broad_phase = BroadPhase::new();
-            side.step_search = BroadPhase::new();
         }
         let state = self.state.clone();
         self.update_contact(&state).map(|_| ())

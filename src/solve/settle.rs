@@ -18,6 +18,8 @@ use crate::solve::state::{Drive, State};
 const DEPTHS: [f64; 2] = [0.4, 0.02];
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 const AT_REST: f64 = 1e-2;
+/// How often pressures are passed on under one law before a harder one is given up.
+const MAX_CLOSINGS: usize = 6;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
@@ -237,8 +239,13 @@ impl Solver {
             // strands deep inside each other come apart under a law without a core first
             self.start_under(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, &[]);
             self.search_roughly(true, &Drive::default(), report)?;
-            if report.status == Status::Converged && self.contact_errors().penetration >= too_deep {
+            report.penetration = self.contact_errors().penetration;
+            if report.status == Status::Converged && report.penetration >= too_deep {
                 report.status = Status::Penetration;
+            }
+            if report.status != Status::Converged {
+                // the core's energy would be infinite here
+                return Ok(());
             }
         } else if near && overlap < AT_REST {
             let balance = self.balance(core, pressure)?;
@@ -279,8 +286,10 @@ impl Solver {
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let pressure = self.engine.pressure_scale();
         for depth in &DEPTHS[1..] {
-            self.harden_to(Law::Core { pressure, depth: *depth });
-            self.search_roughly(true, &Drive::default(), report)?;
+            self.harden_when_fit(Law::Core { pressure, depth: *depth }, report)?;
+            if report.status == Status::Converged {
+                self.search_roughly(true, &Drive::default(), report)?;
+            }
             if report.status != Status::Converged {
                 return Ok(());
             }
@@ -298,6 +307,32 @@ impl Solver {
             }
             self.restore(before.clone())?;
             (report.status, report.num_unstable) = (Status::Converged, 0);
+        }
+        Ok(())
+    }
+
+    /// Puts a harder law in force, once the pressures have closed the gaps under the present one so far that its energy is finite here: strands held in each
+    /// other by more than its depth, as in a knot pulled too tight, are first pressed apart, and given up if that does not help.
+    fn harden_when_fit(&mut self, law: Law, report: &mut StepReport) -> Result<(), SolveError> {
+        for attempt in 0.. {
+            let before = self.snapshot();
+            self.harden_to(law);
+            if self.engine.residual(&self.engine.state).potential.contact.is_finite() {
+                return Ok(());
+            }
+            self.restore(before)?;
+            report.penetration = self.contact_errors().penetration;
+            if attempt == MAX_CLOSINGS {
+                report.status = Status::Penetration;
+            }
+            let Some(present) = self.engine.contact.as_ref().map(|side| side.law) else { return Ok(()) };
+            if report.status == Status::Converged {
+                self.harden_to(present);
+                self.search_roughly(true, &Drive::default(), report)?;
+            }
+            if report.status != Status::Converged {
+                break;
+            }
         }
         Ok(())
     }

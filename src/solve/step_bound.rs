@@ -2,12 +2,16 @@
 //!
 //! Control points move by at most the chord of their linear motion plus the second-order part of the rotation, and the
 //! relative motion of two cubics is bounded by that of their control points (convex hulls). A step fraction t keeps
-//! every pair of strands apart if t × (bound of the relative motion) is less than their present distance; pairs too far
-//! apart to meet are not looked at.
+//! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are looked for in a `tree`, in which
+//! parts that move together, far from each other or along an arc too straight to close are done with as a whole: where nothing is near, a step of any
+//! length is free. `way` joins such steps to a way from one state to another.
+
+mod tree;
+mod way;
 
 use rayon::prelude::*;
 
-use crate::contact::capsule::{Capsule, distance_lower_bound_within};
+use self::tree::PassageTree;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::engine::{ContactSide, Engine};
@@ -22,17 +26,16 @@ struct Keep {
     deep: f64,
     /// Largest relative rotation of neighbouring nodes, rad: interpolation needs less than π between them.
     rotation: f64,
-    /// Longest motion, in contact radii; steps beyond it are cut before pairs are looked at.
-    longest: f64,
 }
 
 /// For a step before it is corrected for curvature.
-const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, longest: 16.0 };
+const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0 };
 /// For the step as it is taken: corrections may use up half of what the step left.
-const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, longest: 32.0 };
+const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5 };
 /// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod bulges by much
 /// more than the rod's thickness: with that for an error no step near contact would be left.
 const TOL_DISTANCE: f64 = 0.05;
+
 impl Engine {
     /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
     pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
@@ -45,31 +48,33 @@ impl Engine {
         Ok(self.fraction_keeping(state, increment, CORRECTED)? == 1.0)
     }
 
-    fn fraction_keeping(&mut self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
-        let mut t = rotation_fraction(self, increment, keep.rotation);
-        if let Some(mut side) = self.contact.take() {
-            let pool = self.pool.take();
-            let bound =
-                crate::solve::assembly::in_pool(pool.as_ref(), || side.passage_fraction(state, increment, keep));
-            self.pool = pool;
-            self.contact = Some(side);
-            t = t.min(bound?);
+    fn fraction_keeping(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        let t = rotation_fraction(self, increment, keep.rotation);
+        match &self.contact {
+            Some(side) => Ok(t.min(self.install(|| side.passage_fraction(state, increment, keep))?)),
+            None => Ok(t),
         }
-        Ok(t)
     }
 }
 
 fn rotation_fraction(engine: &Engine, increment: &[f64], limit: f64) -> f64 {
-    let rotation = |node: usize| Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5]);
     let mut largest = 0.0f64;
     for element in &engine.elements {
         let order = engine.model.rods[element.rod].order;
         for a in 1..=order {
-            let relative = rotation(element.nodes[a]) - rotation(element.nodes[a - 1]);
+            let relative = rotation(increment, element.nodes[a]) - rotation(increment, element.nodes[a - 1]);
             largest = largest.max(relative.norm());
         }
     }
     if largest > limit { limit / largest } else { 1.0 }
+}
+
+fn displacement(increment: &[f64], node: usize) -> Vec3 {
+    Vec3::new(increment[6 * node], increment[6 * node + 1], increment[6 * node + 2])
+}
+
+fn rotation(increment: &[f64], node: usize) -> Vec3 {
+    Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5])
 }
 
 /// Linear motion of the four control points of a segment and the bound of what is left out.
@@ -79,59 +84,29 @@ pub(super) struct Motion {
 }
 
 impl ContactSide {
-    fn passage_fraction(&mut self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
-        let lengths = &self.set.lengths;
-        let nodes = &self.nodes;
+    fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        let (lengths, nodes) = (&self.set.lengths, &self.nodes);
         let motions: Vec<Motion> = (0..nodes.len())
             .into_par_iter()
             .with_min_len(256)
             .map(|k| motion(state, increment, nodes[k], lengths[k] / 3.0))
             .collect();
-        let mean = motions.iter().fold(Vec3::zeros(), |sum, m| sum + m.linear[0]) / motions.len() as f64;
-        let farthest = motions
-            .iter()
-            .map(|m| m.linear.iter().map(|x| (x - mean).norm()).fold(0.0, f64::max) + m.second_order)
-            .fold(0.0, f64::max);
-        if !farthest.is_finite() {
-            return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index: 0, value: farthest });
+        let not_finite = |m: &Motion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
+        if let Some(index) = motions.iter().position(not_finite) {
+            return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index, value: f64::NAN });
         }
-        // beyond this range pairs cannot meet; very long steps are first cut to a few contact distances
-        let longest = keep.longest * self.min_radius;
-        let cut = if farthest > longest { longest / farthest } else { 1.0 };
-        let range = 2.0 * farthest * cut;
-        let pairs = self.step_search.candidates(&self.set, &self.exclusion, range, 0.0).map_err(|_| {
-            SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value: f64::NAN }
-        })?;
-        let set = &self.set;
-        let capsules: Vec<Capsule> = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
-        let t = pairs
-            .par_iter()
-            .with_min_len(256)
-            .map(|&[i, j]| {
-                let (i, j) = (i as usize, j as usize);
-                if set.next(i) == Some(j) || set.next(j) == Some(i) {
-                    // joined for good; the limit on rotations keeps them from folding
-                    return cut;
-                }
-                let approach = relative_motion(&motions[i], &motions[j]);
-                let contact_distance = set.radius_of(i) + set.radius_of(j);
-                let allowed = |distance: f64| (distance - keep.distance * contact_distance).max(keep.deep * distance);
-                let mut distance = capsules[i].distance_lower_bound(&capsules[j]);
-                let tol = TOL_DISTANCE * contact_distance;
-                if approach * cut > allowed(distance) && capsules[i].bulge + capsules[j].bulge > tol {
-                    distance = distance_lower_bound_within(&set.segments[i], &set.segments[j], tol);
-                }
-                let allowed = allowed(distance);
-                if approach * cut > allowed { allowed / approach } else { cut }
-            })
-            .reduce(|| cut, f64::min);
-        Ok(t)
+        let relative: Vec<f64> =
+            nodes.iter().map(|&[a, b]| (rotation(increment, a) - rotation(increment, b)).norm()).collect();
+        let tree = PassageTree::new(&self.set, &self.exclusion, &motions, &relative, keep);
+        #[cfg(test)]
+        assert_eq!(tree.fraction(), tree.fraction_by_all_pairs(), "the tree against all pairs");
+        Ok(tree.fraction())
     }
 }
 
 pub(super) fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> Motion {
-    let part = |n: usize, k: usize| Vec3::new(increment[6 * n + k], increment[6 * n + k + 1], increment[6 * n + k + 2]);
-    let (da, db, ta, tb) = (part(a, 0), part(b, 0), part(a, 3), part(b, 3));
+    let (da, db) = (displacement(increment, a), displacement(increment, b));
+    let (ta, tb) = (rotation(increment, a), rotation(increment, b));
     let d3 = |n: usize| state.frames[n] * Vec3::z();
     let linear = [da, da + ta.cross(&d3(a)) * lever, db - tb.cross(&d3(b)) * lever, db];
     Motion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
@@ -150,7 +125,9 @@ fn relative_motion(a: &Motion, b: &Motion) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::math::link::{linking_number, writhe};
+    use crate::math::quaternion::{exp, spin};
+    use crate::rod::{Natural, Rod, Section, Shape, TorusKnot};
     use crate::scene::{Model, NodeRef, Support};
 
     /// A rod above another at right angles, `height` radii apart.
@@ -202,6 +179,105 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// A closed trefoil of `elements` cubic elements, and a ring through it if `with_ring`.
+    fn knot(elements: usize, with_ring: bool) -> Engine {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.008);
+        let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
+        let mut rods = vec![Rod::new("knot", &knot, true, section, elements, 3, Natural::Straight).unwrap()];
+        if with_ring {
+            let center = rods[0].positions[0];
+            let ring = Shape::Circle { length: 0.4, center, normal: rods[0].frames[0] * Vec3::x() };
+            rods.push(Rod::new("ring", &ring, true, section, 8, 3, Natural::Straight).unwrap());
+        }
+        let mut engine = Engine::new(Model { rods, ..Model::default() }, None).unwrap();
+        let state = engine.state.clone();
+        engine.update_contact(&state).unwrap();
+        engine
+    }
+
+    /// A step of waves along the rods: displacements up to about `by`, rotations up to about `turn`.
+    fn waves(engine: &Engine, seed: f64, by: f64, turn: f64) -> Vec<f64> {
+        (0..6 * engine.num_nodes())
+            .map(|i| {
+                let (node, k) = ((i / 6) as f64, (i % 6) as f64);
+                let wave = |n: f64| (seed * (n + 1.3) * (k + 0.7) + 0.05 * n * (1.0 + seed.sin().abs()) * node).sin();
+                0.5 * (wave(1.0) + wave(2.0) + wave(3.0)) * if k < 3.0 { by } else { turn }
+            })
+            .collect()
+    }
+
+    /// Writhe and link of the contact curves: each passage changes one of them by 2 or 1 at once.
+    fn topology(engine: &mut Engine, state: &State) -> f64 {
+        let side = engine.contact.as_mut().unwrap();
+        side.place(state);
+        let curve = |info: &crate::contact::curve::CurveInfo| -> Vec<Vec3> {
+            let segments = &side.set.segments[info.first..info.first + info.count];
+            segments.iter().flat_map(|s| [0.0, 0.25, 0.5, 0.75].map(|u| s.point(u))).collect()
+        };
+        let curves: Vec<Vec<Vec3>> = side.set.curves.iter().map(curve).collect();
+        let link = if let [a, b] = &curves[..] { 2.0 * linking_number(a, b) } else { 0.0 };
+        curves.iter().map(|c| writhe(c, true)).sum::<f64>() + link
+    }
+
+    /// Whether writhe or link jump along the fraction t of a step.
+    fn passes(engine: &mut Engine, state: &State, step: &[f64], t: f64) -> bool {
+        let count = 60;
+        let along: Vec<f64> =
+            (0..=count).map(|k| topology(engine, &state.retract(step, t * f64::from(k) / f64::from(count)))).collect();
+        along.windows(2).any(|pair| (pair[1] - pair[0]).abs() > 1.0)
+    }
+
+    /// Curves in no order at all, moved by wild steps: what is allowed of them passes nothing, though the whole steps do. Every fraction is compared with that of
+    /// all pairs on the way (see `passage_fraction`).
+    #[test]
+    fn wild_steps_pass_nothing() {
+        let (mut allowed, mut wild) = (0, 0);
+        for with_ring in [false, true] {
+            let mut engine = knot(20, with_ring);
+            for seed in 1..=3 {
+                for (by, turn) in [(0.003, 0.03), (0.03, 0.2), (0.3, 1.5)] {
+                    let state = engine.state.clone();
+                    engine.update_contact(&state).unwrap();
+                    let step = waves(&engine, f64::from(seed), by, turn);
+                    let t = engine.step_fraction(&state, &step).unwrap();
+                    assert!(t > 0.0);
+                    assert!(!passes(&mut engine, &state, &step, t), "ring {with_ring}, seed {seed}, {by}, {turn}: {t}");
+                    allowed += usize::from(t > 0.2);
+                    wild += usize::from(passes(&mut engine, &state, &step, 1.0));
+                }
+            }
+        }
+        assert!(allowed >= 4 && wild >= 4, "{allowed} {wild}");
+    }
+
+    /// A rod that rolls up through a whole circle is free to do so; one that comes through another is not, however far behind it ends.
+    #[test]
+    fn ways_are_free_or_not() {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1e-3);
+        let line = |name: &str, start: Vec3, direction: Vec3, elements: usize| {
+            let shape = Shape::Line { start, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+        };
+        for (bar, angle, free) in [(false, 6.1, true), (false, -3.0, true), (true, 3.0, false), (true, -3.0, true)] {
+            let mut rods = vec![line("swings", Vec3::zeros(), Vec3::x(), 9)];
+            if bar {
+                rods.push(line("bar", Vec3::new(0.6, 0.3, -0.5), Vec3::z(), 9));
+            }
+            let supports = (0..rods.len()).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
+            let mut engine = Engine::new(Model { rods, supports, ..Model::default() }, None).unwrap();
+            let start = engine.state.clone();
+            for node in 0..28 {
+                let (s, turn) = (node as f64 / 27.0, angle * node as f64 / 27.0);
+                let radius = 1.0 / angle;
+                engine.state.positions[node] = Vec3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * radius;
+                // spun by some turns about its own axis on top
+                let frame = exp(&(Vec3::z() * turn)) * engine.state.frames[node];
+                engine.state.frames[node] = frame * spin(20.0 * s);
+            }
+            assert_eq!(engine.is_way_free(&start).unwrap(), free, "bar {bar}, {angle} rad");
         }
     }
 

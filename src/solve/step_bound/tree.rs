@@ -1,0 +1,276 @@
+//! Which fraction of a step lets no strand pass another: branch and bound over a tree of runs of segments.
+//!
+//! The tree halves each curve into runs. A pair of runs is done with if the most that any two of their points approach each other, times the
+//! best fraction known, is less than what their boxes are apart; or if both belong to one curve and the arc over both cannot close: at a
+//! point where a curve meets itself the arc between is a loop with one corner, and such a loop turns by π at least (Fenchel). The
+//! turning on the way is at most that of the present plus the relative rotations of the step, so straight stretches cost nothing
+//! however far they swing. The result is the minimum over pairs of segments, whatever the order in which they are met.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+
+use super::{Keep, Motion, TOL_DISTANCE, relative_motion};
+use crate::contact::capsule::{Capsule, distance_lower_bound_within};
+use crate::contact::curve::CurveSet;
+use crate::contact::exclusion::Exclusion;
+use crate::math::Vec3;
+
+/// Segments of the smallest runs.
+const RUN: usize = 4;
+/// Turning below which an arc cannot meet itself, rad: π less what the cubics between nodes may turn beyond the frames at nodes.
+const CLOSING: f64 = PI - 0.5;
+/// Pairs of runs to share out among threads.
+const SHARES: usize = 256;
+/// Below this many segments threads cost more than they save.
+const SMALL: usize = 2048;
+
+/// A run of segments, or of whole curves.
+struct Run {
+    first: usize,
+    end: usize,
+    /// The curve, if it is one.
+    curve: Option<usize>,
+    /// The second of both parts; the first is the next run of the list. 0: no parts.
+    second: usize,
+    /// Box of the control points \[L\].
+    bounds: [Vec3; 2],
+    /// Box of their linear motions \[L\].
+    motion: [Vec3; 2],
+    second_order: f64,
+    radius: f64,
+}
+
+/// Everything a step bound looks at.
+pub(super) struct PassageTree<'a> {
+    set: &'a CurveSet,
+    motions: &'a [Motion],
+    capsules: Vec<Capsule>,
+    /// Turning on the way, accumulated along each curve: to the start and to the end of each segment, and per curve in all.
+    turning: Vec<[f64; 2]>,
+    totals: Vec<f64>,
+    runs: Vec<Run>,
+    keep: Keep,
+}
+
+impl<'a> PassageTree<'a> {
+    /// `relative` are the relative rotations of the ends of each segment, rad; `exclusion` is that of the present geometry.
+    pub(super) fn new(
+        set: &'a CurveSet,
+        exclusion: &Exclusion,
+        motions: &'a [Motion],
+        relative: &[f64],
+        keep: Keep,
+    ) -> Self {
+        let capsules = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
+        let mut turning = Vec::with_capacity(set.len());
+        let mut totals = Vec::with_capacity(set.curves.len());
+        for (index, curve) in set.curves.iter().enumerate() {
+            let mut added = 0.0;
+            for k in curve.first..curve.first + curve.count {
+                let [start, end] = exclusion.turning_at(k);
+                turning.push([start + added, end + added + relative[k]]);
+                added += relative[k];
+            }
+            totals.push(exclusion.turning_of(index) + added);
+        }
+        let runs = Vec::with_capacity(2 * set.len().div_ceil(RUN) + 2 * set.curves.len());
+        let mut tree = Self { set, motions, capsules, turning, totals, runs, keep };
+        tree.add_curves(0, set.curves.len());
+        tree
+    }
+
+    /// Appends the runs of the curves from `first` to before `end`, the run of all of them first; its index.
+    fn add_curves(&mut self, first: usize, end: usize) -> usize {
+        if end - first == 1 {
+            let curve = &self.set.curves[first];
+            return self.add_segments(first, curve.first, curve.first + curve.count);
+        }
+        let at = self.reserve(None, self.set.curves[first].first, 0);
+        let middle = first + (end - first) / 2;
+        let a = self.add_curves(first, middle);
+        let b = self.add_curves(middle, end);
+        self.join(at, a, b);
+        at
+    }
+
+    fn add_segments(&mut self, curve: usize, first: usize, end: usize) -> usize {
+        let at = self.reserve(Some(curve), first, end);
+        if end - first > RUN {
+            // all runs but the last are full
+            let middle = first + (end - first).div_ceil(2).next_multiple_of(RUN);
+            let a = self.add_segments(curve, first, middle);
+            let b = self.add_segments(curve, middle, end);
+            self.join(at, a, b);
+            return at;
+        }
+        let run = &mut self.runs[at];
+        for k in first..end {
+            widen(&mut run.bounds, &self.set.segments[k].b);
+            widen(&mut run.motion, &self.motions[k].linear);
+            run.second_order = run.second_order.max(self.motions[k].second_order);
+            run.radius = run.radius.max(self.set.radius_of(k));
+        }
+        at
+    }
+
+    fn reserve(&mut self, curve: Option<usize>, first: usize, end: usize) -> usize {
+        let nothing = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
+        let (second_order, radius) = (0.0, 0.0);
+        let run = Run { first, end, curve, second: 0, bounds: nothing, motion: nothing, second_order, radius };
+        self.runs.push(run);
+        self.runs.len() - 1
+    }
+
+    fn join(&mut self, at: usize, a: usize, b: usize) {
+        for part in [a, b] {
+            let Run { end, bounds, motion, second_order, radius, .. } = self.runs[part];
+            let run = &mut self.runs[at];
+            widen(&mut run.bounds, &bounds);
+            widen(&mut run.motion, &motion);
+            run.second_order = run.second_order.max(second_order);
+            run.radius = run.radius.max(radius);
+            run.end = end;
+        }
+        self.runs[at].second = b;
+    }
+
+    /// Largest t ≤ 1 for which no pair of strands comes nearer than is to be kept.
+    pub(super) fn fraction(&self) -> f64 {
+        if self.set.len() < SMALL {
+            return self.descend(vec![[0, 0]], usize::MAX, 1.0).1;
+        }
+        // shares are the same for any number of threads, and so is the minimum
+        let (shares, t) = self.descend(vec![[0, 0]], SHARES, 1.0);
+        shares.into_par_iter().map(|pair| self.descend(vec![pair], usize::MAX, t).1).reduce(|| t, f64::min)
+    }
+
+    /// Works off pairs of runs, deepest first, until none is left; or, broadest first, until `enough` are open. Those and the fraction so far.
+    fn descend(&self, mut open: Vec<[usize; 2]>, enough: usize, mut t: f64) -> (Vec<[usize; 2]>, f64) {
+        let mut at = 0;
+        while at < open.len() && open.len() - at < enough {
+            let [a, b] = if enough == usize::MAX {
+                match open.pop() {
+                    Some(pair) => pair,
+                    None => break,
+                }
+            } else {
+                at += 1;
+                open[at - 1]
+            };
+            let (p, q) = (&self.runs[a], &self.runs[b]);
+            if self.cannot_close(p, q) || a != b && self.far_apart(p, q, t) {
+                continue;
+            }
+            if a == b {
+                if p.second == 0 {
+                    t = self.within(p, t);
+                } else {
+                    open.extend([[a + 1, a + 1], [p.second, p.second], [a + 1, p.second]]);
+                }
+            } else if p.second == 0 && q.second == 0 {
+                t = self.between(p, q, t);
+            } else if q.second == 0 || p.second != 0 && p.end - p.first >= q.end - q.first {
+                open.extend([[a + 1, b], [p.second, b]]);
+            } else {
+                open.extend([[a, b + 1], [a, q.second]]);
+            }
+        }
+        (open.split_off(at.min(open.len())), t)
+    }
+
+    fn cannot_close(&self, p: &Run, q: &Run) -> bool {
+        let (Some(curve), true) = (p.curve, p.curve == q.curve) else { return false };
+        self.arc_is_open(curve, p.first, q.end - 1)
+            || p.end <= q.first && self.arc_around_is_open(curve, p.end - 1, q.first)
+    }
+
+    /// Whether the arc from the start of segment i to the end of segment j ≥ i turns by less than closes it.
+    fn arc_is_open(&self, curve: usize, i: usize, j: usize) -> bool {
+        self.turning[j][1] - self.turning[i][0] < CLOSING - self.rounding(curve)
+    }
+
+    /// Whether the arc of a closed curve from the start of segment j through the seam to the end of segment i < j does.
+    fn arc_around_is_open(&self, curve: usize, i: usize, j: usize) -> bool {
+        let around = self.turning[i][1] + self.totals[curve] - self.turning[j][0];
+        self.set.curves[curve].closed && around < CLOSING - self.rounding(curve)
+    }
+
+    fn rounding(&self, curve: usize) -> f64 {
+        1e-12 * (1.0 + self.totals[curve])
+    }
+
+    fn far_apart(&self, p: &Run, q: &Run, t: f64) -> bool {
+        let apart = |[lo, hi]: &[Vec3; 2], [other_lo, other_hi]: &[Vec3; 2]| {
+            (lo - other_hi).sup(&(other_lo - hi)).sup(&Vec3::zeros()).norm()
+        };
+        let ([lo, hi], [other_lo, other_hi]) = (&p.motion, &q.motion);
+        let approach = (hi - other_lo).sup(&(other_hi - lo)).norm() + p.second_order + q.second_order;
+        approach * t <= self.allowed(apart(&p.bounds, &q.bounds), p.radius + q.radius)
+    }
+
+    /// What a pair at this distance may lose of it.
+    fn allowed(&self, distance: f64, contact_distance: f64) -> f64 {
+        (distance - self.keep.distance * contact_distance).max(self.keep.deep * distance)
+    }
+
+    fn within(&self, run: &Run, mut t: f64) -> f64 {
+        for i in run.first..run.end {
+            for j in i + 1..run.end {
+                t = self.pair(i, j, t);
+            }
+        }
+        t
+    }
+
+    fn between(&self, p: &Run, q: &Run, mut t: f64) -> f64 {
+        for i in p.first..p.end {
+            for j in q.first..q.end {
+                t = self.pair(i, j, t);
+            }
+        }
+        t
+    }
+
+    /// The fraction t, or less if this pair needs it.
+    fn pair(&self, i: usize, j: usize, t: f64) -> f64 {
+        let set = self.set;
+        if set.next(i) == Some(j) || set.next(j) == Some(i) {
+            // joined for good; the limit on rotations keeps them from folding
+            return t;
+        }
+        let approach = relative_motion(&self.motions[i], &self.motions[j]);
+        let contact_distance = set.radius_of(i) + set.radius_of(j);
+        let (a, b) = (&self.capsules[i], &self.capsules[j]);
+        let mut allowed = self.allowed(a.distance_lower_bound(b), contact_distance);
+        let tol = TOL_DISTANCE * contact_distance;
+        if approach * t <= allowed {
+            return t;
+        }
+        let curve = set.curve_of(i);
+        if curve == set.curve_of(j) && (self.arc_is_open(curve, i, j) || self.arc_around_is_open(curve, i, j)) {
+            return t;
+        }
+        if a.bulge + b.bulge > tol {
+            let distance = distance_lower_bound_within(&set.segments[i], &set.segments[j], tol);
+            allowed = self.allowed(distance, contact_distance);
+        }
+        if approach * t > allowed { allowed / approach } else { t }
+    }
+}
+
+#[cfg(test)]
+impl PassageTree<'_> {
+    /// The same by looking at every pair of segments.
+    pub(super) fn fraction_by_all_pairs(&self) -> f64 {
+        let n = self.set.len();
+        (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).fold(1.0, |t, (i, j)| self.pair(i, j, t))
+    }
+}
+
+fn widen(bounds: &mut [Vec3; 2], points: &[Vec3]) {
+    for point in points {
+        bounds[0] = bounds[0].inf(point);
+        bounds[1] = bounds[1].sup(point);
+    }
+}
