@@ -15,10 +15,14 @@ use super::capsule::Capsule;
 use super::curve::CurveSet;
 use super::input::{Shape, Strands};
 use super::law::{Law, Response};
+use super::zone::facing::Facing;
 use super::zone::straight::Lines;
 use super::zone::{FootKind, Joint, Pair, Piece, Touch};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
+use stiffness::{Blocks, Coordinates, Stiffness};
+
+pub(crate) mod stiffness;
 
 /// Points of the Gauss rule on each piece of a zone.
 const POINTS_PER_PIECE: usize = 5;
@@ -146,17 +150,50 @@ pub(crate) fn evaluate_within(
     pressures: &Pressures,
     want: Want,
 ) -> Vec<PairTerm> {
+    in_chunks(candidates, |pair, pieces, out| ground.terms(pair, pressures, want, pieces, |term| out.push(term)))
+}
+
+/// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six coordinates each (displacement,
+/// rotation vector), slave's start and end, master's start and end.
+pub(crate) struct EndTerm {
+    /// Without Hessian, and with zones only if they are asked for.
+    pub(crate) term: PairTerm,
+    pub(crate) gradient: [f64; 24],
+    /// Second derivative; none unless asked for.
+    pub(crate) tangent: Option<Box<Blocks>>,
+}
+
+/// What is computed besides energy and gradient.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Besides {
+    pub(crate) tangent: bool,
+    pub(crate) zones: bool,
+}
+
+/// The terms of [`evaluate_within`] with respect to the segments' ends.
+pub(crate) fn evaluate_ends(
+    ground: &Ground,
+    candidates: &[[u32; 2]],
+    pressures: &Pressures,
+    besides: Besides,
+) -> Vec<EndTerm> {
+    in_chunks(candidates, |pair, pieces, out| {
+        ground.each(pair, pressures, besides.zones, pieces, |found| out.push(ground.end_term(found, besides)));
+    })
+}
+
+/// Calls `add(pair, scratch, out)` for every pair; `out` in the order of the pairs.
+fn in_chunks<T: Send>(
+    candidates: &[[u32; 2]],
+    add: impl Fn([usize; 2], &mut Vec<Piece>, &mut Vec<T>) + Sync,
+) -> Vec<T> {
     const CHUNK: usize = 64;
-    candidates
-        .par_chunks(CHUNK)
-        .flat_map_iter(|chunk| {
-            let (mut found, mut pieces) = (Vec::new(), Vec::new());
-            for &[i, j] in chunk {
-                ground.terms([i as usize, j as usize], pressures, want, &mut pieces, |term| found.push(term));
-            }
-            found
-        })
-        .collect()
+    let chunk = |chunk: &[[u32; 2]]| {
+        let (mut found, mut pieces) = (Vec::new(), Vec::new());
+        chunk.iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
+        found
+    };
+    candidates.par_chunks(CHUNK).flat_map_iter(chunk).collect()
 }
 
 /// What one candidate pair does to the control points of both segments.
@@ -175,35 +212,70 @@ impl PairForce {
         Self { energy: 0.0, min_gap: f64::INFINITY, force: [[Vec3::new(0.0, 0.0, 0.0); 4]; 2] };
 }
 
+/// Where one ordered pair is in contact.
+struct Found<'a> {
+    slave: usize,
+    master: usize,
+    local: &'a Local<'a>,
+    pieces: &'a [Piece],
+    /// The geometry at a slave parameter from a guess of the foot's.
+    touch: &'a dyn Fn(f64, f64, FootKind) -> Touch,
+}
+
 impl Ground<'_> {
     /// The terms of one candidate pair, either way round. `pieces` is scratch.
     fn terms(
         &self,
-        [i, j]: [usize; 2],
+        pair: [usize; 2],
         pressures: &Pressures,
         want: Want,
         pieces: &mut Vec<Piece>,
         mut found: impl FnMut(PairTerm),
     ) {
-        let nearest = self.nearest(i, j);
+        self.each(pair, pressures, true, pieces, |place| found(place.pair_term(want)));
+    }
+
+    /// The contacts of one candidate pair, either way round. `pieces` is scratch; where they are nearest they tell only if that is asked for.
+    fn each(
+        &self,
+        [i, j]: [usize; 2],
+        pressures: &Pressures,
+        nearest: bool,
+        pieces: &mut Vec<Piece>,
+        mut found: impl FnMut(&Found),
+    ) {
+        let distance = self.nearest(i, j);
         for (slave, master) in [(i, j), (j, i)] {
-            let Some(local) = self.local(slave, master, nearest, pressures) else { continue };
+            let Some(local) = self.local(slave, master, distance, pressures) else { continue };
             pieces.clear();
             let mut collect = |touch: &dyn Fn(f64, f64, FootKind) -> Touch, pieces: &[Piece]| {
                 if !pieces.is_empty() {
-                    found(local.term(slave, master, want, pieces, touch));
+                    found(&Found { slave, master, local: &local, pieces, touch });
                 }
             };
             if let Some(lines) = self.lines(slave, master, &local) {
                 lines.pieces(|piece| pieces.push(piece));
                 collect(&|u, _, kind| lines.touch(u, kind), pieces);
-            } else {
-                self.with_pair(slave, master, local.reach, |pair| {
+                continue;
+            }
+            self.with_pair(slave, master, local.reach, |pair, facing| match facing {
+                Some(facing) if facing.pieces(pair, nearest, pieces) => {
+                    collect(&|u, guess, _| facing.touch(pair, u, guess), pieces);
+                }
+                _ => {
                     pair.pieces(pieces);
                     collect(&|u, guess, kind| pair.touch(u, guess, kind), pieces);
-                });
-            }
+                }
+            });
         }
+    }
+
+    fn end_term(&self, found: &Found, besides: Besides) -> EndTerm {
+        let coordinates = Coordinates::ends(&self.strands.cubic(found.slave), &self.strands.cubic(found.master));
+        let mut stiffness = besides.tangent.then(|| Stiffness::new(coordinates));
+        let term = found.sum(besides.zones, stiffness.as_mut());
+        let gradient = coordinates.pull(&term.gradient);
+        EndTerm { tangent: stiffness.map(|s| s.finish(&term.gradient)), gradient, term }
     }
 
     /// The sum of [`Ground::terms`] without the terms.
@@ -244,21 +316,29 @@ impl Ground<'_> {
         lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0]))
     }
 
-    /// Calls `with` the pair as cubics near the origin: far from it the ends of zones would be lost in rounding, and looked for in vain. The same
-    /// origin for every master, so that two that meet at a joint find the same bits there.
-    fn with_pair(&self, slave: usize, master: usize, reach: [f64; 2], with: impl FnOnce(&Pair)) {
+    /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen to have no foot: far from the origin
+    /// the ends of zones would be lost in rounding, and looked for in vain. The same origin for every master, so that two that meet at a joint find the same
+    /// bits there.
+    fn with_pair(&self, slave: usize, master: usize, reach: [f64; 2], with: impl FnOnce(&Pair, Option<&Facing>)) {
         let origin = self.strands.ends(slave).0;
         let near = |k: usize| self.strands.cubic(k).relative_to(&origin);
         let (own, foreign) = (near(slave), near(master));
-        let (before, after) = (self.strands.prev(master), self.strands.next(master));
-        with(&Pair {
+        let beyond = [self.strands.prev(master), self.strands.next(master)];
+        let goes_on = beyond.map(|k| k.is_some());
+        let facing = Facing::new(&own, &foreign);
+        if facing.as_ref().is_some_and(|facing| (0..2).any(|k| goes_on[k] && facing.misses()[k])) {
+            return;
+        }
+        let [before, after] = beyond.map(|k| k.map(near));
+        let pair = Pair {
             slave: &own,
             master: &foreign,
-            open_start: before.is_none(),
-            open_end: after.is_none(),
+            open_start: !goes_on[0],
+            open_end: !goes_on[1],
             reach,
-            joints: Joint::both(before.map(near), &foreign, after.map(near), &origin),
-        });
+            joints: Joint::both(before, &foreign, after, &origin),
+        };
+        with(&pair, facing.as_ref().filter(|_| goes_on == [true; 2]));
     }
 }
 
@@ -291,6 +371,7 @@ impl PairForce {
             plain += push;
             at_u += push * u;
             at_v += push * touch.v;
+            touch.v
         });
         self.min_gap = self.min_gap.min(piece.nearest.distance - local.contact_distance);
         let [own, other] = if swapped { [1, 0] } else { [0, 1] };
@@ -312,51 +393,65 @@ struct Local<'a> {
     offset: [f64; 2],
 }
 
-impl Local<'_> {
-    /// The integral over the pieces; `touch(u, guess of v, kind)` tells the geometry.
-    fn term(
-        &self,
-        slave: usize,
-        master: usize,
-        want: Want,
-        pieces: &[Piece],
-        touch: &dyn Fn(f64, f64, FootKind) -> Touch,
-    ) -> PairTerm {
-        let mut term = PairTerm {
-            slave,
-            master,
-            energy: 0.0,
-            gradient: [Vec3::zeros(); 8],
-            hessian: (want == Want::Hessian).then(|| Box::new([[Mat3::zeros(); 8]; 8])),
-            zones: Vec::with_capacity(pieces.len()),
-        };
-        for piece in pieces {
-            // ½∫p uᵏ ds
-            let mut moments = [0.0; 3];
-            self.integrate(piece, |u, guess, weight| {
-                let force = weight * add_touch(&mut term, piece.kind, &touch(u, guess, piece.kind), weight, self);
-                moments[0] += force;
-                moments[1] += force * u;
-                moments[2] += force * u * u;
-            });
-            let [half_force, first, second] = moments;
-            let min_gap = piece.nearest.distance - self.contact_distance;
-            term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
-        }
+impl Found<'_> {
+    fn pair_term(&self, want: Want) -> PairTerm {
+        let mut stiffness = (want == Want::Hessian).then(|| Stiffness::new(Coordinates::Points));
+        let mut term = self.sum(true, stiffness.as_mut());
+        term.hessian = stiffness.map(|stiffness| {
+            let sum = stiffness.finish(&term.gradient);
+            let block = |m: usize, n: usize| Mat3::from_fn(|i, j| if m <= n { sum[3 * m + i][3 * n + j] } else { 0.0 });
+            Box::new(std::array::from_fn(|m| std::array::from_fn(|n| block(m, n))))
+        });
         term
     }
 
-    /// Calls `add(u, guess of v, weight)` for the points of the quadrature ½∫ds of a piece; long pieces are divided so that each part is shorter than
-    /// the contact distance.
-    fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64)) {
+    /// The integral over the pieces, its second derivative in `stiffness`.
+    fn sum(&self, zones: bool, mut stiffness: Option<&mut Stiffness>) -> PairTerm {
+        let mut term = PairTerm {
+            slave: self.slave,
+            master: self.master,
+            energy: 0.0,
+            gradient: [Vec3::zeros(); 8],
+            hessian: None,
+            zones: Vec::new(),
+        };
+        for piece in self.pieces {
+            // ½∫p uᵏ ds
+            let mut moments = [0.0; 3];
+            self.local.integrate(piece, |u, guess, weight| {
+                let touch = (self.touch)(u, guess, piece.kind);
+                let force =
+                    weight * add_touch(&mut term, stiffness.as_deref_mut(), piece.kind, &touch, weight, self.local);
+                moments[0] += force;
+                moments[1] += force * u;
+                moments[2] += force * u * u;
+                touch.v
+            });
+            if zones {
+                let [half_force, first, second] = moments;
+                let min_gap = piece.nearest.distance - self.local.contact_distance;
+                term.zones.push(ZonePiece { piece: *piece, min_gap, half_force, half_moments: [first, second] });
+            }
+        }
+        term
+    }
+}
+
+impl Local<'_> {
+    /// Calls `add(u, guess of v, weight)` for the points of the quadrature ½∫ds of a piece, which returns v; long pieces are divided so that each part is
+    /// shorter than the contact distance. Guesses are interpolated between the ends of the piece and what was returned.
+    fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let rule = gauss(POINTS_PER_PIECE);
         let width = piece.u[1] - piece.u[0];
         let parts = (width * self.length / self.contact_distance).ceil().clamp(1.0, 64.0);
+        let mut last = [piece.u[0], piece.v[0]];
         for part in 0..parts as usize {
+            let mut known = Interpolation::between(last, [piece.u[1], piece.v[1]]);
             for (&x, &w) in rule.points.iter().zip(rule.weights) {
-                let fraction = (part as f64 + x) / parts;
-                let guess = piece.v[0] + (piece.v[1] - piece.v[0]) * fraction;
-                add(piece.u[0] + width * fraction, guess, 0.5 * w * width * self.length / parts);
+                let u = piece.u[0] + width * (part as f64 + x) / parts;
+                let v = add(u, known.at(u), 0.5 * w * width * self.length / parts);
+                known.add(u, v);
+                last = [u, v];
             }
         }
     }
@@ -392,8 +487,15 @@ fn bernstein_slopes(u: f64) -> [f64; 4] {
     [-3.0 * t * t, 3.0 * t * (t - 2.0 * u), 3.0 * u * (2.0 * t - u), 3.0 * u * u]
 }
 
-/// Adds weight × the law at one point; returns the pressure.
-fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, local: &Local) -> f64 {
+/// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
+fn add_touch(
+    term: &mut PairTerm,
+    stiffness: Option<&mut Stiffness>,
+    kind: FootKind,
+    touch: &Touch,
+    weight: f64,
+    local: &Local,
+) -> f64 {
     let Touch { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
     let (law, carried) = local.response(u, distance);
     if carried == 0.0 {
@@ -406,34 +508,53 @@ fn add_touch(term: &mut PairTerm, kind: FootKind, touch: &Touch, weight: f64, lo
     }
     let (wa, wb) = (bernstein_weights(u), bernstein_weights(v));
     let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
+    let push = normal * (weight * law.pressure);
     for m in 0..8 {
-        term.gradient[m] -= normal * (weight * law.pressure * w[m]);
+        term.gradient[m] -= push * w[m];
     }
-    let Some(hessian) = term.hessian.as_deref_mut() else { return law.pressure };
-    let nn = normal * normal.transpose();
+    let Some(stiffness) = stiffness else { return law.pressure };
     let over_d = carried / distance;
-    let plain = (nn * (law.stiffness + over_d) - Mat3::identity() * over_d) * weight;
-    let schur = match kind {
-        FootKind::Orthogonal => {
-            let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
-            let slopes = bernstein_slopes(v);
-            let q: [Vec3; 8] = std::array::from_fn(|m| {
-                let along = db * (-w[m] / distance);
-                if m < 4 { along } else { along - normal * slopes[m - 4] }
-            });
-            Some((q, weight * carried / d_vv))
-        }
-        FootKind::Start | FootKind::End => None,
-    };
-    for m in 0..8 {
-        for n in m..8 {
-            hessian[m][n] += plain * (w[m] * w[n]);
-            if let Some((q, factor)) = &schur {
-                hessian[m][n] += (q[m] * *factor) * q[n].transpose();
-            }
-        }
+    stiffness.add_product(&w.map(|w| normal * w), weight * (law.stiffness + over_d));
+    stiffness.subtract_spread(&w, weight * over_d);
+    if kind == FootKind::Orthogonal {
+        let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
+        let slopes = bernstein_slopes(v);
+        let along = db / -distance;
+        let way = |m: usize| if m < 4 { along * w[m] } else { along * w[m] - normal * slopes[m - 4] };
+        stiffness.add_product(&std::array::from_fn(way), weight * carried / d_vv);
     }
     law.pressure
+}
+
+/// A polynomial through known places, up to a few, to guess the next.
+struct Interpolation {
+    u: [f64; POINTS_PER_PIECE + 2],
+    /// Divided differences of the last place and those before.
+    slopes: [f64; POINTS_PER_PIECE + 2],
+    count: usize,
+}
+
+impl Interpolation {
+    /// The line through two places (u, v).
+    fn between(first: [f64; 2], last: [f64; 2]) -> Self {
+        let mut line = Self { u: [0.0; POINTS_PER_PIECE + 2], slopes: [0.0; POINTS_PER_PIECE + 2], count: 0 };
+        line.add(first[0], first[1]);
+        line.add(last[0], last[1]);
+        line
+    }
+
+    fn at(&self, u: f64) -> f64 {
+        (0..self.count).rev().fold(0.0, |sum, k| self.slopes[k] + sum * (u - self.u[k]))
+    }
+
+    fn add(&mut self, u: f64, v: f64) {
+        let mut slope = v;
+        for k in 0..self.count {
+            slope = (slope - self.slopes[k]) / (u - self.u[k]);
+        }
+        (self.u[self.count], self.slopes[self.count]) = (u, slope);
+        self.count += 1;
+    }
 }
 
 #[cfg(test)]

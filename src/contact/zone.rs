@@ -13,6 +13,7 @@
 //! At an open end of the master the end point itself is the foot on the far side (a spherical cap); the distance to a
 //! curve is C¹ across that change.
 
+pub(super) mod facing;
 pub(super) mod straight;
 
 use super::curve::Cubic;

@@ -128,17 +128,17 @@ fn load(coeffs: &[f64]) -> Option<[f64; CAPACITY]> {
     (!coeffs.is_empty()).then_some(b)
 }
 
-/// p and p′ (both wrt t) at once.
-fn eval_with_slope(b: &[f64], t: f64) -> (f64, f64) {
-    let n = b.len() - 1;
-    let mut w = [0.0; CAPACITY];
-    w[..=n].copy_from_slice(b);
-    for level in (1..n).rev() {
+/// p and p′ (both wrt t) at once, of degree `N` − 1 ≥ 1. The degree is known to the compiler: cubics and quintics are what contact asks for by the million.
+#[inline]
+fn eval_with_slope<const N: usize>(b: &[f64; N], t: f64) -> (f64, f64) {
+    let mut w = *b;
+    let s = 1.0 - t;
+    for level in (1..N - 1).rev() {
         for i in 0..=level {
-            w[i] = (1.0 - t) * w[i] + t * w[i + 1];
+            w[i] = s * w[i] + t * w[i + 1];
         }
     }
-    ((1.0 - t) * w[0] + t * w[1], n as f64 * (w[1] - w[0]))
+    (s * w[0] + t * w[1], (N - 1) as f64 * (w[1] - w[0]))
 }
 
 /// Number of sign changes of the coefficients, zeros skipped.
@@ -216,7 +216,11 @@ pub fn roots(coeffs: &[f64], out: &mut Roots) {
     if at_start {
         out.push(0.0, if b[0] > 0.0 { Crossing::Rising } else { Crossing::Falling });
     }
-    isolate(Piece { b, n: m, t0: 0.0, width: 1.0, depth: 0, root_at_start: None }, noise, out);
+    match variations(&b[..=m]) {
+        0 => {}
+        1 => out.push(polish(&b[..=m]), crossing_of(b[0], b[m])),
+        _ => isolate(Piece { b, n: m, t0: 0.0, width: 1.0, depth: 0, root_at_start: None }, noise, out),
+    }
     if at_end {
         out.push(1.0, if b[m] < 0.0 { Crossing::Rising } else { Crossing::Falling });
     }
@@ -312,12 +316,27 @@ fn halve(piece: &Piece) -> (Piece, Piece) {
     (left, right)
 }
 
-/// The root of a piece with b_0 b_n < 0, in (0, 1): Newton kept inside a shrinking bracket.
+/// The root of a piece with b_0 b_n < 0, in (0, 1).
 fn polish(b: &[f64]) -> f64 {
+    match *b {
+        [b0, b1] => polish_of(&[b0, b1]),
+        [b0, b1, b2] => polish_of(&[b0, b1, b2]),
+        [b0, b1, b2, b3] => polish_of(&[b0, b1, b2, b3]),
+        [b0, b1, b2, b3, b4] => polish_of(&[b0, b1, b2, b3, b4]),
+        [b0, b1, b2, b3, b4, b5] => polish_of(&[b0, b1, b2, b3, b4, b5]),
+        [b0, b1, b2, b3, b4, b5, b6] => polish_of(&[b0, b1, b2, b3, b4, b5, b6]),
+        [b0, b1, b2, b3, b4, b5, b6, b7] => polish_of(&[b0, b1, b2, b3, b4, b5, b6, b7]),
+        // a constant has no change of sign
+        _ => 0.0,
+    }
+}
+
+/// [`polish`]: Newton kept inside a shrinking bracket.
+fn polish_of<const N: usize>(b: &[f64; N]) -> f64 {
     let rising = b[0] < 0.0;
     let (mut lo, mut hi) = (0.0_f64, 1.0_f64);
     // Start from the secant of the end values, which is the root for a straight control polygon.
-    let (first, last) = (b[0], b[b.len() - 1]);
+    let (first, last) = (b[0], b[N - 1]);
     let mut t = (first / (first - last)).clamp(0.0, 1.0);
     let mut last_step = 1.0_f64;
     for _ in 0..200 {

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::contact::detect::{self, PairTerm};
+use crate::contact::detect::stiffness::Blocks;
+use crate::contact::detect::{self, Besides, PairTerm};
 use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::shape_functions::lagrange;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementOutput, MAX_DOF, Six, Want, evaluate};
-use crate::solve::coupling::{NodalGradient, NodalTangent, SegmentFrame, nodal_gradient, nodal_tangent};
 use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic, give_to_masters};
 use crate::solve::state::{Drive, State};
 use crate::sparse::Pattern;
@@ -76,8 +76,17 @@ impl Engine {
         result
     }
 
-    /// Gradient (and potential) at `state`; contact must be up to date for it.
+    /// Gradient (and potential) at `state` with the zones of contact; contact must be up to date for it.
     pub(crate) fn residual(&self, state: &State) -> Residual {
+        self.residual_besides(state, Besides { zones: true, tangent: false })
+    }
+
+    /// [`Engine::residual`] for searches, which ask for no zones: its terms tell who is in contact and how much.
+    pub(crate) fn residual_of_trial(&self, state: &State) -> Residual {
+        self.residual_besides(state, Besides::default())
+    }
+
+    fn residual_besides(&self, state: &State, besides: Besides) -> Residual {
         self.install(|| {
             let mut out = self.start_residual();
             for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
@@ -90,14 +99,14 @@ impl Engine {
                     self.scatter_element_gradient(batch_index * BATCH + k, result, state, &mut out);
                 }
             }
-            self.add_contact_gradient(state, detect::Want::Gradient, &mut out, None);
+            self.add_contact_gradient(besides, &mut out, None);
             self.add_loads(state, &mut out, None);
             self.join(&mut out);
             out
         })
     }
 
-    /// Gradient and tangent at `state`; `predicted` are the stresses of mixed-integration-point Newton, three per element.
+    /// Gradient and tangent at `state`, without zones; `predicted` are the stresses of mixed-integration-point Newton, three per element.
     pub(crate) fn linearise(
         &self,
         state: &State,
@@ -132,12 +141,8 @@ impl Engine {
                     self.scatter_element_tangent(e, result, prescribed.as_deref(), pattern, tangent);
                 }
             }
-            self.add_contact_gradient(
-                state,
-                detect::Want::Hessian,
-                &mut out,
-                Some((pattern, prescribed.as_deref(), tangent)),
-            );
+            let besides = Besides { zones: false, tangent: true };
+            self.add_contact_gradient(besides, &mut out, Some((pattern, prescribed.as_deref(), tangent)));
             self.add_loads(state, &mut out, Some((pattern, tangent)));
             self.join(&mut out);
             give_to_masters(&mut tangent.drive, &self.master);
@@ -146,7 +151,7 @@ impl Engine {
     }
 
     /// Sparsity pattern for the present candidates.
-    pub(crate) fn build_pattern(&self) -> Pattern {
+    pub(crate) fn build_pattern(&self) -> Result<Pattern, SolveError> {
         let elements = self.elements.iter().flat_map(|element| {
             let count = self.model.rods[element.rod].order + 1;
             (0..count).flat_map(move |a| (a..count).map(move |c| (element.nodes[a], element.nodes[c])))
@@ -366,8 +371,7 @@ impl Engine {
 
     fn add_contact_gradient(
         &self,
-        state: &State,
-        want: detect::Want,
+        besides: Besides,
         out: &mut Residual,
         mut tangent: Option<(&Pattern, Option<&[f64]>, &mut Tangent)>,
     ) {
@@ -377,7 +381,7 @@ impl Engine {
             return;
         }
         let ground = detect::Ground::of_set(&side.set);
-        // Hessians live for one part of the candidates only: nine kilobytes a term
+        // second derivatives live for one part of the candidates only: five kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |segment| side.offset(segment);
             let earlier = side.before.as_ref().filter(|_| tangent.is_some());
@@ -385,25 +389,21 @@ impl Engine {
                 |segment: usize| side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]));
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
-            let mut terms = detect::evaluate_within(&ground, pairs, &pressures, want);
-            let mapped: Vec<(NodalGradient, Option<Box<NodalTangent>>)> =
-                terms.par_iter().map(|term| side.map_term(term, state)).collect();
-            for (term, (gradient, block)) in terms.iter_mut().zip(mapped) {
-                let nodes = side.term_nodes(term);
-                out.potential.contact += term.energy;
-                for (p, &node) in nodes.iter().enumerate() {
+            for found in detect::evaluate_ends(&ground, pairs, &pressures, besides) {
+                let nodes = side.term_nodes(&found.term);
+                out.potential.contact += found.term.energy;
+                for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
                     for k in 0..6 {
-                        out.gradient[6 * node + k] += gradient[6 * p + k];
-                        out.contact_gradient[6 * node + k] += gradient[6 * p + k];
-                        out.magnitude[6 * node + k] += gradient[6 * p + k].abs();
+                        out.gradient[6 * node + k] += force[k];
+                        out.contact_gradient[6 * node + k] += force[k];
+                        out.magnitude[6 * node + k] += force[k].abs();
                     }
                 }
-                if let (Some((pattern, prescribed, tangent)), Some(block)) = (&mut tangent, block) {
-                    scatter_contact(&nodes, &block, pattern, *prescribed, tangent);
+                if let (Some((pattern, prescribed, tangent)), Some(blocks)) = (&mut tangent, found.tangent) {
+                    scatter_contact(&nodes, &blocks, pattern, *prescribed, tangent);
                 }
-                term.hessian = None;
+                out.terms.push(found.term);
             }
-            out.terms.append(&mut terms);
         }
         if let Some((_, _, tangent)) = tangent {
             for (value, contact) in tangent.values.iter_mut().zip(&tangent.contact) {
@@ -513,24 +513,10 @@ impl ContactSide {
             .for_each(|(k, segment)| *segment = contact_cubic(state, nodes[k], lengths[k]));
     }
 
-    fn frame_of(&self, segment: usize, state: &State) -> SegmentFrame {
-        let [a, b] = self.nodes[segment];
-        SegmentFrame {
-            tangents: [state.frames[a] * Vec3::z(), state.frames[b] * Vec3::z()],
-            lever: self.set.lengths[segment] / 3.0,
-        }
-    }
-
     /// Global nodes of a term: slave a, b, master a, b.
     pub(crate) fn term_nodes(&self, term: &PairTerm) -> [usize; 4] {
         let (s, m) = (self.nodes[term.slave], self.nodes[term.master]);
         [s[0], s[1], m[0], m[1]]
-    }
-
-    fn map_term(&self, term: &PairTerm, state: &State) -> (NodalGradient, Option<Box<NodalTangent>>) {
-        let sides = [self.frame_of(term.slave, state), self.frame_of(term.master, state)];
-        let gradient = nodal_gradient(&term.gradient, &sides);
-        (gradient, term.hessian.as_deref().map(|h| nodal_tangent(&term.gradient, h, &sides)))
     }
 }
 
@@ -561,7 +547,7 @@ pub(super) fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: us
 
 fn scatter_contact(
     nodes: &[usize; 4],
-    block: &NodalTangent,
+    block: &Blocks,
     pattern: &Pattern,
     prescribed: Option<&[f64]>,
     tangent: &mut Tangent,
@@ -647,7 +633,7 @@ mod tests {
         let residual = at(&mut engine, &state);
         assert!(residual.potential.contact > 0.0, "the case must have contact");
         engine.update_contact(&state).unwrap();
-        let pattern = engine.build_pattern();
+        let pattern = engine.build_pattern().unwrap();
         let mut tangent = Tangent::default();
         engine.linearise(&state, None, &Drive::default(), &pattern, &mut tangent);
         let v = direction(engine.num_nodes(), 0.5);
@@ -663,8 +649,12 @@ mod tests {
             / (12.0 * h);
         let ours = dot(&residual.gradient, &v);
         assert!((slope - ours).abs() < 1e-7 * ours.abs(), "{slope} {ours}");
-        // all unknowns are free and numbered in order: the pattern's product needs no mapping
-        let ours = dot(&w, &pattern.multiply(&tangent.values, &v));
+        let placed = |x: &[f64]| {
+            let mut out = vec![0.0; x.len()];
+            x.iter().enumerate().for_each(|(i, x)| out[pattern.equation(i / 6, i % 6).unwrap()] = *x);
+            out
+        };
+        let ours = dot(&placed(&w), &pattern.multiply(&tangent.values, &placed(&v)));
         let h = 1e-5;
         let second = |engine: &mut Engine, h: f64| {
             (potential(engine, h, h) - potential(engine, h, -h) - potential(engine, -h, h) + potential(engine, -h, -h))

@@ -376,7 +376,7 @@ impl Workspace {
             if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
                 break;
             }
-            let there = timed(&mut self.timings.assembly, || engine.residual(&trial.state));
+            let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
             // the potential cannot tell, and corrections would be made of rounding

@@ -6,7 +6,6 @@
 
 pub mod assembly;
 pub mod continuation;
-mod coupling;
 pub mod engine;
 pub mod fields;
 pub mod footprint;

@@ -199,7 +199,7 @@ impl Workspace {
         let generation = engine.contact.as_ref().map_or(0, |side| side.broad_phase.generation());
         if self.pattern.is_none() || generation != self.generation {
             timed(&mut self.timings.symbolic, || {
-                let pattern = engine.build_pattern();
+                let pattern = engine.build_pattern()?;
                 self.factor = Some(Factor::analyse(&pattern)?);
                 self.pattern = Some(pattern);
                 Ok(())
@@ -276,7 +276,7 @@ impl Workspace {
                 }
             }
         }
-        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
+        let inertia = timed(&mut self.timings.factor, || factor.factorise(values));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }

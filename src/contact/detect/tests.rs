@@ -24,7 +24,8 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
     assert!(!pieces.is_empty());
     let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_| [0.0; 2], before: None };
     let local = Local { pressures: &pressures, contact_distance: 0.05, length: 1.3, reach, offset: [0.0; 2] };
-    local.term(0, 1, Want::Hessian, &pieces, &|u, guess, kind| pair.touch(u, guess, kind))
+    let touch = |u, guess, kind| pair.touch(u, guess, kind);
+    Found { slave: 0, master: 1, local: &local, pieces: &pieces, touch: &touch }.pair_term(Want::Hessian)
 }
 
 /// Gradient and Hessian of the integrated potential, moving zone ends included, against finite differences: crossing,
@@ -112,7 +113,9 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
             let (mut ours, mut general) = (Vec::new(), Vec::new());
             let lines = ground.lines(own, foreign, &local).unwrap();
             lines.pieces(|piece| ours.push(piece));
-            ground.with_pair(own, foreign, local.reach, |pair| {
+            let mut seen = ours.is_empty();
+            ground.with_pair(own, foreign, local.reach, |pair, _| {
+                seen = true;
                 pair.pieces(&mut general);
                 // pieces narrower than rounding may be found by one only
                 for list in [&mut ours, &mut general] {
@@ -131,7 +134,7 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
                     assert!((p.nearest.distance - q.nearest.distance).abs() < 1e-12, "case {case}: {p:?} {q:?}");
                 }
                 let term = |pieces: &[Piece], touch: &dyn Fn(f64, f64, FootKind) -> Touch| {
-                    local.term(own, foreign, Want::Hessian, pieces, touch)
+                    Found { slave: own, master: foreign, local: &local, pieces, touch }.pair_term(Want::Hessian)
                 };
                 let a = term(&ours, &|u, _, kind| lines.touch(u, kind));
                 let b = term(&general, &|u, guess, kind| pair.touch(u, guess, kind));
@@ -144,6 +147,7 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
                     }
                 }
             });
+            assert!(seen, "case {case}: {ours:?}");
         }
     }
     assert!(found.iter().all(|&n| n > 250), "{found:?}");
