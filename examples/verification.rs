@@ -75,8 +75,8 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "ropelength",
         ],
     ),
-    ("Contact laws and Newton's method", &["contact_laws", "newton_orders"]),
-    ("Topology", &["topology", "writhe_of_long_curves", "observables"]),
+    ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders"]),
+    ("Topology", &["writhe_of_long_curves"]),
     ("Other", &[]),
 ];
 
