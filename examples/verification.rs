@@ -1,6 +1,6 @@
-//! Runs the tests, slow ones included, and writes their verification rows to VERIFICATION.md: one table per physical case.
+//! Runs the tests, slow ones included, and writes their verification rows to VERIFICATION.md: a summary, then one table per physical case.
 //!
-//! `cargo run --example verification` for all (some ten minutes on two cores), `cargo run --example verification -- lee_frame roll_up` for some tests only
+//! `cargo run --example verification` for all (a quarter of an hour on two quiet cores), `cargo run --example verification -- lee_frame roll_up` for some tests only
 //! (to the terminal, without the slow ones).
 #![allow(clippy::print_stdout)] // an example talks to its reader
 
@@ -8,26 +8,82 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// A row that a test printed: case, quantity, measured, reference, error, tolerance.
-type Row = [String; 6];
+/// A row that a test printed.
+#[derive(Clone)]
+struct Row {
+    case: String,
+    quantity: String,
+    measured: f64,
+    reference: f64,
+    error: f64,
+    tolerance: f64,
+    slow: bool,
+}
+
+/// What one test file has to say.
+struct Section {
+    test: String,
+    /// The first paragraph of the file's header.
+    caption: String,
+    rows: Vec<Row>,
+}
 
 const INTRODUCTION: &str = "# Verification\n\n\
-    Written by `cargo run --example verification` from the rows that the tests print; do not edit. Every row is asserted by the test \
+    Written by `cargo run --example verification` from the rows that the tests print; do not edit. Every row is asserted by the test file \
     that heads its table: |measured − reference| ≤ tolerance. `cargo test --test NAME -- --nocapture` prints them again, with all digits; rows \
-    marked *slow* are of tests that run on demand only, with `--ignored` after the `--`. The header of each test file says how its references \
-    were come by: closed forms, numerical solutions of the continuous equations (shooting or collocation, all printed digits meant), or, for \
-    tight knots, the literature. Tolerances allow for the reference's last digit, for the mesh and for what separates the case from its \
+    marked *slow* are of tests that run on demand only, with `--ignored` after the `--`.\n\n\
+    Where references come from is told in the header of each test file: closed forms, numerical solutions of the continuous equations (shooting or \
+    collocation, all printed digits meant), or, for tight knots, the literature. Where a file computes its reference itself, by a method that \
+    shares nothing with the engine, it says so. Tolerances allow for the reference's last digit, for the mesh and for what separates the case from its \
     limit (finite stiffness against stretch, thickness, penalty), as the header says.\n\n\
-    Errors are rounded up to a power of ten, and numbers cut one digit below their error, so that a rerun gives the same file as long as nothing has \
-    changed but the last bits. `≈ 0` is a number no larger than the error shown beside it. Orders of convergence are fitted slopes.\n";
+    Units: each case's own, named in the quantity or in the header of its file; ratios, angles (rad) and turns (Lk, Tw, Wr) have none. \
+    B, C: bending and twisting stiffness; L length, R radius, D contact diameter, ε contact radius; κ contact stiffness; p order of the elements. \
+    Errors are absolute, rounded up to one digit, and numbers end one digit below their error, so that a rerun gives the same file as long as \
+    nothing has changed but the last bits; `<` marks errors below a hundredth of the tolerance, given to a power of ten. `≈ 0` is a number no larger than \
+    the error shown beside it. Orders of convergence are slopes fitted to errors over mesh sizes (or whatever is named), with the theory's value as reference. \
+    Of rows that differ in the slenderness L/ε only, the one with the largest error over its tolerance is shown.\n";
 
-/// Put before the quantity of rows of slow tests.
-const SLOW: &str = "*slow:* ";
+/// Headings, each with its test files; what is in none of them comes last.
+const GROUPS: [(&str, &[&str]); 6] = [
+    (
+        "One rod",
+        &[
+            "roll_up",
+            "bathe_bolourchi",
+            "ibrahimbegovic_helix",
+            "deep_arch",
+            "lee_frame",
+            "princeton",
+            "intrinsic_curvature",
+            "objectivity",
+            "incremental_interpolation",
+            "convergence_orders",
+        ],
+    ),
+    ("Stability", &["greenhill", "michell_zajac", "lateral_buckling", "elastica_branches", "ring_branches"]),
+    (
+        "Self-contact",
+        &[
+            "planar_touch",
+            "beams",
+            "twisted_ring",
+            "ring_events",
+            "ring_topology",
+            "two_ply",
+            "clamped_pop",
+            "elastic_knots",
+            "ropelength",
+        ],
+    ),
+    ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders"]),
+    ("Topology", &["writhe_of_long_curves"]),
+    ("Other", &[]),
+];
 
 fn main() -> ExitCode {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut text = INTRODUCTION.to_owned();
+    let mut sections = Vec::new();
     let mut failed = Vec::new();
     for test in tests(&root.join("tests")) {
         if !wanted.is_empty() && !wanted.contains(&test) {
@@ -37,16 +93,13 @@ fn main() -> ExitCode {
         if !source.contains("verify") {
             continue;
         }
-        let Some((mut rows, mut passed)) = rows_of(root, &test, &[]) else {
+        let Some((mut rows, mut passed)) = rows_of(root, &test, false) else {
             println!("cargo could not be run");
             return ExitCode::FAILURE;
         };
         if wanted.is_empty() && source.contains("#[ignore") {
-            let Some((slow, all_passed)) = rows_of(root, &test, &["--ignored"]) else { return ExitCode::FAILURE };
-            rows.extend(slow.into_iter().map(|mut row| {
-                row[1].insert_str(0, SLOW);
-                row
-            }));
+            let Some((slow, all_passed)) = rows_of(root, &test, true) else { return ExitCode::FAILURE };
+            rows.extend(slow);
             passed &= all_passed;
         }
         if !passed {
@@ -54,13 +107,14 @@ fn main() -> ExitCode {
         }
         println!("{test}: {} rows{}", rows.len(), if passed { "" } else { ", FAILED" });
         if !rows.is_empty() {
-            section(&mut text, &test, &source, rows);
+            sections.push(Section { caption: caption(&source), rows: condensed(rows), test });
         }
     }
     if !failed.is_empty() {
         println!("VERIFICATION.md is left as it is, failed: {}", failed.join(", "));
         return ExitCode::FAILURE;
     }
+    let text = document(&sections);
     if !wanted.is_empty() {
         println!("\n{text}");
         return ExitCode::SUCCESS;
@@ -74,12 +128,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// The rows that a test file prints, run with some more arguments, and whether all passed; `None` if cargo could not be run.
-fn rows_of(root: &Path, test: &str, arguments: &[&str]) -> Option<(Vec<Row>, bool)> {
+/// The rows that a test file prints, its ordinary or its slow tests, and whether all passed; `None` if cargo could not be run.
+fn rows_of(root: &Path, test: &str, slow: bool) -> Option<(Vec<Row>, bool)> {
     let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
-    cargo.args(["test", "--quiet", "--test", test, "--", "--nocapture", "--test-threads=1"]).args(arguments);
+    cargo.args(["test", "--quiet", "--test", test, "--", "--nocapture", "--test-threads=1"]);
+    cargo.args(slow.then_some("--ignored"));
     let output = cargo.current_dir(root).output().ok()?;
-    let rows = String::from_utf8_lossy(&output.stdout).lines().filter_map(row).collect();
+    let rows = String::from_utf8_lossy(&output.stdout).lines().filter_map(|line| row(line, slow)).collect();
     Some((rows, output.status.success()))
 }
 
@@ -93,26 +148,86 @@ fn tests(folder: &Path) -> Vec<String> {
 }
 
 /// The row in a line of output, whatever the test runner has put before it.
-fn row(line: &str) -> Option<Row> {
+fn row(line: &str, slow: bool) -> Option<Row> {
     let cells: Vec<&str> =
         line[line.find("| ")?..].trim_matches('|').split(" | ").map(|c| c.trim_matches([' ', '|'])).collect();
-    let row: Row = cells.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>().try_into().ok()?;
-    row[2..].iter().all(|number| number.parse::<f64>().is_ok()).then_some(row)
+    let [case, quantity, numbers @ ..] = &cells[..] else { return None };
+    let numbers: Vec<f64> = numbers.iter().map(|n| n.parse().ok()).collect::<Option<_>>()?;
+    let [measured, reference, error, tolerance] = numbers[..] else { return None };
+    let [case, quantity] = [case, quantity].map(|c| (*c).to_owned());
+    Some(Row { case, quantity, measured, reference, error, tolerance, slow })
 }
 
-/// One table: the header's first paragraph, then the rows as they came.
-fn section(text: &mut String, test: &str, source: &str, mut rows: Vec<Row>) {
+/// The first paragraph of a test file's header.
+fn caption(source: &str) -> String {
     let header = source.lines().take_while(|l| l.starts_with("//!")).map(|l| l.trim_start_matches("//!").trim());
-    let caption: Vec<&str> = header.take_while(|l| !l.is_empty()).collect();
-    let _ = write!(text, "\n## {test}\n\n{}\n\n", caption.join(" "));
+    header.take_while(|l| !l.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// Without repetitions (several tests of a file may pass through the same check); of rows that differ in their slenderness only the worst, which keeps its
+/// slenderness.
+fn condensed(rows: Vec<Row>) -> Vec<Row> {
+    const SLENDERNESS: &str = ", L/ε = ";
+    let key = |row: &Row| {
+        let rest = |text: &str| text.split(SLENDERNESS).next().unwrap_or_default().to_owned();
+        let slender = [&row.case, &row.quantity].iter().any(|text| text.contains(SLENDERNESS));
+        slender.then(|| (rest(&row.case), rest(&row.quantity)))
+    };
+    let share = |row: &Row| row.error / row.tolerance;
+    let mut kept: Vec<Row> = Vec::new();
+    for row in rows {
+        let same = |other: &Row| (&other.case, &other.quantity) == (&row.case, &row.quantity);
+        let repeated = |other: &Row| same(other) && other.measured.to_bits() == row.measured.to_bits();
+        if kept.iter().any(repeated) {
+            continue;
+        }
+        let slender = key(&row).and_then(|k| kept.iter_mut().find(|other| key(other).as_ref() == Some(&k)));
+        match slender {
+            Some(other) if share(other) < share(&row) => *other = row,
+            Some(_) => {}
+            None => kept.push(row),
+        }
+    }
+    kept
+}
+
+fn document(sections: &[Section]) -> String {
+    let listed = |test: &str| GROUPS.iter().any(|(_, tests)| tests.contains(&test));
+    let of_group = |tests: &'static [&'static str]| -> Vec<&Section> {
+        if tests.is_empty() {
+            return sections.iter().filter(|s| !listed(&s.test)).collect();
+        }
+        tests.iter().filter_map(|test| sections.iter().find(|s| s.test == *test)).collect()
+    };
+    let groups = GROUPS.map(|(name, tests)| (name, of_group(tests)));
+    let mut text = INTRODUCTION.to_owned();
+    text.push_str("\n| | test file | rows | largest error over its tolerance |\n|---|---|---|---|\n");
+    for (name, sections) in &groups {
+        for (k, section) in sections.iter().enumerate() {
+            let test = &section.test;
+            let worst = section.rows.iter().map(|row| row.error / row.tolerance).fold(0.0, f64::max);
+            let heading = if k == 0 { name } else { "" };
+            let _ = writeln!(text, "| {heading} | [{test}](#{test}) | {} | {worst:.1} |", section.rows.len());
+        }
+    }
+    for (name, sections) in groups.iter().filter(|(_, sections)| !sections.is_empty()) {
+        let _ = write!(text, "\n## {name}\n");
+        sections.iter().for_each(|section| write_section(&mut text, section));
+    }
+    text
+}
+
+fn write_section(text: &mut String, section: &Section) {
+    let test = &section.test;
+    let _ = write!(text, "\n### {test}\n\n{} ([tests/{test}.rs](tests/{test}.rs))\n\n", section.caption);
     text.push_str("| case | quantity | measured | reference | error | tolerance |\n|---|---|---|---|---|---|\n");
-    // several tests of a file may pass through the same check
-    rows.dedup();
-    for [case, quantity, measured, reference, error, tolerance] in &rows {
-        let [m, r, e, t] = [measured, reference, error, tolerance].map(|x| x.parse::<f64>().unwrap_or(f64::NAN));
-        let known = e.clamp(1e-2 * t, t);
-        let (m, r) = (number(m, known), number(r, known));
-        let _ = writeln!(text, "| {case} | {quantity} | {m} | {r} | {} | {} |", rounded_up(e, t), plain(t));
+    for row in &section.rows {
+        let known = row.error.clamp(1e-2 * row.tolerance, row.tolerance);
+        let (measured, reference) = (number(row.measured, known), number(row.reference, known));
+        let (error, tolerance) = (shown_error(row.error, row.tolerance), short(row.tolerance));
+        let slow = if row.slow { "*slow:* " } else { "" };
+        let (case, quantity) = (&row.case, &row.quantity);
+        let _ = writeln!(text, "| {case} | {slow}{quantity} | {measured} | {reference} | {error} | {tolerance} |");
     }
 }
 
@@ -130,12 +245,20 @@ fn number(x: f64, known: f64) -> String {
     }
 }
 
-/// The error to the next power of ten above it, never less than a thousandth of the tolerance: below that it is rounding.
-fn rounded_up(error: f64, tolerance: f64) -> String {
-    let shown = error.max(1e-3 * tolerance);
-    if shown == 0.0 { "0".to_owned() } else { format!("< 1e{}", shown.log10().floor() as i32 + 1) }
+/// One digit, rounded up; below a hundredth of the tolerance, where it may be rounding, only the power of ten above it, never less than a thousandth
+/// of the tolerance.
+fn shown_error(error: f64, tolerance: f64) -> String {
+    if error >= 1e-2 * tolerance {
+        let unit = 10f64.powi(error.log10().floor() as i32);
+        return format!("{:.0e}", (error / unit).ceil() * unit);
+    }
+    let bound = error.max(1e-3 * tolerance);
+    if bound == 0.0 { "0".to_owned() } else { format!("< 1e{}", bound.log10().floor() as i32 + 1) }
 }
 
-fn plain(x: f64) -> String {
-    format!("{x:.0e}")
+/// As many digits as it takes, at most three.
+fn short(x: f64) -> String {
+    let shorter = (0..2).map(|digits| format!("{x:.digits$e}"));
+    let exact = |text: &String| text.parse::<f64>().is_ok_and(|y| (y / x - 1.0).abs() < 1e-3);
+    shorter.into_iter().find(exact).unwrap_or_else(|| format!("{x:.2e}"))
 }

@@ -8,8 +8,8 @@
 //! root: −3/8 for C/B = 1, 1/12 for 1.5. For C/B = 1.5 the branch folds at ΔLk = 1.16279433, Wr = 0.18733722 (Kirchhoff rod, all digits).
 //!
 //! With contact the unstable branch beyond the fold ends where the ring first touches itself, and with it turns the path: ΔLk rises again, the ring is
-//! stable. Writhe and moment there, and ΔLk from them: (.95477, .09042) for D/L = .01, (.86476, .26950) for .03 (Kirchhoff rod, five decimals), bending
-//! energy 2.84404 and 2.81161 times that of the ring. EA = GA = 1e8 (1e7 would lower the energy by 4e-5).
+//! stable. Writhe, moment and bending energy there, and ΔLk from them, for D/L = .01 and .03: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`). EA = GA = 1e8
+//! lowers the energy by 4e-6.
 //!
 //! EA = GA = 1e8, for the fold extrapolated from 1e6 and 1e7 (stretch lowers its ΔLk by 3e-6 at 1e7; rounding of the tangent, which grows with EA, decides how well its place is known); 48 cubic elements. Tolerances: root 1e-6,
 //! slope 2e-6, fold 3e-8 in ΔLk and 1e-5 in Wr (ΔLk is stationary there).
@@ -18,6 +18,7 @@
 
 mod common;
 
+use common::kirchhoff_ring::{Event, event_of};
 use common::{any_equilibrium, path_point, to_branch_point, verify};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -129,7 +130,8 @@ fn numbers(point: &PathPoint) -> [f64; 5] {
 /// From the flat ring over the fold to first contact, round it and on; and back round it from the other side.
 #[test]
 fn first_contact_turns_the_path_round() {
-    for (diameter, writhe, moment, energy) in [(0.01, 0.95477, 0.09042, 2.84404), (0.03, 0.86476, 0.26950, 2.81161)] {
+    for diameter in [0.01, 0.03] {
+        let exact = event_of(Event::FirstContact, diameter);
         let mut solver = ring_at_the_root(1.5, 1e8, Contact::default(), diameter);
         let case = format!("twisted ring with contact, D/L = {diameter}");
         let options = FollowOptions { start: Start::Branch { forwards: true }, ..FollowOptions::default() };
@@ -151,10 +153,10 @@ fn first_contact_turns_the_path_round() {
         });
         assert_eq!(report.unwrap().end, PathEnd::Target);
         let touch = corner.unwrap();
-        verify(&case, "Wr at first contact", touch[1], writhe, 1e-5);
-        verify(&case, "M3 L/2πB at first contact", touch[2], moment, 1e-5);
-        verify(&case, "bending energy at first contact, over that of the ring", touch[4], energy, 1e-5);
-        verify(&case, "ΔLk at first contact", touch[0], writhe + moment / 1.5, 1e-5);
+        verify(&case, "Wr at first contact", touch[1], exact.writhe, 1e-6);
+        verify(&case, "M3 L/2πB at first contact", touch[2], exact.torque, 1e-6);
+        verify(&case, "bending energy at first contact, over that of the ring", touch[4], exact.bending, 1e-5);
+        verify(&case, "ΔLk at first contact", touch[0], exact.writhe + exact.torque / 1.5, 1e-6);
 
         // the way back, until the branch without contact rises well above its lowest ΔLk
         let mut back = None;

@@ -16,7 +16,8 @@
 //! is bounded from above by the control polygons of these. So what is reported is an upper bound of the ropelength of the knot type,
 //! whatever the solver did.
 //!
-//! References: Hopf link 4π (exact: two circles through each other's centre), trefoil 16.3715, figure-eight 21.044 (known numerically). Closer to them
+//! References: Hopf link 4π (exact: two circles through each other's centre), trefoil 16.3715, figure-eight 21.044 (known numerically). What the figures measure is how far
+//! the knots were pulled: the ropelength found is the natural length over two thicknesses, to 1e-4, since the rods hardly stretch and the strands hardly sink in. Closer to the ideal
 //! than some half a percent the search does not come to rest. Where a strand is wound about another at a radius of curvature of the contact
 //! distance, the ideal Hopf link everywhere and the others in places, all its points are as far from the other's centreline: the foot of the
 //! projection from there is not unique, jumps with the smallest motion, and the contact force with it.
@@ -150,9 +151,48 @@ fn figure_eight() {
         let out = 2.5 + (2.0 * t).cos();
         Vec3::new(out * (3.0 * t).cos(), out * (3.0 * t).sin(), (4.0 * t).sin()) * 1.8
     };
-    let lengths = [84.0, 78.0, 72.0, 67.0, 63.0, 59.0, 56.0, 53.0, 50.0, 48.0, 46.0, 45.0, 44.0, 43.5, 43.0, 42.7];
+    let lengths =
+        [84.0, 78.0, 72.0, 67.0, 63.0, 59.0, 56.0, 53.0, 50.0, 48.0, 46.0, 45.0, 44.0, 43.5, 43.0, 42.7, 42.5];
     let tight = pull(&[Shape::Points((0..96).map(point).collect())], &lengths, 72);
-    compare("tight figure-eight", &tight, 21.044, 0.015);
+    compare("tight figure-eight", &tight, 21.044, 0.01);
+}
+
+/// Pulled beyond what the search can bring to rest: trefoils whose natural length is that of the ideal one and less, so that they must stretch. Not at rest is what the
+/// status says, or the state is at rest and no tighter than the ideal knot.
+#[test]
+fn tighter_knots_do_not_pretend_to_rest() {
+    let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1.0);
+    for natural in [32.743, 32.5] {
+        let mut rod =
+            Rod::new("strand", &TorusKnot::new(42.0, [2, 3]).into(), true, section, 60, 3, Natural::Straight).unwrap();
+        rod.length = natural;
+        let law = ContactLaw::Penalty { stiffness: 3e3 };
+        let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
+        let mut options = Options::default();
+        options.newton.max_iterations = 150;
+        let mut solver = Solver::new(model, options).unwrap();
+        let report = solver.settle(&Drive::default());
+        let seen = observe(&Progress {
+            engine: solver.engine(),
+            stage: 0,
+            step: 0,
+            fraction: 1.0,
+            report: &report,
+            seconds: 0.0,
+        });
+        let cubics = centreline(&solver, 0);
+        let length: f64 = cubics.iter().map(length_bound).sum();
+        let half_distance = 1.0 + 0.5 * seen.min_gap.unwrap().lower;
+        let residual = solver.engine().relative_residual();
+        println!(
+            "natural length {natural}: {:?} after {} iterations, residual {residual:.1e}, length over 2 half distances {:.4}",
+            report.status,
+            report.iterations,
+            length / (2.0 * half_distance)
+        );
+        assert!(length / (2.0 * half_distance) >= 16.3715, "strands have passed each other");
+        assert!(report.status != Status::Converged || residual < 1e-6, "{residual:e}");
+    }
 }
 
 #[test]

@@ -697,7 +697,11 @@ impl Interpolation {
         (0..self.count).rev().fold(0.0, |sum, k| self.slopes[k] + sum * (u - self.u[k]))
     }
 
+    /// Adds a place; one that is known already tells nothing new (pieces of no width, where strands just touch).
     fn add(&mut self, u: f64, v: f64) {
+        if self.u[..self.count].contains(&u) {
+            return;
+        }
         let mut slope = v;
         for k in 0..self.count {
             slope = (slope - self.slopes[k]) / (u - self.u[k]);

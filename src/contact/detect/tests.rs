@@ -410,3 +410,13 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         }
     }
 }
+
+/// Symptom: two strands wound to touch exactly broke down before the first step. A piece of no width has both ends in one place, which guessed NaN for
+/// every foot.
+#[test]
+fn a_known_place_does_not_spoil_the_guess() {
+    let mut line = Interpolation::between([0.3, 0.5], [0.3, 0.5]);
+    assert_eq!(line.at(0.7), 0.5);
+    line.add(0.4, 0.7);
+    assert!((line.at(0.5) - 0.9).abs() < 1e-12);
+}
