@@ -173,7 +173,7 @@ impl Problem {
         }
         if let Some(link) = self.excess_link() {
             // up to a multiple of ½: that it is none is seen in the writhe of the result
-            let ends = second.last().or(first.last()).map_or(0.0, |end| ribbon_writhe(end));
+            let ends = second.last().or(first.last()).map_or(0.0, ribbon_writhe);
             let off = 2.0 * (ends + dot(&start[6..9], &start[3..6]) / (TAU * TWIST_OVER_BEND) - link);
             all.push(0.5 * (off - off.round()));
         }
