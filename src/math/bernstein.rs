@@ -11,6 +11,8 @@ pub const MAX_DEGREE: usize = 7;
 const CAPACITY: usize = MAX_DEGREE + 1;
 /// Pieces still undecided at width 2⁻⁴⁸ are clusters that f64 parameters cannot separate usefully.
 const MAX_DEPTH: u32 = 48;
+/// Newton steps to a simple root that are smaller than this part of it and do not shrink are rounding.
+const NOISE: f64 = 1e-12;
 
 /// How the sign of the polynomial changes at a root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -349,11 +351,17 @@ fn polish_of<const N: usize>(b: &[f64; N]) -> f64 {
         } else {
             hi = t;
         }
-        let mut next = t - value / slope;
-        // Outside the bracket (also for slope 0 or NaN) or not at least halving: bisect.
-        if !(next > lo && next < hi) || (next - t).abs() > 0.5 * last_step {
-            next = 0.5 * (lo + hi);
+        let newton = t - value / slope;
+        let step = (newton - t).abs();
+        // Rounding keeps the last steps above an ulp and may take them out of the bracket: they only stop shrinking. (With the other slope it is another
+        // root, just outside.)
+        let noise = step <= NOISE * t && step >= 0.25 * last_step;
+        if (slope > 0.0) == rising && (step <= f64::EPSILON * t || noise) {
+            return newton.clamp(lo, hi);
         }
+        // Outside the bracket (also for slope 0 or NaN) or not at least halving: bisect.
+        let inside = newton > lo && newton < hi && step <= 0.5 * last_step;
+        let next = if inside { newton } else { 0.5 * (lo + hi) };
         last_step = (next - t).abs();
         if last_step <= f64::EPSILON * next || next <= lo || next >= hi {
             return next.clamp(lo, hi);

@@ -35,6 +35,15 @@ fn simple_roots_to_machine_precision_at_any_scale() {
     }
 }
 
+/// A change of sign is followed to the root that makes it, not to one just beyond the end, where the secant starts.
+#[test]
+fn a_root_beyond_the_end_is_not_mistaken_for_the_one_inside() {
+    for beyond in [1.0 + 1e-16, 1.0 + 1e-15, 1.0 + 1e-13, 1.0 + 1e-9] {
+        let found = find(&from_roots(&[0.1, beyond, 3.0], 1.0));
+        assert!((found[0] - 0.1).abs() < 1e-14, "{beyond}: {found:?}");
+    }
+}
+
 #[test]
 fn ends_and_midpoint_are_exact() {
     let mut out = Roots::new();

@@ -18,7 +18,8 @@ fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
     let at = |m: usize| {
         let (b, end) = (&cubics[m / 4].b, 2 * (m / 4) + usize::from(m % 4 >= 2));
         let (own, held) = if m % 4 < 2 { (b[0], b[1]) } else { (b[3], b[2]) };
-        let tip = if matches!(m % 4, 0 | 3) { Vec3::zeros() } else { exp(&part(6 * end + 3)) * (held - own) };
+        let tip =
+            if m.is_multiple_of(4) || m % 4 == 3 { Vec3::zeros() } else { exp(&part(6 * end + 3)) * (held - own) };
         own + part(6 * end) + tip
     };
     std::array::from_fn(at)
