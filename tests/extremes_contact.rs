@@ -131,7 +131,7 @@ fn penalties() {
                 report.status, report.iterations, seen.total_contact_force
             );
             assert_eq!(flat.status, Status::Converged);
-            if decade > if augmented { 8 } else { 4 } {
+            if decade > if augmented { 8 } else { 6 } {
                 assert_eq!(report.status, Status::MaxIterations, "1e{decade}, augmented {augmented}");
                 assert!(seen.energies.total.is_finite(), "1e{decade}: {:?}", seen.energies);
                 continue;

@@ -9,11 +9,9 @@
 //! B = 1, EA = GA = 1e6 (parallel beams 100 along, so that bending does not stretch them), cubic elements. From a state at rest under a penalty the load goes on
 //! by steps, each half the one before, each from that same state; the search goes on down to increments of 1e-12. Increments e (largest
 //! displacement over node spacing, or rotation) obey e′ ≈ c e²: the order is the slope of log e′ against log e. Beams and pressed ring: e the first
-//! increment of a search, e′ the second, five steps. Twisted ring: all pairs of eight steps above rounding, but for the first of each: the first increment
-//! contains the turn of the seam, and what is left after it has a share of 1e-4 that is linear and gone with the next. The pairs are of
-//! different directions, in which c differs: their slope scatters by .4 about 2, linear convergence would be 1.
-//!
-//! Parallel beams do better than quadratic, 3: nearly linear beams, whose contact line grows at ends where the pressure begins at zero.
+//! increment of a search, e′ the second, five steps. Twisted ring: the least power in e′ = eᵖ of all pairs of eight steps with 1e-5 < e < 1e-3, but for the first of
+//! each: the first increment contains the turn of the seam, and what is left after it has a share of 1e-4 that is linear and gone with the next.
+//! Near rest each step is corrected once or more on its own factorisation by all that is out of balance after it: the order is 3 in places.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -33,8 +31,16 @@ fn penalty(kappa: f64, radius: f64) -> ContactLaw {
     ContactLaw::Penalty { stiffness: kappa * radius.powi(4) }
 }
 
-/// Increments below this are rounding.
+/// Increments below this are rounding, and those that a power is told from are between these.
 const ROUNDING: f64 = 5e-12;
+const LEAST: f64 = 1e-5;
+const MOST: f64 = 1e-3;
+
+/// Checks that an order is 2 or more.
+fn quadratic(case: &str, decade: i32, order: f64, tolerance: f64) {
+    let quantity = format!("order of Newton's increments (2 if more), κ = 1e{decade}");
+    verify(case, &quantity, order.min(2.0), 2.0, tolerance);
+}
 
 /// The slope of the next increment over the one before.
 fn order(pairs: &[[f64; 2]]) -> f64 {
@@ -106,10 +112,12 @@ fn twisted_ring() {
                 increments(&report)
             };
             let searches: Vec<Vec<f64>> = (0..8).map(step).collect();
-            let later = searches.iter().flat_map(|e| e[1..].windows(2));
-            let pairs: Vec<[f64; 2]> = later.filter(|e| e[1] > ROUNDING).map(|e| [e[0], e[1]]).collect();
-            let case = format!("twisted ring, {name}");
-            verify(&case, &format!("order of Newton's increments, κ = 1e{decade}"), order(&pairs), 2.0, 0.5);
+            let later = searches.iter().flat_map(|e| e[1..].windows(2)).filter(|e| (LEAST..MOST).contains(&e[0]));
+            let power = later.map(|e| e[1].max(ROUNDING).ln() / e[0].ln()).fold(f64::INFINITY, f64::min);
+            for e in &searches {
+                println!("  {}", sci(e));
+            }
+            quadratic(&format!("twisted ring, {name}"), decade, power, 0.5);
         }
     }
 }
@@ -125,7 +133,7 @@ fn ring_under_pressure() {
     let name = "ring under pressure, line";
     let orders = loaded(solver, 0.5 * diameter, 6..=8, &|share| Ramp::Pressure { rod: 0, to: 12.0 + 0.1 * share });
     for (decade, order) in (6..).zip(orders) {
-        verify(name, &format!("order of Newton's increments, κ = 1e{decade}"), order, 2.0, 0.3);
+        quadratic(name, decade, order, 0.1);
     }
 }
 
@@ -152,7 +160,7 @@ fn crossed_beams() {
     let name = "crossed beams, point";
     let orders = loaded(solver, RADIUS, 6..=10, &|share| Ramp::Load { to: 1.0 + 0.2 * share });
     for (decade, order) in (6..).zip(orders) {
-        verify(name, &format!("order of Newton's increments, κ = 1e{decade}"), order, 2.0, 0.1);
+        quadratic(name, decade, order, 0.1);
     }
 }
 
@@ -162,5 +170,7 @@ fn parallel_beams() {
     let mut solver = beams(Vec3::y() * (2.0 * RADIUS + 1e-4), Vec3::x(), Vec3::y(), 1e2);
     assert_eq!(solver.step_to(&[Ramp::Load { to: 12.0 * first }]).unwrap().status, Status::Converged);
     let orders = loaded(solver, RADIUS, 6..=9, &|share| Ramp::Load { to: (12.0 + share) * first });
-    assert!(orders.iter().all(|&order| order > 2.0), "{orders:?}");
+    for (decade, order) in (6..).zip(orders) {
+        quadratic("parallel beams, line", decade, order, 0.1);
+    }
 }

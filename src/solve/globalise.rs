@@ -25,6 +25,8 @@ use crate::solve::timing::timed;
 const FIRST_SHIFT: f64 = 10.0;
 /// Largest shift that is tried.
 const MAX_SHIFT: f64 = 1e30;
+/// Largest change of a contact force, over the largest, in a step that is corrected by all that is out of balance after it.
+const GENTLE: f64 = 0.3;
 /// Correction rounds per step.
 const MAX_ROUNDS: usize = 10;
 /// A correction this small in energy, relative to the step, ends the rounds.
@@ -43,7 +45,7 @@ const MAX_RADIUS: f64 = 2.0;
 /// Larger shifts tried to bring a step within the radius.
 const MAX_SHORTENINGS: usize = 3;
 /// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one factorisation.
-const RELAXING: f64 = 0.1;
+const RELAXING: f64 = 0.5;
 /// Smallest fraction of a prescribed motion taken at a time.
 const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
@@ -392,8 +394,16 @@ impl Workspace {
                 break;
             }
             let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, !pushed);
-            let correction = self.solve_last(engine, &surprise);
-            let wanted: Vec<f64> = base.iter().zip(&correction).map(|(b, c)| b - c).collect();
+            // near rest all that is out of balance is corrected (a chord step)
+            let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= GENTLE;
+            let (from, correction) = if gentle {
+                let mut unbalanced = there.gradient;
+                self.neutral.remove_sliding_force(&mut unbalanced);
+                (&trial.increment, self.solve_last(engine, &unbalanced))
+            } else {
+                (&base, self.solve_last(engine, &surprise))
+            };
+            let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
             if best.as_ref().is_none_or(|b| trial.potential < b.potential) {

@@ -86,7 +86,7 @@ pub struct Workspace {
 }
 
 /// Iterations allowed to the search without shifts.
-const MAX_DIRECT: usize = 15;
+const MAX_DIRECT: usize = 25;
 impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
