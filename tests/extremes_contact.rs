@@ -110,12 +110,12 @@ fn offset_from_the_origin() {
     }
 }
 
-/// Penalties from 1e-2 to 1e12 times the default. A plain penalty *returns* up to 1e4 times the default with a penetration that falls as
+/// Penalties from 1e-2 to 1e12 times the default. A plain penalty *returns* up to 1e6 times the default with a penetration that falls as
 /// κ^(−2/3); the augmented Lagrangian a gap within the tolerance from 1e-2 to 1e8 times. Beyond, both are *refused* by `MaxIterations`: a millionfold
 /// penalty without a soft start rattles, and 1e12 times the default is beyond what rounding of positions leaves of a gap.
 #[test]
 fn penalties() {
-    let mut before = f64::INFINITY;
+    let (mut before, mut last) = (f64::INFINITY, 0);
     let mut forces = Vec::new();
     for decade in [-2, -1, 0, 1, 2, 3, 4, 6, 8, 12] {
         let stiffness = 100.0 * 10f64.powi(decade);
@@ -142,9 +142,9 @@ fn penalties() {
                 forces.push((decade, seen.total_contact_force));
             } else {
                 let ratio = before / -gap;
-                let expected = 10f64.powf(2.0 / 3.0);
+                let expected = 10f64.powf(2.0 / 3.0 * f64::from(decade - last));
                 assert!(before.is_infinite() || (ratio / expected - 1.0).abs() < 0.15, "1e{decade}: {ratio}");
-                before = -gap;
+                (before, last) = (-gap, decade);
             }
         }
     }
@@ -308,8 +308,8 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to 4 % from it. Nearer than 1.5 % its strands'
-/// radius of curvature falls to the contact distance, feet of normals are no longer unique, and it is *refused* by `MaxIterations`, as is a thicker
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to .8 % from it. Nearer than that its strands'
+/// radius of curvature falls to the contact distance, feet of normals are no longer unique, and it is *refused* by `MaxIterations` or `Penetration`, as is a thicker
 /// one, which has no state without overlap. (Symptom before, from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be
 /// factorised" and infinite energy. Mechanism: the law was hardened to a depth of .08 D while pressure still held strands deeper in each other.
 /// Threshold: the energy under the harder law must be finite where it begins.)
@@ -319,8 +319,8 @@ fn a_knot_at_its_limit() {
         (30.0, true),
         (20.0, true),
         (17.0, true),
-        (16.6, false),
-        (16.5, false),
+        (16.6, true),
+        (16.5, true),
         (16.4, false),
         (16.0, false),
         (15.0, false),
@@ -334,8 +334,8 @@ fn a_knot_at_its_limit() {
         let seen = seen(&solver, &report);
         let gap = seen.min_gap.map_or(f64::INFINITY, |gap| gap.lower * ratio);
         println!("L/D = {ratio}: {} in {}, gap {gap:.1e} D", report.status, report.iterations);
-        let expected = if exists { Status::Converged } else { Status::MaxIterations };
-        assert_eq!((report.status, report.error), (expected, None), "{ratio}");
+        let refused = matches!(report.status, Status::MaxIterations | Status::Penetration);
+        assert_eq!((refused, report.error), (!exists, None), "{ratio}: {}", report.status);
         assert!(seen.energies.total.is_finite(), "{ratio}: {:?}", seen.energies);
         assert!(gap > if exists { -1e-6 } else { -0.2 }, "{ratio}: {gap:e}");
     }

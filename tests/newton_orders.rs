@@ -9,7 +9,7 @@
 //! B = 1, EA = GA = 1e6 (parallel beams 100 along, so that bending does not stretch them), cubic elements. From a state at rest under a penalty the load goes on
 //! by steps, each half the one before, each from that same state; the search goes on down to increments of 1e-12. Increments e (largest
 //! displacement over node spacing, or rotation) obey e′ ≈ c e²: the order is the slope of log e′ against log e. Beams and pressed ring: e the first
-//! increment of a search, e′ the second, five steps. Twisted ring: the least power in e′ = eᵖ of all pairs of eight steps with 1e-5 < e < 1e-3, but for the first of
+//! increment of a search, e′ the second, five steps. Twisted ring: the least power in e′ = eᵖ of all pairs of six steps with 1e-5 < e < 1e-3, but for the first of
 //! each: the first increment contains the turn of the seam, and what is left after it has a share of 1e-4 that is linear and gone with the next.
 //! Near rest each step is corrected once or more on its own factorisation by all that is out of balance after it: the order is 3 in places.
 
@@ -111,7 +111,8 @@ fn twisted_ring() {
                 let report = under(&solver, law).step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
                 increments(&report)
             };
-            let searches: Vec<Vec<f64>> = (0..8).map(step).collect();
+            // the larger steps are not in the basin yet
+            let searches: Vec<Vec<f64>> = (2..8).map(step).collect();
             let later = searches.iter().flat_map(|e| e[1..].windows(2)).filter(|e| (LEAST..MOST).contains(&e[0]));
             let power = later.map(|e| e[1].max(ROUNDING).ln() / e[0].ln()).fold(f64::INFINITY, f64::min);
             for e in &searches {

@@ -26,7 +26,7 @@ const FIRST_SHIFT: f64 = 10.0;
 /// Largest shift that is tried.
 const MAX_SHIFT: f64 = 1e30;
 /// Largest change of a contact force, over the largest, in a step that is corrected by all that is out of balance after it.
-const GENTLE: f64 = 0.3;
+const GENTLE: f64 = 0.1;
 /// Correction rounds per step.
 const MAX_ROUNDS: usize = 10;
 /// A correction this small in energy, relative to the step, ends the rounds.

@@ -86,7 +86,7 @@ pub struct Workspace {
 }
 
 /// Iterations allowed to the search without shifts.
-const MAX_DIRECT: usize = 25;
+const MAX_DIRECT: usize = 15;
 impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
@@ -239,7 +239,7 @@ impl Workspace {
         let generation = engine.contact.as_ref().map_or(self.generation, |side| side.broad_phase.generation());
         if self.pattern.is_none() || generation != self.generation {
             timed(&mut self.timings.symbolic, || {
-                let pattern = engine.build_pattern()?;
+                let pattern = engine.build_pattern();
                 self.factor = Some(Factor::analyse(&pattern)?);
                 self.pattern = Some(pattern);
                 Ok(())
@@ -316,7 +316,7 @@ impl Workspace {
                 }
             }
         }
-        let inertia = timed(&mut self.timings.factor, || factor.factorise(values));
+        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }

@@ -125,7 +125,7 @@ mod tests {
         let mut engine = pair(across);
         let state = engine.state.clone();
         engine.update_contact(&state).unwrap();
-        let pattern = engine.build_pattern().unwrap();
+        let pattern = engine.build_pattern();
         let residual = engine.linearise(&state, None, &Drive::default(), &pattern, &mut Tangent::default());
         assert!(!residual.terms.is_empty());
         let mut increment = vec![0.0; 6 * engine.num_nodes()];
