@@ -10,7 +10,8 @@ pub enum Neighbours {
     /// how finely the curve is cut.
     #[default]
     Turning,
-    /// This many segments before and after each, whatever the geometry; adjacent segments are left out even at 0.
+    /// This many segments before and after each, whatever the geometry; adjacent segments are left out even at 0. The energy of contact jumps where a nearest point
+    /// passes from a segment left out to one that counts.
     Segments(usize),
 }
 
