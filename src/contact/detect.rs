@@ -23,9 +23,11 @@ use super::zone::{Branch, FootKind, Joint, Pair, Piece, Touch};
 use crate::math::bernstein::{Roots, roots};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
+use guess::Interpolation;
 use stiffness::{Blocks, Coordinates, Stiffness};
 use surprise::Touched;
 
+mod guess;
 pub(crate) mod stiffness;
 pub(crate) mod surprise;
 
@@ -674,41 +676,6 @@ fn add_touch(
         stiffness.add_product(&std::array::from_fn(way), weight * carried / d_vv);
     }
     law.pressure
-}
-
-/// A polynomial through known places, up to a few, to guess the next.
-struct Interpolation {
-    u: [f64; POINTS_PER_PIECE + 2],
-    /// Divided differences of the last place and those before.
-    slopes: [f64; POINTS_PER_PIECE + 2],
-    count: usize,
-}
-
-impl Interpolation {
-    /// The line through two places (u, v).
-    fn between(first: [f64; 2], last: [f64; 2]) -> Self {
-        let mut line = Self { u: [0.0; POINTS_PER_PIECE + 2], slopes: [0.0; POINTS_PER_PIECE + 2], count: 0 };
-        line.add(first[0], first[1]);
-        line.add(last[0], last[1]);
-        line
-    }
-
-    fn at(&self, u: f64) -> f64 {
-        (0..self.count).rev().fold(0.0, |sum, k| self.slopes[k] + sum * (u - self.u[k]))
-    }
-
-    /// Adds a place; one that is known already tells nothing new (pieces of no width, where strands just touch).
-    fn add(&mut self, u: f64, v: f64) {
-        if self.u[..self.count].contains(&u) {
-            return;
-        }
-        let mut slope = v;
-        for k in 0..self.count {
-            slope = (slope - self.slopes[k]) / (u - self.u[k]);
-        }
-        (self.u[self.count], self.slopes[self.count]) = (u, slope);
-        self.count += 1;
-    }
 }
 
 #[cfg(test)]

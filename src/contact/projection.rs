@@ -6,7 +6,7 @@
 
 use super::curve::{Cubic, CurveSet};
 use crate::math::Vec3;
-use crate::math::bernstein::{Crossing, Roots, roots};
+use crate::math::bernstein::{Crossing, Roots, product_with_quadratic, roots};
 
 const CAPACITY: usize = 8;
 
@@ -71,15 +71,7 @@ impl Feet {
 pub fn stationarity(curve: &Cubic, x: &Vec3) -> [f64; 6] {
     let a = relative(curve, x);
     let e = curve.edges();
-    let d = |i: usize, j: usize| a[i].dot(&e[j]);
-    [
-        d(0, 0),
-        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
-        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
-        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
-        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
-        d(3, 2),
-    ]
+    product_with_quadratic(|i, j| a[i].dot(&e[j]))
 }
 
 fn relative(curve: &Cubic, x: &Vec3) -> [Vec3; 4] {

@@ -111,6 +111,20 @@ pub fn eval(coeffs: &[f64], t: f64) -> f64 {
     b[0]
 }
 
+/// Coefficients, degree five, of the product of a cubic and a quadratic; `products(i, j)` is that of the cubic's coefficient i and the quadratic's j.
+#[must_use]
+pub fn product_with_quadratic(products: impl Fn(usize, usize) -> f64) -> [f64; 6] {
+    let d = products;
+    [
+        d(0, 0),
+        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
+        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
+        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
+        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
+        d(3, 2),
+    ]
+}
+
 /// Bernstein coefficients of p′ (degree n − 1), written to the first n entries of the result: n (b_{i+1} − b_i).
 /// The derivative of a constant (and of an empty slice) is all zeros.
 #[must_use]

@@ -107,7 +107,7 @@ impl Engine {
     /// Whether contact exerts any force in the engine's state; contact must be up to date for it.
     pub(crate) fn is_touching(&self) -> bool {
         let near = self.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
-        near && self.residual(&self.state).contact_gradient.iter().any(|force| *force != 0.0)
+        near && self.residual_of_trial(&self.state).contact_gradient.iter().any(|force| *force != 0.0)
     }
 
     /// Gradient and tangent at `state`, without zones; `predicted` are the stresses of mixed-integration-point Newton, three per element.

@@ -48,7 +48,7 @@ impl Solver {
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
         let probed = self.engine.residual(&state);
-        let gaps = self.contact_errors().gaps;
+        let gaps = self.contact_errors_of(&probed).gaps;
         let rest: Vec<f64> = probed.contact_gradient.iter().zip(&probed.gradient).map(|(c, g)| c - g).collect();
         let mut balance = Balance::default();
         let mut reach = vec![probe; gaps.len()];

@@ -393,9 +393,10 @@ impl Workspace {
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, !pushed);
             // near rest all that is out of balance is corrected (a chord step)
             let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= GENTLE;
+            let with_contact = !(pushed || gentle);
+            let (excess, surprise) = self.surprise(engine, state, residual, &there, &trial, with_contact);
             let (from, correction) = if gentle {
                 let mut unbalanced = there.gradient;
                 self.neutral.remove_sliding_force(&mut unbalanced);

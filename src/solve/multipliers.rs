@@ -1,6 +1,7 @@
 //! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new law the same.
 
 use crate::contact::law::Law;
+use crate::solve::assembly::Residual;
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
 
@@ -58,8 +59,15 @@ impl Solver {
 
     /// How far the contact conditions are from met.
     pub(super) fn contact_errors(&self) -> ContactErrors {
+        if self.engine.contact.is_none() {
+            return ContactErrors::default();
+        }
+        self.contact_errors_of(&self.engine.residual(&self.engine.state))
+    }
+
+    /// [`Solver::contact_errors`] from the residual of the present state, with zones.
+    pub(super) fn contact_errors_of(&self, residual: &Residual) -> ContactErrors {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
-        let residual = self.engine.residual(&self.engine.state);
         let mut gaps = vec![f64::INFINITY; side.offsets.len()];
         let mut touched = vec![false; side.offsets.len()];
         for term in &residual.terms {

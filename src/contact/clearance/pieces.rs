@@ -3,7 +3,7 @@
 use crate::contact::curve::Cubic;
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
-use crate::math::bernstein::{Roots, derivative, eval, roots};
+use crate::math::bernstein::{Roots, derivative, eval, product_with_quadratic, roots};
 
 /// Roundings of squared distances relative to the squared size of the pair of pieces.
 const SAFETY: f64 = 1e-14;
@@ -133,15 +133,7 @@ impl Local {
 
 /// Largest |Q| that can lower the distance: both signs inside, one sign where the foot rests against an end of v.
 fn harmful_slope(w: &Cubic, slope: &[Vec3; 3], v: [f64; 2]) -> f64 {
-    let d = |i: usize, j: usize| w.b[i].dot(&slope[j]);
-    let q = [
-        d(0, 0),
-        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
-        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
-        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
-        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
-        d(3, 2),
-    ];
+    let q = product_with_quadratic(|i, j| w.b[i].dot(&slope[j]));
     let (min, max) = q.iter().fold((0.0_f64, 0.0_f64), |(lo, hi), &c| (lo.min(c), hi.max(c)));
     match v {
         // v can only grow from 0: harmful if that shortens (Q < 0); and shrink from 1: if Q > 0.

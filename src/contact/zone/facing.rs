@@ -14,7 +14,7 @@
 use super::{Branch, NARROW, Pair, Piece, Sample, Side, Touch, unit};
 use crate::contact::curve::Cubic;
 use crate::math::Vec3;
-use crate::math::bernstein::{Roots, roots};
+use crate::math::bernstein::{Roots, product_with_quadratic, roots};
 
 /// Least D_vv over the largest: where it is small, feet move fast and Newton's method converges late.
 const CONVEX: f64 = 0.05;
@@ -171,15 +171,7 @@ impl Facing {
         let (v, mean) = ([first.v, last.v], 0.5 * (first.v + last.v));
         let blossom = |mean: f64, product: f64| c1 + c2 * (2.0 * mean) + c3 * (3.0 * product);
         let slope = [blossom(v[0], v[0] * v[0]), blossom(mean, v[0] * v[1]), blossom(v[1], v[1] * v[1])];
-        let q = |i: usize, j: usize| w[i].dot(&slope[j]);
-        let products = [
-            q(0, 0),
-            (2.0 * q(0, 1) + 3.0 * q(1, 0)) / 5.0,
-            (q(0, 2) + 6.0 * q(1, 1) + 3.0 * q(2, 0)) / 10.0,
-            (3.0 * q(1, 2) + 6.0 * q(2, 1) + q(3, 0)) / 10.0,
-            (3.0 * q(2, 2) + 2.0 * q(3, 1)) / 5.0,
-            q(3, 2),
-        ];
+        let products = product_with_quadratic(|i, j| w[i].dot(&slope[j]));
         let harm = products.iter().fold(0.0f64, |most, c| most.max(c.abs()));
         (least * (1.0 - ROUNDING) - harm * harm / self.convexity > longest * longest).then_some(false)
     }
@@ -188,15 +180,7 @@ impl Facing {
 /// Bounds of D_vv/15 \[L²\], by Bernstein coefficients: (b − x)·b′/3 = own − foreign·x of degree five, x at the slave's control points.
 pub(super) fn convexity(slave: &Cubic, master: &Cubic) -> [f64; 2] {
     let (b, e) = (&master.b, master.edges());
-    let d = |i: usize, j: usize| b[i].dot(&e[j]);
-    let own = [
-        d(0, 0),
-        (2.0 * d(0, 1) + 3.0 * d(1, 0)) / 5.0,
-        (d(0, 2) + 6.0 * d(1, 1) + 3.0 * d(2, 0)) / 10.0,
-        (3.0 * d(1, 2) + 6.0 * d(2, 1) + d(3, 0)) / 10.0,
-        (3.0 * d(2, 2) + 2.0 * d(3, 1)) / 5.0,
-        d(3, 2),
-    ];
+    let own = product_with_quadratic(|i, j| b[i].dot(&e[j]));
     let foreign = [
         e[0],
         (e[1] * 2.0 + e[0] * 3.0) / 5.0,
