@@ -145,12 +145,9 @@ impl Solver {
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
     pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
         let mut report = StepReport::settled();
-        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
-        let lengthened = still && predicted.is_none() && self.augments() && self.start_from_short(&mut report);
-        let predicted = if lengthened { Some(vec![0.0; 6 * self.engine.num_nodes()]) } else { predicted };
         let settled = match predicted {
             Some(increment) => self.settle_predicted(drive, increment, &mut report),
-            None => Ok(false),
+            None => self.settle_from_short(drive, &mut report),
         };
         let outcome = settled.and_then(|done| {
             if done { Ok(()) } else { self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report)) }
@@ -189,6 +186,26 @@ impl Solver {
         self.restore(before)?;
         report.start_again();
         Ok(false)
+    }
+
+    /// Tries to settle a long plectoneme from a short one at rest; true if it did, otherwise the solver is back where it was.
+    fn settle_from_short(&mut self, drive: &Drive, report: &mut StepReport) -> Result<bool, SolveError> {
+        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
+        if !(still && self.augments()) {
+            return Ok(false);
+        }
+        let start = self.snapshot();
+        if !self.start_from_short(report) {
+            return Ok(false);
+        }
+        self.workspace.near_rest = true;
+        let settled = self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], report);
+        self.workspace.near_rest = false;
+        report.predicted = false;
+        if settled == Ok(false) {
+            self.restore(start)?;
+        }
+        settled
     }
 
     fn search_predicted(

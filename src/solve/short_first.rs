@@ -16,17 +16,18 @@ use std::f64::consts::TAU;
 
 use nalgebra::Unit;
 
+use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::quaternion::spin;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::rod::{Natural, Rod};
-use crate::scene::Model;
+use crate::scene::{ContactLaw, Model};
 use crate::solve::path::Solver;
 use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::{Drive, State};
 
-/// Turns of the superhelix that the short rod keeps, and contact distances of strand for its end loops.
-const TURNS: f64 = 16.0;
+/// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand for its end loops.
+const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 const LOOPS: f64 = 60.0;
 /// Rods at least so many times as long as the short one are shortened.
 const LONG: usize = 2;
@@ -36,6 +37,9 @@ const MEASURED_TURNS: f64 = 4.0;
 const SAME: f64 = 1e-3;
 /// Elements put in to measure what they add to the link.
 const PROBE: usize = 64;
+/// Penetration of the short rod, over the one asked for, and the least: what is left of it in its middle is out of balance all along the long one.
+const CLOSER: f64 = 1e-3;
+const CLOSEST: f64 = 1e-11;
 /// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at most.
 const TOL_LINK: f64 = 1e-3;
 const MAX_ROUNDS: usize = 8;
@@ -60,7 +64,8 @@ impl Screw {
             return None;
         }
         // from, to: forward along the first strand, backward along the second
-        let pairs: Vec<[usize; 2]> = here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
+        let pairs: Vec<[usize; 2]> =
+            here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
         let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
         let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
         let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
@@ -114,7 +119,8 @@ fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> 
 /// A state with elements put in or taken out.
 fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -> State {
     let made = plan(state.positions.len(), p, at, elements, screw.spins);
-    let mut out = State { positions: Vec::with_capacity(made.len()), frames: Vec::with_capacity(made.len()), ..state.clone() };
+    let mut out =
+        State { positions: Vec::with_capacity(made.len()), frames: Vec::with_capacity(made.len()), ..state.clone() };
     for (from, power, angle) in made {
         let (motion, turn) = screw.power(power);
         out.positions.push(motion(&state.positions[from]));
@@ -124,27 +130,30 @@ fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -
     out
 }
 
+/// A long plectoneme whose ends are at rest, and what holds them there.
+struct Start {
+    state: State,
+    law: Law,
+    offsets: Vec<f64>,
+    stages_left: i32,
+    /// Newton iterations on the short rod.
+    iterations: usize,
+}
+
 impl Solver {
     /// Where the start state is a long plectoneme that nothing holds, replaces it by one whose ends are at rest, with the contact offsets that hold them there; false
     /// where it is not, or where that fails and nothing was changed. Newton iterations on the short rod are counted in the report.
     pub(crate) fn start_from_short(&mut self, report: &mut StepReport) -> bool {
-        self.short_start().is_some_and(|(state, short, elements, at, screw)| {
-            report.short_iterations += short.1;
-            let short = short.0;
-            let p = self.engine.model.rods[0].order;
-            let made = plan(short.engine.num_nodes(), p, at, elements as isize, screw.spins);
-            let (Some(side), Some(from)) = (&mut self.engine.contact, &short.engine.contact) else { return false };
-            side.law = from.law;
-            side.offsets = made.iter().map(|(i, ..)| from.offsets[*i]).collect();
-            side.before = None;
-            self.stages_left = short.stages_left;
-            self.engine.state = state;
-            true
-        })
+        let Some(start) = TURNS.iter().find_map(|turns| self.short_start(*turns)) else { return false };
+        let Some(side) = &mut self.engine.contact else { return false };
+        (side.law, side.offsets, side.before) = (start.law, start.offsets, None);
+        self.stages_left = start.stages_left;
+        self.engine.state = start.state;
+        report.short_iterations += start.iterations;
+        true
     }
 
-    #[allow(clippy::type_complexity)] // what start_from_short takes apart
-    fn short_start(&self) -> Option<(State, (Solver, usize), usize, usize, Screw)> {
+    fn short_start(&self, turns: f64) -> Option<Start> {
         let engine = &self.engine;
         let side = engine.contact.as_ref()?;
         let [rod] = &engine.model.rods[..] else { return None };
@@ -158,7 +167,7 @@ impl Solver {
         let pitch = Screw::measure(&engine.state, p, elements / 4 * p, 1)?;
         let per_turn = TAU / pitch.angle;
         let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
-        let shorter = (2.0 * TURNS * per_turn + loops).ceil() as usize;
+        let shorter = (2.0 * turns * per_turn + loops).ceil() as usize;
         let shorter = shorter + (elements - shorter.min(elements)) % 2;
         if shorter.saturating_mul(LONG) > elements {
             return None;
@@ -168,7 +177,11 @@ impl Solver {
         let window = (0.5 * MEASURED_TURNS * per_turn).ceil() as usize;
         let screw = Screw::measure(&engine.state, p, at, window)?;
         let start = changed(&engine.state, p, at, -(cut as isize), &screw);
-        if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.length / rod.num_segments() as f64) {
+        if !is_same(
+            &changed(&start, p, at, cut as isize, &screw),
+            &engine.state,
+            rod.length / rod.num_segments() as f64,
+        ) {
             return None;
         }
         let wanted = engine.state.seams[0] / TAU;
@@ -197,7 +210,10 @@ impl Solver {
                 let mut long = longer(cut)?;
                 let nodes = 0..long.positions.len();
                 long.twist(0, nodes, TAU * wanted - long.seams[0]);
-                return Some((long, (short, iterations), cut, at, screw));
+                let side = short.engine.contact.as_ref()?;
+                let made = plan(state.positions.len(), p, at, cut as isize, screw.spins);
+                let offsets = made.iter().map(|(node, ..)| side.offsets[*node]).collect();
+                return Some(Start { state: long, law: side.law, offsets, stages_left: short.stages_left, iterations });
             }
             if let Some([link_before, missing_before]) = before {
                 slope = (missing_before - missing) / (link - link_before);
@@ -219,7 +235,11 @@ impl Solver {
 
     fn solver_of(&self, state: &State, rod: &Rod) -> Result<Self, InputError> {
         let rod = self.rod_of_state(state, rod)?;
-        Self::new(Model { rods: vec![rod], contact: self.engine.model.contact, ..Model::default() }, self.options.clone())
+        let mut contact = self.engine.model.contact;
+        if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut contact.law {
+            *tol_penetration = (CLOSER * *tol_penetration).clamp(CLOSEST, *tol_penetration);
+        }
+        Self::new(Model { rods: vec![rod], contact, ..Model::default() }, self.options.clone())
     }
 }
 
@@ -227,4 +247,55 @@ fn is_same(a: &State, b: &State, spacing: f64) -> bool {
     let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME * spacing;
     let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME;
     a.positions.iter().zip(&b.positions).all(near) && a.frames.iter().zip(&b.frames).all(aligned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Plectoneme, Section, Shape};
+    use crate::solve::Options;
+
+    fn plectoneme(elements: usize, angle: f64) -> Solver {
+        let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, 0.5);
+        let shape = Shape::Plectoneme(Plectoneme::of_angle(elements as f64, 1.0, angle).unwrap());
+        let rod = Rod::new("ply", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+        Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
+    }
+
+    /// The plectoneme of another length at the same angle is what comes of putting elements into the middle of one, or of taking them out; its link too.
+    #[test]
+    fn plectonemes_of_two_lengths_become_each_other() {
+        for (angle, elements, other) in [(0.3, 200, 140), (-0.4, 151, 231), (0.25, 200, 260)] {
+            let [from, to] = [elements, other].map(|n| plectoneme(n, angle));
+            let state = &from.engine.state;
+            let at = elements.min(other) / 4 * 3;
+            let screw = Screw::measure(state, 3, at, 10).unwrap();
+            let by = (other as isize - elements as isize) / 2;
+            let mut made = changed(state, 3, at, by, &screw);
+            let exact = &to.engine.state;
+            assert_eq!(made.positions.len(), exact.positions.len());
+            // the same up to where they lie
+            for (i, j) in [(0, 7), (at, at + 40), (3, 3 * other / 2), (30, 3 * other - 12)] {
+                let [ours, theirs] = [&made, exact].map(|s| (s.positions[i] - s.positions[j]).norm());
+                assert!((ours - theirs).abs() < 1e-8, "{i} {j} {ours} {theirs}");
+            }
+            let rod = from.rod_of_state(&made, &from.engine.model.rods[0]).unwrap();
+            let turned = made.seams[0] / TAU - rod.start_excess_link;
+            assert!((turned - turned.round()).abs() < 1e-7, "{turned}");
+            made.seams[0] = TAU * rod.start_excess_link;
+            // frames without twist: the link is the writhe
+            assert!((made.seams[0] - exact.seams[0]).abs() < 1e-4, "{} {}", made.seams[0], exact.seams[0]);
+        }
+    }
+
+    /// Curved axes, or a single node out of place anywhere in what would be cut out, are not taken for uniform.
+    #[test]
+    fn what_is_not_uniform_is_left_alone() {
+        let mut solver = plectoneme(900, 0.3);
+        let mut report = StepReport::settled();
+        solver.engine.state.positions[3 * 250] += Vec3::new(0.0, 0.01, 0.0);
+        let before = solver.engine.state.clone();
+        assert!(!solver.start_from_short(&mut report));
+        assert_eq!((solver.engine.state, report.short_iterations), (before, 0));
+    }
 }
