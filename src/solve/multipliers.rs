@@ -106,13 +106,17 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them at its pace where it is open.
+    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider
+    /// than it may stay.
     pub(super) fn augment(&mut self, gaps: &[f64], paces: &mut Paces) {
         let Some(side) = &mut self.engine.contact else { return };
-        paces.adapt(gaps, TOL_OPENING * side.min_radius);
+        let open = TOL_OPENING * side.min_radius;
+        paces.adapt(gaps, open);
         let raised = |node: usize| {
             let (offset, gap) = (side.offsets[node], gaps[node]);
-            if gap.is_finite() { (offset - paces.paces[node] * gap).max(0.0) } else { 0.0 }
+            // lowered by what may stay, little by little, an offset would keep others from closing their gaps
+            let stays = gap > 0.0 && gap <= open;
+            if stays { offset } else { (offset - paces.paces[node] * gap).max(0.0) }
         };
         let offsets: Vec<f64> = (0..gaps.len()).map(raised).collect();
         paces.before = (0..gaps.len()).map(|node| [gaps[node], side.offsets[node] - offsets[node]]).collect();
