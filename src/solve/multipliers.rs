@@ -9,6 +9,8 @@ use crate::solve::settle::TOL_OPENING;
 /// Half of the longest zone that is still one point under a linear law, over (4/κ(1/B_a + 1/B_b))^¼: see `observe::sites`, where the same zone tells
 /// points from lines.
 const HALF_POINT: f64 = 1.5 * 1.0955;
+/// Pressure over that of a core law at which its stiffness is taken.
+const USUAL_PRESSURE: f64 = 0.1;
 /// Largest growth of a pace from one augmentation to the next.
 const FASTER: f64 = 2.0;
 
@@ -98,8 +100,12 @@ impl Solver {
     /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
     fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
         let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
-        let Law::Linear { stiffness } = side.law else {
-            return side.set.radius_of(slave) + side.set.radius_of(master);
+        let stiffness = match side.law {
+            Law::Linear { stiffness } => stiffness,
+            Law::Core { pressure, .. } => {
+                let distance = 2.0 * side.min_radius;
+                side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
+            }
         };
         let compliance: f64 = [a, b].map(|rod| 1.0 / rod.section.bending[0].min(rod.section.bending[1])).iter().sum();
         let half_point = HALF_POINT * (4.0 / (stiffness * compliance)).powf(0.25);
