@@ -192,10 +192,8 @@ fn augmented_resultant_of_a_point_does_not_depend_on_the_stiffness() {
     augmented_over("augmented Lagrangian, crossed beams", case, [6, 8, 12], [3e-5, 1e-6]);
 }
 
-/// Six decades along a line. Offsets are raised by the smallest gap in a window of one contact distance D = .02, which is right where the layer
-/// (B/κ)^¼ of the law is shorter than that: κ > 1e7 B/L⁴ here. Under softer laws what is missing at the ends of the line is shorter than the
-/// layer, where an augmentation mends only a share κ/(κ + Bq⁴) of wave number q, and the loop takes hundreds (κ = 1e7: 59 to 1e-9 D, under the lighter
-/// load of the penalty's test). The stiffest law is given by rounding: gaps are known to 1e-16 L, so pressures to 1e-16 κL, here 1e-3 of the load at
+/// Six decades along a line. Softer laws take longer, as an augmentation mends only a share κ/(κ + Bq⁴) of wave number q (κ = 1e7: 12; 1e6,
+/// a layer (B/κ)^¼ longer than the contact distance: more than 40). The stiffest law is given by rounding: gaps are known to 1e-16 L, so pressures to 1e-16 κL, here 1e-3 of the load at
 /// κ = 1e14. The spacing of the nodes, .0035, as long as the layer at 1e10, sets no limit.
 #[test]
 fn augmented_resultant_of_a_line_does_not_depend_on_the_stiffness() {

@@ -111,16 +111,36 @@ fn thick_ring_under_penalties() {
     under_penalties(128, 0.03, THICK, 11..=11);
 }
 
-/// The default law: a stiffness of 1.6e11 B/L⁴, gaps closed to 1e-8 ε by offsets.
-#[test]
-fn thin_ring_under_the_default_law() {
-    let mut solver = ring(128, 0.01, Contact::default().law);
-    for &(excess_link, wanted) in THIN {
+/// The default law: gaps closed to 1e-8 ε by offsets. κ ε⁴/B = 100: 1.6e11 B/L⁴ for the thin ring, 2e9 for the thick one.
+fn under_the_default_law(elements: usize, diameter: f64, expected: Expected) {
+    let mut solver = ring(elements, diameter, Contact::default().law);
+    let (mut iterations, mut augmentations) = (0, 0);
+    for &(excess_link, wanted) in expected {
         let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
         let found = topology(&seen(&solver, &report).sites);
-        println!("ΔLk {excess_link}: {found}");
+        println!(
+            "D/L {diameter}, ΔLk {excess_link}: {found}, {} iterations, {} augmentations",
+            report.iterations, report.augmentations
+        );
+        iterations += report.iterations;
+        augmentations += report.augmentations;
         assert_eq!(found, wanted, "ΔLk {excess_link}");
     }
+    println!("{iterations} iterations, {augmentations} augmentations");
+}
+
+#[test]
+fn thin_ring_under_the_default_law() {
+    under_the_default_law(128, 0.01, THIN);
+}
+
+/// Middle contacts within two contact distances of the outer ones: nothing else may be reported beside them.
+#[test]
+fn thick_ring_under_the_default_law() {
+    // at 2.41 the line, .010 L, is shorter than the longest point under this law, .018 L
+    let expected: Vec<_> =
+        THICK.iter().map(|&(link, wanted)| (link, if link == 2.41 { "PPP" } else { wanted })).collect();
+    under_the_default_law(128, 0.03, &expected);
 }
 
 #[test]

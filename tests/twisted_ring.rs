@@ -188,6 +188,20 @@ fn a_careless_step_does_not_change_the_link() {
     }
 }
 
+/// One step from one point of contact far past its split into two, on fine meshes. (Symptom before: `Penetration`. Under the deepest core law two points a few radii apart,
+/// with a shallow gap between them, took turns: each offset went by the smallest gap within a contact distance, and so by the other point's.)
+#[test]
+fn a_step_past_the_split_comes_to_rest() {
+    for elements in [96, 144] {
+        let mut solver = ring(elements, 0.02, 1e6, augmented(1e10));
+        for excess_link in [0.5, 1.1, 1.2, 1.5, 2.1] {
+            let (report, seen) = to(&mut solver, excess_link);
+            check_rest(&report, &seen, excess_link, 0.02);
+        }
+        assert_eq!(to(&mut solver, 2.1).1.sites.len(), 2);
+    }
+}
+
 /// The same run on one and on two threads ends in the same bits.
 #[test]
 fn threads_do_not_change_a_bit() {

@@ -2,13 +2,22 @@
 
 use crate::contact::law::Law;
 use crate::solve::assembly::Residual;
+use crate::solve::engine::ContactSide;
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
+
+/// Half of the longest zone that is still one point under a linear law, over (4/κ(1/B_a + 1/B_b))^¼: see `observe::sites`, where the same zone tells
+/// points from lines.
+const HALF_POINT: f64 = 1.5 * 1.0955;
+/// Pressure over that of a core law at which its stiffness is taken.
+const USUAL_PRESSURE: f64 = 0.1;
+/// Largest growth of a pace from one augmentation to the next.
+const FASTER: f64 = 2.0;
 
 /// How far the contact conditions are from met, by nodes and in all.
 #[derive(Debug, Default)]
 pub(super) struct ContactErrors {
-    /// Smallest gap near each node (window of one contact distance along its zone) \[L\]; infinite where nothing is in reach.
+    /// Smallest gap near each node, see [`Solver::window`] \[L\]; infinite where nothing is in reach.
     pub(super) gaps: Vec<f64>,
     /// Worst penetration over the smallest contact radius.
     pub(super) penetration: f64,
@@ -72,7 +81,7 @@ impl Solver {
         let mut touched = vec![false; side.offsets.len()];
         for term in &residual.terms {
             side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
-            let window = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
+            let window = self.window(side, term.slave, term.master);
             for gap in term.zones.iter().map(|z| z.min_gap) {
                 for forward in [true, false] {
                     side.spread(term.slave, window, forward, |node| gaps[node] = gaps[node].min(gap));
@@ -85,16 +94,60 @@ impl Solver {
         ContactErrors { gaps, penetration, opening }
     }
 
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero. At the edge of a zone a small gap may stay
-    /// whatever the offset is, and would lower it for ever: with `give_way` offsets that hold gaps open are halved.
-    pub(super) fn augment(&mut self, gaps: &[f64], give_way: bool) {
+    /// Arc length \[L\] within which an offset belongs to a contact, and is raised and lowered by its smallest gap: where the contact may still be one and
+    /// the same point. In a wider window an offset would see other contacts too, not be lowered while strands touch there, and hold open what
+    /// is apart at its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
+    /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
+    fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
+        let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
+        let stiffness = match side.law {
+            Law::Linear { stiffness } => stiffness,
+            Law::Core { pressure, .. } => {
+                let distance = 2.0 * side.min_radius;
+                side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
+            }
+        };
+        let compliance: f64 = [a, b].map(|rod| 1.0 / rod.section.bending[0].min(rod.section.bending[1])).iter().sum();
+        let half_point = HALF_POINT * (4.0 / (stiffness * compliance)).powf(0.25);
+        half_point.max(a.length / a.num_elements as f64)
+    }
+
+    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider
+    /// than it may stay.
+    pub(super) fn augment(&mut self, gaps: &[f64], paces: &mut Paces) {
         let Some(side) = &mut self.engine.contact else { return };
         let open = TOL_OPENING * side.min_radius;
-        let raised = |(offset, gap): (&f64, &f64)| {
-            let share = if give_way && *gap > open { 0.5 } else { 1.0 };
-            if gap.is_finite() { share * (offset - gap).max(0.0) } else { 0.0 }
+        paces.adapt(gaps, open);
+        let raised = |node: usize| {
+            let (offset, gap) = (side.offsets[node], gaps[node]);
+            // lowered by what may stay, little by little, an offset would keep others from closing their gaps
+            let stays = gap > 0.0 && gap <= open;
+            if stays { offset } else { (offset - paces.paces[node] * gap).max(0.0) }
         };
-        let offsets = side.offsets.iter().zip(gaps).map(raised).collect();
+        let offsets: Vec<f64> = (0..gaps.len()).map(raised).collect();
+        paces.before = (0..gaps.len()).map(|node| [gaps[node], side.offsets[node] - offsets[node]]).collect();
         side.change_law(side.law, offsets);
+    }
+}
+
+/// How fast offsets that hold gaps open are lowered, per node: a secant on offset and gap. At the edge of a zone, or between two nodes that
+/// carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for ever to let go.
+#[derive(Debug, Default)]
+pub(super) struct Paces {
+    paces: Vec<f64>,
+    /// Gap at the augmentation before, and by how much it lowered the offset \[L\], per node.
+    before: Vec<[f64; 2]>,
+}
+
+impl Paces {
+    /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what would have closed it, at most [`FASTER`]
+    /// than before.
+    fn adapt(&mut self, gaps: &[f64], open: f64) {
+        self.paces.resize(gaps.len(), 1.0);
+        for ((pace, gap), [before, lowered]) in self.paces.iter_mut().zip(gaps).zip(&self.before) {
+            let stays = *gap > open && *before > open && *lowered > 0.0;
+            let closed = if stays { ((before - gap) / lowered).max(0.0) } else { 1.0 };
+            *pace = (1.0 / closed).clamp(1.0, FASTER * *pace);
+        }
     }
 }

@@ -8,6 +8,10 @@
 //! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation error, and
 //! following it would move the whole rod by up to half an element for nothing. So sliding is held by a constraint on the
 //! increment, and the ripple's force, the residual along the sliding motion, is no part of the residual.
+//!
+//! Supports leave combinations of these motions where they hold less than there are: see [`Supports`].
+
+use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
 use crate::math::Vec3;
 use crate::rod::Natural;
@@ -20,6 +24,10 @@ use crate::sparse::Pattern;
 const SHARED: f64 = 1e-9;
 /// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by turning.
 const DEPENDENT: f64 = 1e-3;
+/// Squares of motions where a rod is held, over the largest of all: below the first a combination of them may pass, and does if what is left of it is below
+/// the second.
+const MAY_PASS: f64 = 1e-12;
+const PASSES: f64 = 1e-24;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
@@ -66,40 +74,124 @@ pub(crate) struct Neutral {
     /// Index in `motions` of the sliding motion, if there is one.
     sliding: Option<usize>,
     weights: [f64; 2],
+    /// The rod is held, and these are what its supports let pass.
+    held: bool,
+}
+
+/// Rigid motions of the first rod and its spin, and its sliding along itself, where these cost nothing.
+fn motions_of_the_first_rod(engine: &Engine, state: &State) -> (Vec<Vec<f64>>, Option<Vec<f64>>) {
+    let planar = engine.model.planar;
+    let centre = state.positions.iter().sum::<Vec3>() / engine.num_nodes() as f64;
+    let motion = |f: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
+        let six = |n: usize| {
+            let (d, r) = f(n);
+            [d.x, d.y, d.z, r.x, r.y, r.z]
+        };
+        (0..engine.num_nodes()).flat_map(six).collect()
+    };
+    let mut motions = Vec::new();
+    for k in 0..if planar { 2 } else { 3 } {
+        motions.push(motion(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
+    }
+    for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
+        motions.push(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
+    }
+    if spins(engine, 0) {
+        motions.push(motion(&|n| (Vec3::zeros(), tangent_of(state, n))));
+    }
+    (motions, slides(engine, 0).then(|| motion(&|n| sliding_rate(engine, state, n))))
+}
+
+/// What the supports of a rod let pass of its motions.
+struct Supports {
+    /// Indices of the unknowns that are held.
+    held: Vec<usize>,
+    /// What makes displacements as large as rotations \[1/L\].
+    scale: f64,
+}
+
+impl Supports {
+    fn of(engine: &Engine) -> Self {
+        let held = (0..6 * engine.num_nodes()).filter(|i| !engine.free[i / 6][i % 6]).collect();
+        Self { held, scale: 1.0 / engine.scales.length }
+    }
+
+    /// Product of two motions where the rod is held.
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        let weight = |i: usize| if i % 6 < 3 { self.scale * self.scale } else { 1.0 };
+        self.held.iter().map(|&i| weight(i) * a[i] * b[i]).sum()
+    }
+
+    /// Eigenvectors of the products of motions, with their eigenvalues.
+    fn modes(&self, motions: &[Vec<f64>]) -> SymmetricEigen<f64, Dyn> {
+        let count = motions.len();
+        DMatrix::from_fn(count, count, |i, j| self.dot(&motions[i], &motions[j])).symmetric_eigen()
+    }
+
+    fn combined(&self, motions: &[Vec<f64>], share: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut sum = vec![0.0; motions.first().map_or(0, Vec::len)];
+        for (k, motion) in motions.iter().enumerate() {
+            subtract(&mut sum, motion, -share(k));
+        }
+        sum
+    }
+
+    /// `motion` if it moves nothing that is held but for rounding, which is taken off.
+    fn passing(&self, mut motion: Vec<f64>, largest: f64) -> Option<Vec<f64>> {
+        if self.dot(&motion, &motion) > PASSES * largest {
+            return None;
+        }
+        self.held.iter().for_each(|&i| motion[i] = 0.0);
+        Some(motion)
+    }
+
+    /// A basis of the combinations of motions that move nothing that is held.
+    fn all_that_pass(&self, motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let modes = self.modes(motions);
+        let largest = modes.eigenvalues.amax().max(1.0);
+        let mode = |k: usize| self.combined(motions, |i| modes.eigenvectors[(i, k)]);
+        let soft = (0..motions.len()).filter(|k| modes.eigenvalues[*k] <= MAY_PASS * largest).map(mode);
+        soft.filter_map(|motion| self.passing(motion, largest)).collect()
+    }
+
+    /// `motion` with as much of the others as it takes to move nothing that is held; none if they cannot do that.
+    fn let_pass(&self, mut motion: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let modes = self.modes(others);
+        let largest = modes.eigenvalues.amax().max(1.0);
+        for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > MAY_PASS * largest) {
+            let mode = self.combined(others, |i| modes.eigenvectors[(i, k)]);
+            let part = self.dot(&motion, &mode) / modes.eigenvalues[k];
+            subtract(&mut motion, &mode, part);
+        }
+        self.passing(motion, largest)
+    }
 }
 
 impl Neutral {
-    /// The neutral motions of a model that is a single free rod; none otherwise (several rods may resist each other).
+    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere and bears no loads, those that its supports let
+    /// pass (a closed rod clamped at one node travels along its own shape through the clamp, and swings about the tangent there). None otherwise:
+    /// several rods may resist each other.
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
-        if engine.model.rods.len() != 1 || !is_free(engine, 0) {
+        let model = &engine.model;
+        let bare = model.joints.is_empty() && model.loads.is_empty() && model.line_loads.is_empty();
+        if model.rods.len() != 1 || !bare && !is_free(engine, 0) {
             return Self::default();
         }
-        let planar = engine.model.planar;
-        let centre = state.positions.iter().sum::<Vec3>() / engine.num_nodes() as f64;
         // displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second order
         let lever = 1e-3 * engine.scales.length;
         let mut neutral = Self { weights: [1.0, lever * lever], ..Self::default() };
-        let motion = |f: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
-            let six = |n: usize| {
-                let (d, r) = f(n);
-                [d.x, d.y, d.z, r.x, r.y, r.z]
-            };
-            (0..engine.num_nodes()).flat_map(six).collect()
-        };
-        for k in 0..if planar { 2 } else { 3 } {
-            neutral.add(motion(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
+        let (mut motions, mut sliding) = motions_of_the_first_rod(engine, state);
+        if !is_free(engine, 0) {
+            let supports = Supports::of(engine);
+            sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
+            motions = supports.all_that_pass(&motions);
+            neutral.held = true;
         }
-        for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
-            neutral.add(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
+        for motion in motions {
+            neutral.add(motion);
         }
-        if spins(engine, 0) {
-            neutral.add(motion(&|n| (Vec3::zeros(), tangent_of(state, n))));
-        }
-        if slides(engine, 0) {
-            let rates: Vec<(Vec3, Vec3)> = (0..engine.num_nodes()).map(|n| sliding_rate(engine, state, n)).collect();
-            if neutral.add(motion(&|n| rates[n])) {
-                neutral.sliding = Some(neutral.motions.len() - 1);
-            }
+        if sliding.is_some_and(|motion| neutral.add(motion)) {
+            neutral.sliding = Some(neutral.motions.len() - 1);
         }
         neutral
     }
@@ -151,8 +243,11 @@ impl Neutral {
         }
     }
 
-    /// Adds the springs of all free rods to the tangent.
+    /// Adds the springs of all free rods, and of a held one, to the tangent.
     pub(crate) fn add_pins(&self, engine: &Engine, state: &State, pattern: &Pattern, values: &mut [f64]) {
+        if self.held {
+            self.pin_held(engine, pattern, values);
+        }
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
             let factor = if engine.model.rods.len() == 1 { 1.0 } else { SHARED };
             let spacing = rod.length / (rod.num_elements * rod.order) as f64;
@@ -168,6 +263,32 @@ impl Neutral {
             let d = tangent_of(state, other);
             let axial = |i: usize, j: usize| if i >= 3 && j >= 3 { turning * d[i - 3] * d[j - 3] } else { 0.0 };
             pattern.add_block(values, other, other, axial);
+        }
+    }
+}
+
+impl Neutral {
+    /// One spring for each motion of a held rod but sliding, along that motion at the node that it moves most and across those before: together they stop
+    /// all of them and nothing else.
+    fn pin_held(&self, engine: &Engine, pattern: &Pattern, values: &mut [f64]) {
+        let rod = &engine.model.rods[0];
+        let spacing = rod.length / rod.num_segments() as f64;
+        let spring = rod.section.bending[0] / spacing.powi(3);
+        let arm = |k: usize| if k < 3 { 1.0 } else { spacing };
+        let at = |motion: &[f64], node: usize| -> [f64; 6] { std::array::from_fn(|k| arm(k) * motion[6 * node + k]) };
+        let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+        let mut rest = self.motions[..self.sliding.unwrap_or(self.motions.len())].to_vec();
+        for index in 0..rest.len() {
+            let size = |node: &usize| dot(&at(&rest[index], *node), &at(&rest[index], *node));
+            let Some(node) = (0..engine.num_nodes()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
+            let along = at(&rest[index], node);
+            let square = dot(&along, &along);
+            pattern.add_block(values, node, node, |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
+            let (done, others) = rest.split_at_mut(index + 1);
+            for other in others {
+                let part = dot(&along, &at(other, node)) / square;
+                subtract(other, &done[index], part);
+            }
         }
     }
 }

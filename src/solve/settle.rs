@@ -9,6 +9,7 @@
 use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
+use crate::solve::multipliers::Paces;
 use crate::solve::newton::{Iteration, NewtonReport};
 use crate::solve::path::Solver;
 use crate::solve::predictor::turned;
@@ -284,7 +285,7 @@ impl Solver {
             report.penetration = self.contact_errors().penetration;
             return Ok(());
         };
-        let mut opening = 0.0;
+        let mut paces = Paces::default();
         while report.status == Status::Converged {
             let errors = self.contact_errors();
             report.penetration = errors.penetration;
@@ -295,9 +296,7 @@ impl Solver {
                 report.status = Status::Penetration;
                 break;
             }
-            let stuck = errors.penetration < errors.opening && (errors.opening - opening).abs() < 0.05 * opening;
-            self.augment(&errors.gaps, stuck);
-            opening = errors.opening;
+            self.augment(&errors.gaps, &mut paces);
             report.augmentations += 1;
             self.search(&Drive::default(), report)?;
         }

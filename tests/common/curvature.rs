@@ -19,6 +19,8 @@ pub struct PointForce {
 
 /// Elements on either side whose moments are used: polynomials of degree 2 × CELLS − 1.
 const CELLS: usize = 3;
+/// Within this many layers (B/κ)^¼ of the contact law the rods feel more of it than the spread of its force tells: elements that lie there are left out.
+const LAYERS: f64 = 8.0;
 
 /// Tangent d3 and curvature vector d3' \[1/L\] that a rod would have at an arc length if the contact force there were concentrated;
 /// the mean of what the elements on either side say.
@@ -37,11 +39,13 @@ pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: Point
     let length = data.length / elements as f64;
     let boundary = (arc / length).round();
     let seam = spin(engine.state().seams[rod]);
+    let softness = data.section.contact_radius.powi(4) / engine.model().contact.law.stiffness().unwrap();
+    let skipped = (LAYERS * softness.powf(0.25) / length) as usize;
     let (mut tangent, mut curvature) = (Vec3::zeros(), Vec3::zeros());
     for side in [-1.0, 1.0] {
         let mut system = SMatrix::<f64, { 2 * CELLS }, { 2 * CELLS }>::zeros();
         let (mut tangents, mut bends) = (Vec::new(), Vec::new());
-        for cell in 0..CELLS {
+        for (row, cell) in (skipped..skipped + CELLS).enumerate() {
             // in element lengths from `arc`
             let from = boundary - arc / length + if side < 0.0 { -1.0 - cell as f64 } else { cell as f64 };
             let element = (from + arc / length).round().rem_euclid(elements as f64) as usize;
@@ -70,7 +74,7 @@ pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: Point
                 tangents.push(d3[k]);
                 bends.push(bend[k] + point.force * (mend[k] * length / (2.0 * data.section.bending[0])));
                 for power in 0..2 * CELLS {
-                    system[(2 * cell + k, power)] = moments(from, &[], |x| x.powi(power as i32))[k];
+                    system[(2 * row + k, power)] = moments(from, &[], |x| x.powi(power as i32))[k];
                 }
             }
         }

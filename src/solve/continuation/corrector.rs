@@ -5,6 +5,7 @@ use crate::rod::element::Six;
 use crate::scene::ContactLaw;
 use crate::solve::assembly::Residual;
 use crate::solve::continuation::parameter::Parameter;
+use crate::solve::multipliers::Paces;
 use crate::solve::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
@@ -258,6 +259,7 @@ impl Tracer<'_> {
             ContactLaw::AugmentedLagrangian { tol_penetration, .. } => tol_penetration,
             _ => f64::INFINITY,
         };
+        let mut paces = Paces::default();
         loop {
             let errors = self.solver.contact_errors();
             point.penetration = errors.penetration;
@@ -268,7 +270,7 @@ impl Tracer<'_> {
                 return Ok(false);
             }
             point.augmentations += 1;
-            self.solver.augment(&errors.gaps, false);
+            self.solver.augment(&errors.gaps, &mut paces);
             self.solver.forget_pressures();
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
