@@ -7,6 +7,7 @@ use crate::math::Vec3;
 use crate::rod::element::MAX_DOF;
 use crate::rod::element::{Six, predicted_stress};
 use crate::scene::Ramp;
+use crate::scene::model::unit;
 use crate::solve::assembly::symmetric;
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
@@ -45,12 +46,12 @@ impl Parameter {
             Ramp::ExcessLink { rod, to } => (Quantity::Link(*rod), state.seams[*rod] / TAU, *to),
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.turned.get(&index(node)).copied().unwrap_or(0.0);
-                (Quantity::Node(index(node), Vec3::zeros(), axis.normalize() * TAU), turned, *to)
+                (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
             }
             Ramp::Displacement { node, to } => {
                 let here = solver.displaced.get(&index(node)).copied().unwrap_or_default();
                 let way = to - here;
-                let along = if way.norm() > 0.0 { way.normalize() } else { way };
+                let along = if way == Vec3::zeros() { way } else { unit(&way) };
                 (Quantity::Node(index(node), along, Vec3::zeros()), here.dot(&along), to.dot(&along))
             }
         };
