@@ -5,12 +5,14 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
+mod common;
+
+use common::observed;
 use supercoil::InputError;
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
-use supercoil::solve::{Options, Progress, Solver, State, Status};
+use supercoil::solve::{Options, Solver, State, Status};
 
 /// A problem with one of everything: a cantilever, and a closed ring near it.
 #[derive(Clone)]
@@ -137,9 +139,7 @@ fn run(problem: &Problem) -> Result<(Status, State), InputError> {
     model.check_stages(&[Stage { ramps: ramps.clone(), steps: 1 }])?;
     let mut solver = Solver::new(model, options)?;
     let report = solver.step_to(&ramps)?;
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-    let seen = observe(&progress);
+    let seen = observed(&solver, &report);
     if report.status == Status::Converged {
         assert!(seen.energies.total.is_finite(), "converged to {:?}", seen.energies);
     }

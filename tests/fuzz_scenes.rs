@@ -5,13 +5,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)] // helpers of tests
 
+mod common;
+
 use std::path::Path;
 
+use common::observed;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use supercoil::observe::observe;
 use supercoil::scene::Scene;
-use supercoil::solve::{Options, Progress, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 const SCENES: [&str; 4] = [
     include_str!("../examples/minicircle.toml"),
@@ -136,9 +138,7 @@ fn survive(text: &str) -> &'static str {
     let Ok(mut solver) = Solver::new(scene.model, options) else { return "refused by the solver" };
     let Some(stage) = scene.stages.first() else { return "no stage" };
     let Ok(report) = solver.step_to(&stage.ramps) else { return "refused ramp" };
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-    let seen = observe(&progress);
+    let seen = observed(&solver, &report);
     if report.status == Status::Converged {
         assert!(seen.energies.total.is_finite(), "converged to an energy of {:?}:\n{text}", seen.energies);
         return "converged";

@@ -263,18 +263,20 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
                 g[k] += stress[i] * b[i][k];
             }
         }
-        let mut h = Self::curvature(p, stress);
-        for k in 0..N {
-            for l in 0..Z {
-                h[k][R + l] -= 2.0 * g[k] * p.z[l];
-                h[R + l][k] -= 2.0 * g[k] * p.z[l];
+        let forms = Self::curvature(p, stress);
+        let mut h = [[0.0; N]; N];
+        for l in 0..Z {
+            for k in 0..R {
+                let value = (forms[k][R + l] - 2.0 * g[k] * p.z[l]) * inv;
+                (h[k][R + l], h[R + l][k]) = (value, value);
             }
-        }
-        for k in 0..Z {
-            h[R + k][R + k] -= 2.0 * work;
-        }
-        for row in &mut h {
-            row.iter_mut().for_each(|entry| *entry *= inv);
+            for k in 0..Z {
+                let (row, column) = (R + k, R + l);
+                h[row][column] = (forms[row][column] - 2.0 * (g[row] * p.z[l] + p.z[k] * g[column])) * inv;
+                let value = (forms[column][R + Z + k] - 2.0 * p.z[l] * g[R + Z + k]) * inv;
+                (h[column][R + Z + k], h[R + Z + k][column]) = (value, value);
+            }
+            h[R + l][R + l] -= 2.0 * work * inv;
         }
         (h, g)
     }
@@ -485,6 +487,7 @@ impl<const R: usize, const Z: usize> Blocks<R, Z> {
                     }
                 }
                 if a != c {
+                    let (nd, dd) = (weight * d[c] * n[a], weight * d[c] * d[a]);
                     for k in 0..R {
                         for l in 0..Z {
                             self.rq[c][a][k][l] += nd * h[k][R + l] + dd * h[k][R + Z + l];
