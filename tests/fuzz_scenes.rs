@@ -1,7 +1,7 @@
 //! Scenes with anything in them: the examples, with elements given and with a preset, with numbers replaced by extreme ones, keys dropped, doubled or misspelt, types swapped.
 //!
 //! Promise: a scene is refused with an [`InputError`](supercoil::InputError), or accepted; an accepted one runs a bounded search
-//! that ends with a status (or an error) and, if it says it converged, in finite numbers. Never a panic.
+//! that ends with a status (or an error) and, if it says it converged, in finite numbers. Never a panic. `SUPERCOIL_FUZZ_SEED` as in `fuzz_library`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)] // helpers of tests
 
@@ -149,7 +149,7 @@ fn survive(text: &str) -> &'static str {
 fn fuzz(cases: u32) {
     let mut runner = TestRunner::new_with_rng(
         Config { cases, failure_persistence: None, max_shrink_iters: 200, ..Config::default() },
-        proptest::test_runner::TestRng::deterministic_rng(proptest::test_runner::RngAlgorithm::ChaCha),
+        common::fuzz::rng(),
     );
     let change = (0u8..10, any::<usize>(), any::<usize>());
     let tally = std::cell::RefCell::new(std::collections::BTreeMap::<&str, usize>::new());

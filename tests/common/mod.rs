@@ -6,6 +6,7 @@
 pub mod braid;
 pub mod cases;
 pub mod curvature;
+pub mod fuzz;
 pub mod kirchhoff_ring;
 
 use std::ops::ControlFlow;
