@@ -119,6 +119,10 @@ impl Engine {
         pattern: &Pattern,
         tangent: &mut Tangent,
     ) -> Residual {
+        if tangent.values.capacity() < pattern.num_entries() {
+            tangent.values = Vec::new();
+            tangent.values.reserve_exact(pattern.num_entries());
+        }
         tangent.values.clear();
         tangent.values.resize(pattern.num_entries(), 0.0);
         tangent.drive.clear();

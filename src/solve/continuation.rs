@@ -191,6 +191,7 @@ impl Reporter<'_> {
             num_unstable: point.num_unstable,
             penetration: point.penetration,
             softening: 1.0,
+            short_iterations: 0,
             predicted: false,
             error: None,
             history: Vec::new(),

@@ -238,6 +238,8 @@ impl Workspace {
         // without contact, or with contact left out for now, the pattern there is holds
         let generation = engine.contact.as_ref().map_or(self.generation, |side| side.broad_phase.generation());
         if self.pattern.is_none() || generation != self.generation {
+            // what is replaced goes first: these are the largest things there are
+            (self.factor, self.pattern) = (None, None);
             timed(&mut self.timings.symbolic, || {
                 let pattern = engine.build_pattern();
                 self.factor = Some(Factor::analyse(&pattern)?);

@@ -88,6 +88,8 @@ pub struct StepReport {
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
     /// all the same; a point contact is spread wider by the cube root of it.
     pub softening: f64,
+    /// Newton iterations on a shorter rod, from whose equilibrium the start of a long plectoneme was made; not among the others.
+    pub short_iterations: usize,
     /// The step settled at once from the state extrapolated from the steps before.
     pub predicted: bool,
     /// What broke down, if anything did.
@@ -107,6 +109,7 @@ impl StepReport {
             num_unstable: 0,
             penetration: 0.0,
             softening: 1.0,
+            short_iterations: 0,
             predicted: false,
             error: None,
             history: Vec::new(),
@@ -142,6 +145,9 @@ impl Solver {
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
     pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
         let mut report = StepReport::settled();
+        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
+        let lengthened = still && predicted.is_none() && self.augments() && self.start_from_short(&mut report);
+        let predicted = if lengthened { Some(vec![0.0; 6 * self.engine.num_nodes()]) } else { predicted };
         let settled = match predicted {
             Some(increment) => self.settle_predicted(drive, increment, &mut report),
             None => Ok(false),

@@ -1,0 +1,230 @@
+//! Long plectonemes come to rest on short ones first.
+//!
+//! A long plectoneme is the same all along but near its end loops, and what has to happen there is the same at any length. So where the start state of a closed
+//! rod is a uniform double helix in the middle, elements are cut out of it, the short rod is brought to rest, and what was cut out is put back in the shape that the
+//! middle of the short one has taken: the screw motion S that takes each element of one strand to the next takes each of the other to the one before, and
+//!
+//! ```text
+//! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
+//! ```
+//!
+//! closes again exactly. The short rod's link is such that the long one's is what it was: what an element more in each strand adds to it, twist and writhe, is
+//! found from the linking numbers of two rods of different length. The long rod then settles from there like any other state; whatever it was made
+//! from, it ends in equilibrium or says that it does not.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Unit;
+
+use crate::error::InputError;
+use crate::math::quaternion::spin;
+use crate::math::{Mat3, Quat, Vec3};
+use crate::rod::{Natural, Rod};
+use crate::scene::Model;
+use crate::solve::path::Solver;
+use crate::solve::settle::{Status, StepReport};
+use crate::solve::state::{Drive, State};
+
+/// Turns of the superhelix that the short rod keeps, and contact distances of strand for its end loops.
+const TURNS: f64 = 16.0;
+const LOOPS: f64 = 60.0;
+/// Rods at least so many times as long as the short one are shortened.
+const LONG: usize = 2;
+/// Turns of the superhelix over which the screw motion is measured.
+const MEASURED_TURNS: f64 = 4.0;
+/// Deviation, in node spacings and rad, up to which a state is what its shortened one becomes when it is lengthened again.
+const SAME: f64 = 1e-3;
+/// Elements put in to measure what they add to the link.
+const PROBE: usize = 64;
+/// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at most.
+const TOL_LINK: f64 = 1e-3;
+const MAX_ROUNDS: usize = 8;
+
+/// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about themselves beyond it along either strand.
+#[derive(Debug, Clone, Copy)]
+struct Screw {
+    axis: Unit<Vec3>,
+    point: Vec3,
+    angle: f64,
+    rise: f64,
+    spins: [f64; 2],
+}
+
+impl Screw {
+    /// Least squares over `count` elements of order `p` on either side of the state's node `at` and of the node opposite; `None` where that is no screw motion.
+    fn measure(state: &State, p: usize, at: usize, count: usize) -> Option<Self> {
+        let nodes = state.positions.len();
+        let around = |node: usize| node.checked_sub(count * p).map(|first| first..node + count * p);
+        let (here, there) = (around(at)?, around(nodes - at)?);
+        if here.end + p > there.start || there.end + p >= nodes {
+            return None;
+        }
+        // from, to: forward along the first strand, backward along the second
+        let pairs: Vec<[usize; 2]> = here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
+        let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
+        let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
+        let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
+        let svd = spread.svd(true, true);
+        let (u, v_t) = (svd.u?, svd.v_t?);
+        let mirror = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, (u * v_t).determinant().signum()));
+        let rotation = Quat::from_matrix(&(u * mirror * v_t));
+        let (axis, angle) = rotation.axis_angle()?;
+        let shift = to - rotation * from;
+        let rise = shift.dot(&axis);
+        let across = shift - axis.into_inner() * rise;
+        let point = (across + axis.cross(&across) / (0.5 * angle).tan()) * 0.5;
+        // turn about d3 that is left of q
+        let twist = |q: Quat| 2.0 * q.k.atan2(q.w);
+        let wrapped = |angle: f64| angle - TAU * (angle / TAU).round();
+        let mean = |range: std::ops::Range<usize>, turn: Quat| {
+            let first = twist((turn * state.frames[range.start]).inverse() * state.frames[range.start + p]);
+            let beyond = |i: usize| wrapped(twist((turn * state.frames[i]).inverse() * state.frames[i + p]) - first);
+            first + range.clone().map(beyond).sum::<f64>() / range.len() as f64
+        };
+        let spins = [mean(here, rotation), mean(there, rotation.inverse())].map(wrapped);
+        Some(Self { axis, point, angle, rise, spins })
+    }
+
+    /// The motion to a power, and the turn in it.
+    fn power(&self, k: f64) -> (impl Fn(&Vec3) -> Vec3 + use<>, Quat) {
+        let turn = Quat::from_axis_angle(&self.axis, self.angle * k);
+        let (point, shift) = (self.point, self.axis.into_inner() * (self.rise * k));
+        (move |x: &Vec3| point + turn * (x - point) + shift, turn)
+    }
+}
+
+/// A node of a changed rod: the old node it is made from, the power of the screw motion and the spin, rad, that take it there.
+type Made = (usize, f64, f64);
+
+/// Nodes of a rod of `nodes` with `elements` of order `p` put in (taken out, if negative) after node `at` and as many before the node opposite.
+fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> Vec<Made> {
+    let k = elements as f64;
+    let opposite = nodes - at;
+    let (cut, put) = (elements.min(0).unsigned_abs() * p, elements.max(0) as usize);
+    let (half, all) = (k * spins[0], k * (spins[0] + spins[1]));
+    let mut list: Vec<Made> = (0..at).map(|i| (i, 0.0, 0.0)).collect();
+    list.extend((0..put).flat_map(|q| (0..p).map(move |r| (at + r, q as f64, q as f64 * spins[0]))));
+    list.extend((at + cut..opposite - cut).map(|i| (i, k, half)));
+    let back = |q: usize| (0..p).map(move |r| (opposite + r, k - q as f64, half + q as f64 * spins[1]));
+    list.extend((0..put).flat_map(back));
+    list.extend((opposite..nodes).map(|i| (i, 0.0, all)));
+    list
+}
+
+/// A state with elements put in or taken out.
+fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -> State {
+    let made = plan(state.positions.len(), p, at, elements, screw.spins);
+    let mut out = State { positions: Vec::with_capacity(made.len()), frames: Vec::with_capacity(made.len()), ..state.clone() };
+    for (from, power, angle) in made {
+        let (motion, turn) = screw.power(power);
+        out.positions.push(motion(&state.positions[from]));
+        out.frames.push(turn * state.frames[from] * spin(angle));
+    }
+    out.seams[0] += elements as f64 * (screw.spins[0] + screw.spins[1]);
+    out
+}
+
+impl Solver {
+    /// Where the start state is a long plectoneme that nothing holds, replaces it by one whose ends are at rest, with the contact offsets that hold them there; false
+    /// where it is not, or where that fails and nothing was changed. Newton iterations on the short rod are counted in the report.
+    pub(crate) fn start_from_short(&mut self, report: &mut StepReport) -> bool {
+        self.short_start().is_some_and(|(state, short, elements, at, screw)| {
+            report.short_iterations += short.1;
+            let short = short.0;
+            let p = self.engine.model.rods[0].order;
+            let made = plan(short.engine.num_nodes(), p, at, elements as isize, screw.spins);
+            let (Some(side), Some(from)) = (&mut self.engine.contact, &short.engine.contact) else { return false };
+            side.law = from.law;
+            side.offsets = made.iter().map(|(i, ..)| from.offsets[*i]).collect();
+            side.before = None;
+            self.stages_left = short.stages_left;
+            self.engine.state = state;
+            true
+        })
+    }
+
+    #[allow(clippy::type_complexity)] // what start_from_short takes apart
+    fn short_start(&self) -> Option<(State, (Solver, usize), usize, usize, Screw)> {
+        let engine = &self.engine;
+        let side = engine.contact.as_ref()?;
+        let [rod] = &engine.model.rods[..] else { return None };
+        let free = engine.model.supports.is_empty() && engine.state.pressures[0] == 0.0 && !engine.model.planar;
+        let unloaded = engine.model.loads.is_empty() && engine.model.line_loads.is_empty();
+        let uniform = rod.closed && rod.section.is_isotropic() && rod.natural == Natural::Straight;
+        if !(free && unloaded && uniform && side.offsets.iter().all(|c| *c == 0.0)) {
+            return None;
+        }
+        let (p, elements) = (rod.order, rod.num_elements);
+        let pitch = Screw::measure(&engine.state, p, elements / 4 * p, 1)?;
+        let per_turn = TAU / pitch.angle;
+        let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
+        let shorter = (2.0 * TURNS * per_turn + loops).ceil() as usize;
+        let shorter = shorter + (elements - shorter.min(elements)) % 2;
+        if shorter.saturating_mul(LONG) > elements {
+            return None;
+        }
+        let cut = (elements - shorter) / 2;
+        let at = shorter / 4 * p;
+        let window = (0.5 * MEASURED_TURNS * per_turn).ceil() as usize;
+        let screw = Screw::measure(&engine.state, p, at, window)?;
+        let start = changed(&engine.state, p, at, -(cut as isize), &screw);
+        if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.length / rod.num_segments() as f64) {
+            return None;
+        }
+        let wanted = engine.state.seams[0] / TAU;
+        let mut short = self.solver_of(&start, rod).ok()?;
+        let mut iterations = 0;
+        let mut slope = 1.0 + 2.0 * cut as f64 / shorter as f64;
+        let mut before: Option<[f64; 2]> = None;
+        let mut report = short.settle(&Drive::default());
+        for _ in 0..MAX_ROUNDS {
+            iterations += report.iterations;
+            if report.status != Status::Converged {
+                return None;
+            }
+            let state = &short.engine.state;
+            let screw = Screw::measure(state, p, at, window)?;
+            let link = state.seams[0] / TAU;
+            let longer = |by: usize| -> Option<State> {
+                let mut longer = changed(state, p, at, by as isize, &screw);
+                let whole = self.rod_of_state(&longer, rod).ok()?.start_excess_link;
+                longer.seams[0] += TAU * (whole - longer.seams[0] / TAU).round();
+                Some(longer)
+            };
+            let each = (longer(PROBE)?.seams[0] - longer(0)?.seams[0]) / TAU / PROBE as f64;
+            let missing = wanted - link - cut as f64 * each;
+            if missing.abs() <= TOL_LINK {
+                let mut long = longer(cut)?;
+                let nodes = 0..long.positions.len();
+                long.twist(0, nodes, TAU * wanted - long.seams[0]);
+                return Some((long, (short, iterations), cut, at, screw));
+            }
+            if let Some([link_before, missing_before]) = before {
+                slope = (missing_before - missing) / (link - link_before);
+            }
+            before = Some([link, missing]);
+            let drive = Drive { seams: vec![TAU * missing / slope], ..Drive::default() };
+            let still = vec![0.0; 6 * state.positions.len()];
+            report = short.settle_along(&drive, Some(still));
+        }
+        None
+    }
+
+    /// A rod of the same kind with the nodes of a state.
+    fn rod_of_state(&self, state: &State, rod: &Rod) -> Result<Rod, InputError> {
+        let length = rod.length * state.positions.len() as f64 / rod.num_nodes() as f64;
+        let (positions, frames) = (state.positions.clone(), state.frames.clone());
+        Rod::from_nodes(&rod.name, length, positions, frames, true, rod.section, rod.order, rod.natural)
+    }
+
+    fn solver_of(&self, state: &State, rod: &Rod) -> Result<Self, InputError> {
+        let rod = self.rod_of_state(state, rod)?;
+        Self::new(Model { rods: vec![rod], contact: self.engine.model.contact, ..Model::default() }, self.options.clone())
+    }
+}
+
+fn is_same(a: &State, b: &State, spacing: f64) -> bool {
+    let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME * spacing;
+    let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME;
+    a.positions.iter().zip(&b.positions).all(near) && a.frames.iter().zip(&b.frames).all(aligned)
+}
