@@ -60,7 +60,8 @@ impl Screw {
             return None;
         }
         // from, to: forward along the first strand, backward along the second
-        let pairs: Vec<[usize; 2]> = here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
+        let pairs: Vec<[usize; 2]> =
+            here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
         let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
         let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
         let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
@@ -114,7 +115,8 @@ fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> 
 /// A state with elements put in or taken out.
 fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -> State {
     let made = plan(state.positions.len(), p, at, elements, screw.spins);
-    let mut out = State { positions: Vec::with_capacity(made.len()), frames: Vec::with_capacity(made.len()), ..state.clone() };
+    let mut out =
+        State { positions: Vec::with_capacity(made.len()), frames: Vec::with_capacity(made.len()), ..state.clone() };
     for (from, power, angle) in made {
         let (motion, turn) = screw.power(power);
         out.positions.push(motion(&state.positions[from]));
@@ -168,7 +170,11 @@ impl Solver {
         let window = (0.5 * MEASURED_TURNS * per_turn).ceil() as usize;
         let screw = Screw::measure(&engine.state, p, at, window)?;
         let start = changed(&engine.state, p, at, -(cut as isize), &screw);
-        if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.length / rod.num_segments() as f64) {
+        if !is_same(
+            &changed(&start, p, at, cut as isize, &screw),
+            &engine.state,
+            rod.length / rod.num_segments() as f64,
+        ) {
             return None;
         }
         let wanted = engine.state.seams[0] / TAU;
@@ -219,7 +225,10 @@ impl Solver {
 
     fn solver_of(&self, state: &State, rod: &Rod) -> Result<Self, InputError> {
         let rod = self.rod_of_state(state, rod)?;
-        Self::new(Model { rods: vec![rod], contact: self.engine.model.contact, ..Model::default() }, self.options.clone())
+        Self::new(
+            Model { rods: vec![rod], contact: self.engine.model.contact, ..Model::default() },
+            self.options.clone(),
+        )
     }
 }
 
