@@ -36,6 +36,7 @@ fn report() -> StepReport {
         num_unstable: 0,
         penetration: 0.0,
         softening: 1.0,
+        short_iterations: 0,
         predicted: false,
         error: None,
         history: Vec::new(),
