@@ -10,32 +10,38 @@ use std::hint::black_box;
 use supercoil::contact::curve::{Cubic, CurveInput, CurveSet};
 use supercoil::contact::detect::{Want, evaluate};
 use supercoil::contact::law::Law;
-use supercoil::math::Vec3;
+use supercoil::math::quaternion::to_array;
 use supercoil::math::shape_functions::Table;
-use supercoil::rod::element::{self, ElementNodes, ElementOutput};
+use supercoil::math::{Quat, Vec3};
+use supercoil::rod::element::{self, Body, ElementNodes, ElementOutput, Plane};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
-/// A straight element under pure stretch has the energy ½ EA ε² ℓ.
+/// A straight element under pure stretch has the energy ½ EA ε² ℓ, in space and in the plane.
 fn rod_element(c: &mut Criterion) {
-    for order in 1..=3 {
+    let along_x = Quat::rotation_between(&Vec3::z(), &Vec3::x()).map_or([1.0, 0.0, 0.0, 0.0], |q| to_array(&q));
+    let plane = Plane::new(&along_x);
+    for (order, plane) in (1..=3).flat_map(|order| [(order, None), (order, Some(&plane))]) {
         let table = Table::new(order);
         let mut nodes = ElementNodes::default();
         for a in 0..=order {
-            nodes.r[a] = [0.0, 0.0, 1.01 * a as f64 / order as f64];
-            nodes.q[a] = [1.0, 0.0, 0.0, 0.0];
+            nodes.r[a] = [1.01 * a as f64 / order as f64, 0.0, 0.0];
+            nodes.q[a] = along_x;
         }
         let material = [1e3, 1e3, 1e4, 1.0, 1.0, 1.5];
         let reference = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3];
-        let mut out = ElementOutput::default();
-        let mut run = |want| {
-            element::evaluate(&table, black_box(&nodes), 1.0, &material, &reference, None, want, &mut out);
+        let body = Body { table: &table, length: 1.0, material: &material, plane };
+        let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; element::MAX_DOF]; element::MAX_DOF]);
+        let mut run = |wanted: bool| {
+            let tangent = wanted.then_some(&mut tangent);
+            element::evaluate(&body, black_box(&nodes), &reference, None, tangent, &mut out);
             out.energy[0]
         };
-        assert!((run(element::Want::Tangent) - 0.5e4 * 1e-4).abs() < 1e-10);
-        c.bench_function(&format!("element order {order}, residual"), |b| b.iter(|| run(element::Want::Residual)));
-        c.bench_function(&format!("element order {order}, tangent"), |b| b.iter(|| run(element::Want::Tangent)));
+        assert!((run(true) - 0.5e4 * 1e-4).abs() < 1e-10);
+        let place = if plane.is_some() { "in a plane" } else { "in space" };
+        c.bench_function(&format!("element {place}, order {order}, residual"), |b| b.iter(|| run(false)));
+        c.bench_function(&format!("element {place}, order {order}, tangent"), |b| b.iter(|| run(true)));
     }
 }
 

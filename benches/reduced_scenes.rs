@@ -3,6 +3,7 @@
 //! `cargo bench --bench reduced_scenes`. One problem for all: a leaf spring of two cantilevers, the one pressed on the other by a load at its tip, or one of them
 //! alone; with and without out-of-plane unknowns, with contact in use, on where nothing is near, or off; straight or curved by nature. Each runs several times in turn on
 //! one thread and the least time of the processor is kept, so that other work on the machine disturbs all alike; only the ratios mean something.
+//! Parts on the clock: detection, assembly, factor with its analysis, solves. `-- "planar, in contact"` runs the scenes of that name only, ten rounds: for a profiler.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::time::Instant;
@@ -10,7 +11,7 @@ use std::time::Instant;
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status, Timings};
 
 /// Of all rods together.
 const ELEMENTS: usize = 400;
@@ -20,7 +21,7 @@ const RADIUS: f64 = 0.002;
 /// So small that the leaves, B = 1, L = 1, do not slide off each other sideways.
 const FORCE: f64 = 1e-3;
 /// Seconds that a case is timed for in a round.
-const LONG_ENOUGH: f64 = 0.3;
+const LONG_ENOUGH: f64 = 1.0;
 
 struct Case {
     name: &'static str,
@@ -57,8 +58,8 @@ fn processor() -> Option<f64> {
     Some(0.01 * (ticks(11)? + ticks(12)?))
 }
 
-/// Seconds per Newton iteration and node, and iterations of a run.
-fn time(case: &Case) -> (f64, usize) {
+/// Seconds per Newton iteration and node, iterations of a run and where the time of the last went.
+fn time(case: &Case) -> (f64, usize, Timings) {
     let (mut seconds, mut work) = (0.0, 0);
     loop {
         let mut solver = solver(case);
@@ -71,7 +72,7 @@ fn time(case: &Case) -> (f64, usize) {
         assert_eq!(report.status, Status::Converged, "{}", case.name);
         work += report.iterations * solver.engine().num_nodes();
         if seconds >= LONG_ENOUGH {
-            return (seconds / work as f64, report.iterations);
+            return (seconds / work as f64, report.iterations, solver.timings());
         }
     }
 }
@@ -87,19 +88,25 @@ fn main() {
         case("planar, contact on", true, 1, true),
         case("planar, no contact", true, 1, false),
     ];
-    let mut best = vec![(f64::INFINITY, 0); cases.len()];
-    for _ in 0..ROUNDS {
+    let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
+    let cases: Vec<Case> =
+        cases.into_iter().filter(|case| only.as_ref().is_none_or(|only| case.name == only)).collect();
+    let rounds = if only.is_some() { 10 } else { ROUNDS };
+    let mut best = vec![(f64::INFINITY, 0, Timings::default()); cases.len()];
+    for _ in 0..rounds {
         for (best, case) in best.iter_mut().zip(&cases) {
-            let (seconds, iterations) = time(case);
-            *best = (best.0.min(seconds), iterations);
+            let now = time(case);
+            if now.0 < best.0 {
+                *best = now;
+            }
         }
     }
     println!(
-        "{:<24} {:>10} {:>10} {:>6} {:>9} {:>9} {:>9} {:>6}",
-        "scene", "iterations", "µs/node/it", "rel.", "unknowns", "tangent", "factor", "rel."
+        "{:<24} {:>10} {:>10} {:>6} {:>9} {:>9} {:>9} {:>6}   detection assembly factor solve, % on the clock",
+        "scene", "iterations", "µs/node/it", "rel.", "unknowns", "tangent", "factor", "rel.",
     );
     let mut full = 0.0;
-    for (case, (seconds, iterations)) in cases.iter().zip(&best) {
+    for (case, (seconds, iterations, parts)) in cases.iter().zip(&best) {
         let mut solver = solver(case);
         let size = solver.engine_mut().footprint().unwrap();
         let per_node = |count: usize| count as f64 / size.nodes as f64;
@@ -109,15 +116,21 @@ fn main() {
         if full == 0.0 {
             full = bytes;
         }
+        let clock = seconds * (iterations * size.nodes) as f64;
+        let part = |part: std::time::Duration| 100.0 * part.as_secs_f64() / clock;
         println!(
-            "{:<24} {iterations:>10} {:>10.3} {:>6.2} {:>9.2} {:>9.1} {:>9.1} {:>6.2}",
+            "{:<24} {iterations:>10} {:>10.3} {:>6.2} {:>9.2} {:>9.1} {:>9.1} {:>6.2}   {:.0} {:.0} {:.0} {:.0}",
             case.name,
             seconds * 1e6,
             seconds / best[0].0,
             per_node(size.unknowns),
             per_node(size.tangent_entries),
             per_node(size.factor_entries),
-            bytes / full
+            bytes / full,
+            part(parts.detection),
+            part(parts.assembly),
+            part(parts.symbolic + parts.factor),
+            part(parts.solve)
         );
     }
 }

@@ -549,6 +549,8 @@ fn main() {
         let reference = (case.reference)();
         let steps = if case.name == "bend" { 1 } else { MIDDLE.steps };
         case.knobs.extend(Fidelity::ALL.map(|fidelity| preset(fidelity, case.rod, steps)));
+        // the coarsest preset's mesh and tolerances under a plain penalty
+        case.knobs.push(Knobs { augmented: false, preset: None, ..preset(Fidelity::Draft, case.rod, steps) });
         let (mut rows, mut failed) = (Vec::new(), Vec::new());
         for &knobs in &case.knobs {
             match measure(&case, &reference, knobs) {

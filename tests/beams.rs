@@ -11,13 +11,13 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
-use common::verify;
+use common::{observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, Progress, Solver, Status};
+use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -39,9 +39,7 @@ fn clamped(rods: Vec<Rod>) -> Model {
 fn to(solver: &mut Solver, ramps: &[Ramp]) -> Observation {
     let report = solver.step_to(ramps).unwrap();
     assert_eq!(report.status, Status::Converged, "{ramps:?}: {}", common::history(&report));
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-    observe(&progress)
+    observed(solver, &report)
 }
 
 #[test]

@@ -25,14 +25,14 @@ mod common;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::math::link::writhe;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Model, NodeRef, Ramp, Support};
-use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Progress, Solver, Status};
+use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver, Status};
 
 const TURNS: f64 = 8.0;
 const PHI: f64 = TURNS * TAU;
@@ -77,8 +77,7 @@ struct Seen {
 fn to(solver: &mut Solver, ramps: &[Ramp]) -> Seen {
     let report = solver.step_to(ramps).unwrap();
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{ramps:?}: {}", history(&report));
-    let engine = solver.engine();
-    seen(observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 }), solver)
+    seen(observed(solver, &report), solver)
 }
 
 fn seen(all: Observation, solver: &Solver) -> Seen {

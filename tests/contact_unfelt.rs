@@ -5,13 +5,15 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
+mod common;
+
 use std::f64::consts::PI;
 
+use common::observed;
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 const ELEMENTS: usize = 16;
 
@@ -104,9 +106,7 @@ fn a_bar_in_the_way_is_felt() {
         let (on, before) = load(&model, Contact::default());
         assert_eq!(on.status, Status::Converged);
         assert!(height(&before) < -radius, "{}", height(&before));
-        let progress =
-            Progress { engine: before.engine(), stage: 0, step: 0, fraction: 1.0, report: &on, seconds: 0.0 };
-        let seen = observe(&progress);
+        let seen = observed(&before, &on);
         assert_eq!(seen.num_sites, 1);
         assert!(seen.min_gap.unwrap().lower > -1e-6 * radius && seen.total_contact_force > 1.0);
     }

@@ -30,12 +30,11 @@ mod common;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use common::braid::braid;
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status};
+use supercoil::solve::{Drive, Options, Solver, Status};
 
 const TAIL: f64 = 7.0;
 /// σ and e of the cinquefoil.
@@ -94,8 +93,7 @@ fn pulled(h: f64, crossings: f64, elements: usize) -> [f64; 3] {
     solver.engine_mut().set_contact_law(law(1000.0)).unwrap();
     let report = solver.settle(&Drive::default());
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
-    let engine = solver.engine();
-    let seen = observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 });
+    let seen = observed(&solver, &report);
     let kinds: Vec<&str> = seen.sites.iter().map(|site| site.kind.as_str()).collect();
     assert_eq!(kinds, ["point", "line", "point"], "{:?}", seen.sites);
     for site in &seen.sites {

@@ -12,12 +12,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use common::cases::{BATHE_TIP_AT_600, bathe_bend};
+use common::observed;
 use supercoil::io::run::run_scene;
 use supercoil::math::Vec3;
-use supercoil::observe::{ErrorEstimate, estimate_error, observe};
+use supercoil::observe::{ErrorEstimate, estimate_error};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp, Scene};
-use supercoil::solve::{Options, Progress, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 /// The 45° bend under a tip load of 600, kGA = 5/6·5e6.
 fn bend(elements: usize, order: usize) -> (Solver, f64) {
@@ -60,8 +61,7 @@ fn ring(elements: usize, kappa: f64, excess_link: f64) -> Solver {
 
 fn force(solver: &mut Solver) -> f64 {
     let report = solver.step_to(&[]).unwrap();
-    observe(&Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 })
-        .total_contact_force
+    observed(solver, &report).total_contact_force
 }
 
 #[test]

@@ -6,21 +6,18 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
+mod common;
+
+use common::observed;
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
-
-fn seen(solver: &Solver, report: &StepReport) -> Observation {
-    let progress = Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 };
-    observe(&progress)
-}
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 fn to(solver: &mut Solver, excess_link: f64) -> (StepReport, Observation) {
     let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
-    let seen = seen(solver, &report);
+    let seen = observed(solver, &report);
     (report, seen)
 }
 
@@ -180,7 +177,7 @@ fn crossed_starts() {
         let mut solver = beams(angle, 0.04 * height, 16);
         let report = solver.step_to(&[]).unwrap();
         assert_eq!(report.status, Status::Converged, "at {angle}, {height} diameters");
-        let parted = seen(&solver, &report);
+        let parted = observed(&solver, &report);
         let gap = parted.min_gap.unwrap().lower;
         assert!(gap > -1e-6 * 0.02, "at {angle}, {height} diameters: {gap:e}");
         assert_eq!(parted.num_sites, usize::from(height < 1.0));
@@ -195,7 +192,7 @@ fn crossed_starts() {
             let ramps = [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to });
             let report = solver.step_to(&ramps).unwrap();
             assert_eq!(report.status, Status::Converged, "pushed from apart");
-            pushed = Some(seen(&solver, &report));
+            pushed = Some(observed(&solver, &report));
         }
         let pushed = pushed.unwrap();
         let pairs = [
@@ -233,7 +230,7 @@ fn strands_that_just_touch_without_load() {
             assert_eq!(report.status, Status::Converged, "{angle:e}, {elements} elements");
             let moved = solver.engine().positions(1).iter().zip(&before).map(|(a, b)| (a - b).norm());
             assert!(moved.fold(0.0, f64::max) < 1e-10, "{angle:e}, {elements} elements");
-            let seen = seen(&solver, &report);
+            let seen = observed(&solver, &report);
             assert!(seen.total_contact_force < 1e-6, "{angle:e}: {}", seen.total_contact_force);
             assert!(seen.min_gap.unwrap().lower > -1e-10);
         }
@@ -251,7 +248,7 @@ fn two_rings(height: f64) -> (StepReport, Observation) {
     let mut solver = Solver::new(model, Options::default()).unwrap();
     solver.options_mut().newton.max_iterations = 150;
     let report = solver.step_to(&[]).unwrap();
-    let seen = seen(&solver, &report);
+    let seen = observed(&solver, &report);
     (report, seen)
 }
 
@@ -300,7 +297,7 @@ fn curvature_at_the_thickness_limit() {
         let mut solver =
             Solver::new(Model { rods: vec![ring(radius).unwrap()], ..Model::default() }, Options::default()).unwrap();
         let report = solver.step_to(&[]).unwrap();
-        let seen = seen(&solver, &report);
+        let seen = observed(&solver, &report);
         assert_eq!((report.status, seen.num_sites), (Status::Converged, 0), "{radius}");
         assert!((seen.energies.bend / (0.5 * std::f64::consts::TAU.powi(2)) - 1.0).abs() < 1e-4);
     }
@@ -331,7 +328,7 @@ fn a_knot_at_its_limit() {
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
         solver.options_mut().newton.max_iterations = if exists { 500 } else { 60 };
         let report = solver.step_to(&[]).unwrap();
-        let seen = seen(&solver, &report);
+        let seen = observed(&solver, &report);
         let gap = seen.min_gap.map_or(f64::INFINITY, |gap| gap.lower * ratio);
         println!("L/D = {ratio}: {} in {}, gap {gap:.1e} D", report.status, report.iterations);
         let refused = matches!(report.status, Status::MaxIterations | Status::Penetration);

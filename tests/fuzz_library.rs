@@ -1,15 +1,18 @@
 //! Library inputs with anything in them: rods from any nodes, curves through any points, models with any supports, loads, laws and ramps.
 //!
 //! Promise: refused with an `InputError`, or taken; what is taken ends in bounded work, with finite numbers where it says it converged, sites
-//! within the range asked for, link conserved. Never a panic.
+//! within the range asked for, link conserved. Never a panic. `SUPERCOIL_FUZZ_SEED=7 cargo test --release --test fuzz_library -- --ignored` takes other inputs than the usual ones.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
+
+mod common;
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
+use common::fuzz;
 use proptest::prelude::*;
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use proptest::test_runner::{Config, TestRunner};
 use supercoil::contact::{self, Curve, Detector, Neighbours};
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::Quaternion;
@@ -20,7 +23,7 @@ use supercoil::solve::{Options, Status, run};
 
 fn runner(cases: u32) -> TestRunner {
     let config = Config { cases, failure_persistence: None, max_shrink_iters: 300, ..Config::default() };
-    TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
+    TestRunner::new_with_rng(config, fuzz::rng())
 }
 
 /// A number: mostly of ordinary size, sometimes a repeated one, rarely anything.

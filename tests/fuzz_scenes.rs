@@ -1,17 +1,19 @@
 //! Scenes with anything in them: the examples, with elements given and with a preset, with numbers replaced by extreme ones, keys dropped, doubled or misspelt, types swapped.
 //!
 //! Promise: a scene is refused with an [`InputError`](supercoil::InputError), or accepted; an accepted one runs a bounded search
-//! that ends with a status (or an error) and, if it says it converged, in finite numbers. Never a panic.
+//! that ends with a status (or an error) and, if it says it converged, in finite numbers. Never a panic. `SUPERCOIL_FUZZ_SEED` as in `fuzz_library`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)] // helpers of tests
 
+mod common;
+
 use std::path::Path;
 
+use common::observed;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use supercoil::observe::observe;
 use supercoil::scene::Scene;
-use supercoil::solve::{Options, Progress, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 const SCENES: [&str; 4] = [
     include_str!("../examples/minicircle.toml"),
@@ -136,9 +138,7 @@ fn survive(text: &str) -> &'static str {
     let Ok(mut solver) = Solver::new(scene.model, options) else { return "refused by the solver" };
     let Some(stage) = scene.stages.first() else { return "no stage" };
     let Ok(report) = solver.step_to(&stage.ramps) else { return "refused ramp" };
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-    let seen = observe(&progress);
+    let seen = observed(&solver, &report);
     if report.status == Status::Converged {
         assert!(seen.energies.total.is_finite(), "converged to an energy of {:?}:\n{text}", seen.energies);
         return "converged";
@@ -149,7 +149,7 @@ fn survive(text: &str) -> &'static str {
 fn fuzz(cases: u32) {
     let mut runner = TestRunner::new_with_rng(
         Config { cases, failure_persistence: None, max_shrink_iters: 200, ..Config::default() },
-        proptest::test_runner::TestRng::deterministic_rng(proptest::test_runner::RngAlgorithm::ChaCha),
+        common::fuzz::rng(),
     );
     let change = (0u8..10, any::<usize>(), any::<usize>());
     let tally = std::cell::RefCell::new(std::collections::BTreeMap::<&str, usize>::new());

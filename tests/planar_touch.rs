@@ -14,20 +14,17 @@ use std::f64::consts::TAU;
 
 use common::cases::oval_ring;
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
-use common::verify;
+use common::{observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status};
+use supercoil::solve::{Drive, Options, Solver, Status};
 
 fn to(solver: &mut Solver, ramp: Ramp) -> Observation {
     let report = solver.step_to(std::slice::from_ref(&ramp)).unwrap();
     assert_eq!(report.status, Status::Converged, "{ramp:?}: {}", common::history(&report));
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-    observe(&progress)
+    observed(solver, &report)
 }
 
 /// Drives a parameter from `from` towards the value where the gap closes; returns it and the last state.
@@ -143,14 +140,7 @@ fn ring_under_pressure_goes_from_a_point_to_a_line() {
                 assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
             }
             let report = solver.settle(&Drive::default());
-            let seen = observe(&Progress {
-                engine: solver.engine(),
-                stage: 0,
-                step: 0,
-                fraction: 1.0,
-                report: &report,
-                seconds: 0.0,
-            });
+            let seen = observed(&solver, &report);
             assert_eq!(seen.sites.len(), 1, "{:?}", seen.sites);
             let site = &seen.sites[0];
             // counter-clockwise: to the left is inside, the force on either strand is outwards

@@ -28,13 +28,12 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::contact::curve::Cubic;
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, Model};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status};
+use supercoil::solve::{Drive, Options, Solver, Status};
 
 /// Parts that a cubic is cut into for the bounds of its length and curvature.
 const PARTS: usize = 16;
@@ -114,8 +113,7 @@ fn pull(start: &[Shape], lengths: &[f64], elements: usize) -> Tight {
     solver.engine_mut().set_contact_law(law(3e4)).unwrap();
     let report = solver.settle(&Drive::default());
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
-    let engine = solver.engine();
-    let seen = observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 });
+    let seen = observed(&solver, &report);
     let cubics: Vec<Cubic> = (0..start.len()).flat_map(|rod| centreline(&solver, rod)).collect();
     let length: f64 = cubics.iter().map(length_bound).sum();
     let curvature = cubics.iter().map(curvature_bound).fold(0.0, f64::max);
@@ -172,14 +170,7 @@ fn tighter_knots_do_not_pretend_to_rest() {
         options.newton.max_iterations = 150;
         let mut solver = Solver::new(model, options).unwrap();
         let report = solver.settle(&Drive::default());
-        let seen = observe(&Progress {
-            engine: solver.engine(),
-            stage: 0,
-            step: 0,
-            fraction: 1.0,
-            report: &report,
-            seconds: 0.0,
-        });
+        let seen = observed(&solver, &report);
         let cubics = centreline(&solver, 0);
         let length: f64 = cubics.iter().map(length_bound).sum();
         let half_distance = 1.0 + 0.5 * seen.min_gap.unwrap().lower;

@@ -13,13 +13,12 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::verify;
+use common::{observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status, StepReport};
+use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
 
 fn ring(elements: usize, diameter: f64, stiff: f64, law: impl Fn(f64) -> ContactLaw) -> Solver {
     let section = Section::isotropic(1.0, 1.5, stiff, stiff, 0.5 * diameter);
@@ -36,9 +35,7 @@ fn augmented(kappa: f64) -> impl Fn(f64) -> ContactLaw {
 
 fn to(solver: &mut Solver, excess_link: f64) -> (StepReport, Observation) {
     let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-    let seen = observe(&progress);
+    let seen = observed(solver, &report);
     (report, seen)
 }
 

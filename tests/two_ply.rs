@@ -22,13 +22,12 @@
 
 mod common;
 
-use common::{history, strains, verify};
+use common::{history, observed, strains, verify};
 use supercoil::math::quaternion::spin;
 use supercoil::math::{Quat, Vec3};
-use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Progress, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 const STIFF: f64 = 1e5;
 
@@ -87,7 +86,7 @@ fn twisted(solver: &mut Solver, turns: f64) -> Ply {
     let report = solver.step_to(&ramps).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", history(&report));
     let engine = solver.engine();
-    let seen = observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 });
+    let seen = observed(solver, &report);
     let clamps = seen.reactions.iter().filter(|r| r.node == 0);
     let torque = clamps
         .map(|r| {

@@ -14,7 +14,7 @@ const SAFETY: f64 = 64.0 * f64::EPSILON;
 /// under- or overflows; [`segment_distance`] does not. NaN input gives NaN or the distance of the finite part.
 #[must_use]
 pub fn segment_distance_sq(p0: &Vec3, p1: &Vec3, q0: &Vec3, q1: &Vec3) -> f64 {
-    let (scale, unit_sq) = scaled_distance_sq(&(p1 - p0), &(q1 - q0), &(p0 - q0));
+    let Scaled { scale, unit_sq, .. } = scaled_distance_sq(&(p1 - p0), &(q1 - q0), &(p0 - q0));
     // Grouped so that neither factor alone over- or underflows early.
     (scale * unit_sq) * scale
 }
@@ -22,18 +22,26 @@ pub fn segment_distance_sq(p0: &Vec3, p1: &Vec3, q0: &Vec3, q1: &Vec3) -> f64 {
 /// Distance \[L\] between the segments p0 p1 and q0 q1; as [`segment_distance_sq`] over the whole range of f64.
 #[must_use]
 pub fn segment_distance(p0: &Vec3, p1: &Vec3, q0: &Vec3, q1: &Vec3) -> f64 {
-    let (scale, unit_sq) = scaled_distance_sq(&(p1 - p0), &(q1 - q0), &(p0 - q0));
+    let Scaled { scale, unit_sq, .. } = scaled_distance_sq(&(p1 - p0), &(q1 - q0), &(p0 - q0));
     scale * unit_sq.sqrt()
 }
 
-/// (scale, squared distance in units of scale) of the segments r + [0,1] d and [0,1] e.
-fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> (f64, f64) {
-    let scale = d.amax().max(e.amax()).max(r.amax());
-    if scale == 0.0 {
-        return (0.0, 0.0);
+/// A squared distance in units of a scale \[L\], and the size of the pair \[L\].
+struct Scaled {
+    size: f64,
+    scale: f64,
+    unit_sq: f64,
+}
+
+/// Of the segments r + [0,1] d and [0,1] e.
+fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> Scaled {
+    let size = d.amax().max(e.amax()).max(r.amax());
+    if size == 0.0 {
+        return Scaled { size, scale: 0.0, unit_sq: 0.0 };
     }
-    // Division, not a reciprocal: 1/scale overflows for subnormal sizes.
-    let (d, e, r) = (d / scale, e / scale, r / scale);
+    // Usual sizes need no scaling. Division, not a reciprocal: 1/scale overflows for subnormal sizes.
+    let usual = (1e-30..1e30).contains(&size);
+    let (scale, d, e, r) = if usual { (1.0, *d, *e, *r) } else { (size, d / size, e / size, r / size) };
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
     // Parameter of the nearest point, clamped; a segment that is a point uses its start.
@@ -56,7 +64,7 @@ fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> (f64, f64) {
             best = best.min(at(s, clamp(er + s * de, ee)));
         }
     }
-    (scale, best)
+    Scaled { size, scale, unit_sq: best }
 }
 
 /// A segment's chord swept by its bulge: contains the curve.
@@ -82,8 +90,8 @@ impl Capsule {
     #[must_use]
     pub fn distance_lower_bound(&self, other: &Self) -> f64 {
         let (d, e, r) = (self.end - self.start, other.end - other.start, self.start - other.start);
-        let (scale, unit_sq) = scaled_distance_sq(&d, &e, &r);
-        (scale * unit_sq.sqrt() - self.bulge - other.bulge - SAFETY * scale).max(0.0)
+        let Scaled { size, scale, unit_sq } = scaled_distance_sq(&d, &e, &r);
+        (scale * unit_sq.sqrt() - self.bulge - other.bulge - SAFETY * size).max(0.0)
     }
 }
 

@@ -150,8 +150,20 @@ pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
     if sa == 0.0 || sb == 0.0 {
         return 0.0;
     }
-    let (a, b) = (a / sa, b / sb);
-    a.cross(&b).norm().atan2(a.dot(&b))
+    let usual = (1e-60..1e60).contains(&sa) && (1e-60..1e60).contains(&sb);
+    let (a, b) = if usual { (*a, *b) } else { (a / sa, b / sb) };
+    let (across, along) = (a.cross(&b).norm(), a.dot(&b));
+    if across < SMALL_ANGLE * along { small_angle(across / along) } else { across.atan2(along) }
+}
+
+/// Tangents of angles up to which [`small_angle`] is right to rounding.
+const SMALL_ANGLE: f64 = 0.1;
+
+/// atan t by its series, whose first term left out is t¹⁷/17: most angles between successive edges are small, and there are three a segment and state.
+fn small_angle(t: f64) -> f64 {
+    let q = t * t;
+    let tail = [1.0 / 15.0, 1.0 / 13.0, 1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
+    t - t * q * tail.iter().fold(0.0, |sum, term| term - q * sum)
 }
 
 /// Distance of the point `p` from the segment from 0 to `d`.

@@ -174,8 +174,23 @@ impl Rod {
             let ok = (norm - 1.0).abs() < 1e-6;
             InputError::check(&format!("{path}.frames[{i}].norm"), norm, ok, "1 (a unit quaternion)")?;
         }
+        self.check_length(&path)?;
         self.check_natural(&path)?;
         (0..self.num_segments()).try_for_each(|segment| self.check_segment(&path, segment))
+    }
+
+    /// A rod a million times as long as the way along its nodes, or as short, is a slip.
+    fn check_length(&self, path: &str) -> Result<(), InputError> {
+        let ends = |k: usize| (self.positions[(k + 1) % self.num_nodes()] - self.positions[k]).norm();
+        let way: f64 = (0..self.num_segments()).map(ends).sum();
+        if (1e-6..=1e6).contains(&(way / self.length)) {
+            return Ok(());
+        }
+        let reason = format!(
+            "length = {:e}, but the way along its positions is {way:e}: they are to agree within a factor of 1e6",
+            self.length
+        );
+        Err(InputError::Inconsistent { field: path.to_owned(), reason })
     }
 
     /// What a rod would turn by from node to node where nothing holds it must be within what elements can tell.

@@ -211,6 +211,11 @@ pub struct Model {
     pub planar: bool,
 }
 
+/// A direction as a unit vector, whatever its size.
+pub(crate) fn unit(direction: &Vec3) -> Vec3 {
+    (direction / direction.amax()).normalize()
+}
+
 impl Model {
     /// Position and rotation components fixed at a node by all its supports and those of joined nodes together (all out-of-plane components too in
     /// a planar model).

@@ -8,7 +8,7 @@ use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::shape_functions::lagrange;
 use crate::math::{Quat, Vec3};
-use crate::rod::element::{ElementOutput, MAX_DOF, Six, Want, evaluate};
+use crate::rod::element::{ElementOutput, ElementTangent, MAX_DOF, Six, evaluate};
 use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic, give_to_masters};
 use crate::solve::state::{Drive, State};
 use crate::sparse::Pattern;
@@ -91,7 +91,7 @@ impl Engine {
                 let results: Vec<ElementOutput> = batch
                     .par_iter()
                     .enumerate()
-                    .map(|(k, _)| self.element_output(batch_index * BATCH + k, state, None, Want::Residual))
+                    .map(|(k, _)| self.element_output(batch_index * BATCH + k, state, None, None))
                     .collect();
                 for (k, result) in results.iter().enumerate() {
                     self.scatter_element_gradient(batch_index * BATCH + k, result, state, &mut out);
@@ -131,18 +131,19 @@ impl Engine {
         self.install(|| {
             let mut out = self.start_residual();
             for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
-                let results: Vec<ElementOutput> = batch
+                let results: Vec<(ElementOutput, ElementTangent)> = batch
                     .par_iter()
                     .enumerate()
                     .map(|(k, _)| {
                         let e = batch_index * BATCH + k;
-                        self.element_output(e, state, predicted.map(|p| &p[e]), Want::Tangent)
+                        let mut tangent = [[0.0; MAX_DOF]; MAX_DOF];
+                        (self.element_output(e, state, predicted.map(|p| &p[e]), Some(&mut tangent)), tangent)
                     })
                     .collect();
-                for (k, result) in results.iter().enumerate() {
+                for (k, (result, block)) in results.iter().enumerate() {
                     let e = batch_index * BATCH + k;
                     self.scatter_element_gradient(e, result, state, &mut out);
-                    self.scatter_element_tangent(e, result, prescribed.as_deref(), pattern, tangent);
+                    self.scatter_element_tangent(e, block, prescribed.as_deref(), pattern, tangent);
                 }
             }
             let besides = Besides { zones: false, tangent: true };
@@ -214,10 +215,8 @@ impl Engine {
         let nodes = self.element_nodes(state, element);
         let local = self.local_increment(element, increment);
         crate::rod::element::predicted_stress(
-            self.table(element.rod),
+            &self.body(element.rod),
             &nodes,
-            self.element_length(element.rod),
-            &self.material[element.rod],
             &self.reference[element.rod].of(e),
             &local,
         )
@@ -249,11 +248,9 @@ impl Engine {
                     .with_min_len(32)
                     .map(|element| {
                         crate::rod::element::surprise_force(
-                            self.table(element.rod),
+                            &self.body(element.rod),
                             &self.element_nodes(state, element),
                             &self.element_nodes(moved, element),
-                            self.element_length(element.rod),
-                            &self.material[element.rod],
                             &self.local_increment(element, increment),
                         )
                     })
@@ -292,15 +289,13 @@ impl Engine {
         e: usize,
         state: &State,
         predicted: Option<&[Six; 3]>,
-        want: Want,
+        tangent: Option<&mut ElementTangent>,
     ) -> ElementOutput {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let mut out = ElementOutput::default();
         let reference = self.reference[element.rod].of(e);
-        let length = self.element_length(element.rod);
-        let material = &self.material[element.rod];
-        evaluate(self.table(element.rod), &nodes, length, material, &reference, predicted, want, &mut out);
+        evaluate(&self.body(element.rod), &nodes, &reference, predicted, tangent, &mut out);
         out
     }
 
@@ -348,7 +343,7 @@ impl Engine {
     fn scatter_element_tangent(
         &self,
         e: usize,
-        result: &ElementOutput,
+        block: &ElementTangent,
         prescribed: Option<&[f64]>,
         pattern: &Pattern,
         tangent: &mut Tangent,
@@ -358,7 +353,7 @@ impl Engine {
         for a in 0..count {
             for c in a..count {
                 let (p, q) = (element.nodes[a], element.nodes[c]);
-                let entry = |i: usize, j: usize| result.tangent[6 * a + i][6 * c + j];
+                let entry = |i: usize, j: usize| block[6 * a + i][6 * c + j];
                 pattern.add_block(&mut tangent.values, p, q, entry);
                 if p == q && a != c {
                     pattern.add_block(&mut tangent.values, p, q, |i, j| entry(j, i));
@@ -368,7 +363,7 @@ impl Engine {
         let Some(all) = prescribed else { return };
         let local = self.local_increment(element, all);
         for row in 0..6 * count {
-            let sum: f64 = (0..6 * count).map(|col| symmetric(&result.tangent, row, col) * local[col]).sum();
+            let sum: f64 = (0..6 * count).map(|col| symmetric(block, row, col) * local[col]).sum();
             tangent.drive[6 * element.nodes[row / 6] + row % 6] += sum;
         }
     }
@@ -540,7 +535,7 @@ fn add_load(out: &mut Residual, unknown: usize, force: f64) {
     out.magnitude[unknown] += force.abs();
 }
 
-pub(super) fn symmetric(tangent: &[[f64; MAX_DOF]; MAX_DOF], row: usize, col: usize) -> f64 {
+pub(super) fn symmetric(tangent: &ElementTangent, row: usize, col: usize) -> f64 {
     if row / 6 <= col / 6 { tangent[row][col] } else { tangent[col][row] }
 }
 

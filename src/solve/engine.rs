@@ -8,7 +8,7 @@ use crate::error::InputError;
 use crate::math::quaternion::to_array;
 use crate::math::shape_functions::Table;
 use crate::math::{Quat, Vec3};
-use crate::rod::element::{ElementNodes, Six, raw_strains, stiffness};
+use crate::rod::element::{Body, ElementNodes, Plane, Six, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::state::State;
@@ -88,6 +88,8 @@ pub struct Engine {
     pub(crate) material: Vec<Six>,
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
     pub(crate) reference: Vec<Reference>,
+    /// Per rod of a planar model: the plane as its elements know it.
+    pub(crate) planes: Vec<Plane>,
     pub(crate) free: Vec<[bool; 6]>,
     /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no mass, and
     /// their share of the gradient is the master's.
@@ -172,6 +174,7 @@ impl Engine {
             material: model.rods.iter().map(|r| stiffness(&r.section)).collect(),
             masses: masses(&model, &scales, &master),
             reference: Vec::new(),
+            planes: planes(&model),
             contact: None,
             model,
             first_node,
@@ -309,6 +312,16 @@ impl Engine {
         &self.tables[self.model.rods[rod].order - 1]
     }
 
+    /// What the elements of a rod have in common.
+    pub(crate) fn body(&self, rod: usize) -> Body<'_> {
+        Body {
+            table: self.table(rod),
+            length: self.element_length(rod),
+            material: &self.material[rod],
+            plane: self.planes.get(rod),
+        }
+    }
+
     /// Reference length of the elements of a rod \[L\].
     pub(crate) fn element_length(&self, rod: usize) -> f64 {
         self.model.rods[rod].length / self.model.rods[rod].num_elements as f64
@@ -382,6 +395,11 @@ fn law_stiffness(dimensionless: f64, scales: &Scales, radius: f64) -> f64 {
 pub(crate) fn contact_cubic(state: &State, [a, b]: [usize; 2], length: f64) -> Cubic {
     let d3 = |n: usize| state.frames[n] * Vec3::z();
     Cubic::from_hermite(state.positions[a], d3(a) * length, state.positions[b], d3(b) * length)
+}
+
+fn planes(model: &Model) -> Vec<Plane> {
+    let rods = model.rods.iter().filter(|_| model.planar);
+    rods.map(|rod| Plane::new(&to_array(&rod.frames[0]))).collect()
 }
 
 fn masters(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<usize> {

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
+use crate::scene::model::unit;
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
@@ -320,7 +321,7 @@ impl Solver {
                 Ramp::Rotation { node, axis, to } => {
                     let node = node_of(node);
                     let change = (to - self.turned.get(&node).copied().unwrap_or(0.0)) * take;
-                    let vector = axis.normalize() * (change * std::f64::consts::TAU);
+                    let vector = unit(axis) * (change * std::f64::consts::TAU);
                     target.drive.nodes.push((node, Vec3::zeros(), vector));
                     target.turned.push((node, change));
                 }

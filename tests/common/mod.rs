@@ -6,6 +6,7 @@
 pub mod braid;
 pub mod cases;
 pub mod curvature;
+pub mod fuzz;
 pub mod kirchhoff_ring;
 
 use std::ops::ControlFlow;
@@ -13,10 +14,12 @@ use std::ops::ControlFlow;
 use supercoil::math::quaternion::to_array;
 use supercoil::math::shape_functions::Table;
 use supercoil::math::{Quat, Vec3};
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
 use supercoil::rod::element::{ElementNodes, Six, raw_strains, stiffness};
 use supercoil::rod::{Natural, Rod, Section};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Solver, StepReport};
+use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Progress, Solver, StepReport};
 
 /// Prints a row of the verification table (seen with `--nocapture`) and asserts |measured − reference| ≤ tolerance.
 pub fn verify(case: &str, quantity: &str, measured: f64, reference: f64, tolerance: f64) {
@@ -74,6 +77,11 @@ pub fn cantilever(rod: Rod, force: Vec3, moment: Vec3) -> Model {
         rods: vec![rod],
         ..Model::default()
     }
+}
+
+/// What is observed of the solver's state after a step.
+pub fn observed(solver: &Solver, report: &StepReport) -> Observation {
+    observe(&Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
 }
 
 /// Position of the last node of rod 0.

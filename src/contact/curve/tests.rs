@@ -55,6 +55,19 @@ fn turning_of_degenerate_polygons() {
     assert!(straight.turning_bound() < 1e-15);
 }
 
+/// Small angles take a series, and none feels the vectors' sizes.
+#[test]
+fn angles_are_right_to_rounding() {
+    for k in 0..400 {
+        let exact = 1e-18 * 1.12_f64.powi(k).min(3e18);
+        let (sin, cos) = exact.sin_cos();
+        for (size, other) in [(1.0, 1.0), (3e-5, 7e8), (1e-200, 1e-150), (2e80, 1e-80), (1e-59, 1e-59)] {
+            let ours = angle(&(Vec3::x() * size), &(Vec3::new(cos, 0.6 * sin, -0.8 * sin) * other));
+            assert!((ours - exact).abs() <= 4.0 * f64::EPSILON * exact, "{exact}, {size}, {other}: {ours}");
+        }
+    }
+}
+
 #[test]
 fn set_indexing() {
     let p = [Vec3::zeros(), Vec3::x(), Vec3::new(1.0, 1.0, 0.0), Vec3::y()];

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::rod::element::Want;
+use crate::rod::element::MAX_DOF;
 use crate::rod::element::{Six, predicted_stress};
 use crate::scene::Ramp;
+use crate::scene::model::unit;
 use crate::solve::assembly::symmetric;
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
@@ -45,12 +46,12 @@ impl Parameter {
             Ramp::ExcessLink { rod, to } => (Quantity::Link(*rod), state.seams[*rod] / TAU, *to),
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.turned.get(&index(node)).copied().unwrap_or(0.0);
-                (Quantity::Node(index(node), Vec3::zeros(), axis.normalize() * TAU), turned, *to)
+                (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
             }
             Ramp::Displacement { node, to } => {
                 let here = solver.displaced.get(&index(node)).copied().unwrap_or_default();
                 let way = to - here;
-                let along = if way.norm() > 0.0 { way.normalize() } else { way };
+                let along = if way == Vec3::zeros() { way } else { unit(&way) };
                 (Quantity::Node(index(node), along, Vec3::zeros()), here.dot(&along), to.dot(&along))
             }
         };
@@ -115,14 +116,8 @@ impl Parameter {
         let mut local = engine.local_increment(element, step);
         let (axis, last) = (engine.seam_axis(state, rod), 6 * engine.model.rods[rod].order + 3);
         (0..3).for_each(|k| local[last + k] += TAU * by * axis[k]);
-        stress[e] = predicted_stress(
-            engine.table(rod),
-            &engine.element_nodes(state, element),
-            engine.element_length(rod),
-            &engine.material[rod],
-            &engine.reference[rod].of(e),
-            &local,
-        );
+        let nodes = engine.element_nodes(state, element);
+        stress[e] = predicted_stress(&engine.body(rod), &nodes, &engine.reference[rod].of(e), &local);
         stress
     }
 }
@@ -151,10 +146,11 @@ fn link_rate(engine: &Engine, rod: usize, state: &State, stress: &[[Six; 3]]) ->
     let Some(e) = closing_element(engine, rod) else { return out };
     let order = engine.model.rods[rod].order;
     let (axis, last) = (engine.seam_axis(state, rod) * TAU, 6 * order + 3);
-    let result = engine.element_output(e, state, Some(&stress[e]), Want::Tangent);
+    let mut tangent = [[0.0; MAX_DOF]; MAX_DOF];
+    let result = engine.element_output(e, state, Some(&stress[e]), Some(&mut tangent));
     let nodes = &engine.elements[e].nodes;
     for row in 0..6 * (order + 1) {
-        let sum: f64 = (0..3).map(|k| symmetric(&result.tangent, row, last + k) * axis[k]).sum();
+        let sum: f64 = (0..3).map(|k| symmetric(&tangent, row, last + k) * axis[k]).sum();
         out[6 * nodes[row / 6] + row % 6] += sum;
     }
     let moment = Vec3::new(result.residual[last], result.residual[last + 1], result.residual[last + 2]);

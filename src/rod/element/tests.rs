@@ -1,0 +1,237 @@
+use super::*;
+use crate::math::quaternion::{exp, to_array};
+use crate::math::{Quat, Vec3};
+
+struct Case {
+    r: Vec<Vec3>,
+    q: Vec<Quat>,
+    length: f64,
+    material: Six,
+    reference: [Six; 3],
+}
+
+/// A strongly bent, twisted, stretched element; fixed numbers, no randomness.
+fn case(order: usize) -> Case {
+    let r = (0..=order)
+        .map(|a| {
+            let s = a as f64 / order as f64;
+            Vec3::new(0.3 * s + 0.1 * (3.0 * s).sin(), 0.2 * s * s - 0.05 * s, 1.1 * s - 0.2 * s * s * s)
+        })
+        .collect();
+    let q = (0..=order)
+        .map(|a| {
+            let s = a as f64 / order as f64;
+            exp(&Vec3::new(0.3 - 0.8 * s, 0.5 * s * s, 0.9 * s + 0.2)) * exp(&Vec3::new(0.1, 0.2 * s, -0.3))
+        })
+        .collect();
+    let material = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9];
+    let reference =
+        [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
+    Case { r, q, length: 0.8, material, reference }
+}
+
+fn nodes_of(case: &Case) -> ElementNodes {
+    let mut nodes = ElementNodes::default();
+    for a in 0..case.r.len() {
+        nodes.r[a] = case.r[a].into();
+        nodes.q[a] = to_array(&case.q[a]);
+    }
+    nodes.align_signs(case.r.len());
+    nodes
+}
+
+struct Run {
+    energy: f64,
+    residual: [f64; MAX_DOF],
+    tangent: ElementTangent,
+}
+
+fn run(order: usize, case: &Case) -> Run {
+    run_in(order, case, None, &case.reference)
+}
+
+fn run_in(order: usize, case: &Case, plane: Option<&Plane>, reference: &[Six; 3]) -> Run {
+    let body = Body { table: &Table::new(order), length: case.length, material: &case.material, plane };
+    let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
+    evaluate(&body, &nodes_of(case), reference, None, Some(&mut tangent), &mut out);
+    Run { energy: out.energy.iter().sum(), residual: out.residual, tangent }
+}
+
+fn moved(case: &Case, dof: usize, step: f64) -> Case {
+    let (mut r, mut q) = (case.r.clone(), case.q.clone());
+    let (a, k) = (dof / 6, dof % 6);
+    if k < 3 {
+        r[a][k] += step;
+    } else {
+        let mut theta = Vec3::zeros();
+        theta[k - 3] = step;
+        q[a] = exp(&theta) * q[a];
+    }
+    Case { r, q, length: case.length, material: case.material, reference: case.reference }
+}
+
+#[test]
+fn residual_is_the_gradient_of_the_energy() {
+    for order in 1..=3 {
+        let case = case(order);
+        let out = run(order, &case);
+        for dof in 0..6 * (order + 1) {
+            let h = 1e-5;
+            let energy = |step: f64| run(order, &moved(&case, dof, step)).energy;
+            let difference = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+            assert!(
+                (difference - out.residual[dof]).abs() < 1e-8,
+                "order {order} dof {dof}: {difference} {}",
+                out.residual[dof]
+            );
+        }
+    }
+}
+
+#[test]
+fn tangent_is_the_symmetric_second_derivative_of_the_energy_along_the_update() {
+    for order in 1..=3 {
+        let case = case(order);
+        let out = run(order, &case);
+        let dofs = 6 * (order + 1);
+        let h = 2e-4;
+        // second difference of the energy in a combined direction: the update is exp of the summed increments
+        let energy = |i: usize, j: usize, a: f64, b: f64| {
+            let (ni, nj) = (i / 6, j / 6);
+            let both_rotate_one_node = ni == nj && i % 6 >= 3 && j % 6 >= 3;
+            if both_rotate_one_node {
+                let mut c = moved(&case, i, 0.0);
+                let mut theta = Vec3::zeros();
+                theta[i % 6 - 3] += a;
+                theta[j % 6 - 3] += b;
+                c.q[ni] = exp(&theta) * c.q[ni];
+                run(order, &c).energy
+            } else {
+                run(order, &moved(&moved(&case, i, a), j, b)).energy
+            }
+        };
+        for i in 0..dofs {
+            for j in i..dofs {
+                let second = |h: f64| {
+                    (energy(i, j, h, h) - energy(i, j, h, -h) - energy(i, j, -h, h) + energy(i, j, -h, -h))
+                        / (4.0 * h * h)
+                };
+                let difference = (4.0 * second(h) - second(2.0 * h)) / 3.0;
+                let ours = out.tangent[i][j];
+                assert!(
+                    (difference - ours).abs() < 2e-5 * (1.0 + ours.abs()),
+                    "order {order} ({i},{j}): {difference} {ours}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn strains_do_not_change_under_rigid_motion() {
+    let case = case(3);
+    let strains = |case: &Case| raw_strains(&Table::new(3), &nodes_of(case), case.length);
+    let (before, strain) = (run(3, &case), strains(&case));
+    for angle in [0.4, 2.9, 3.3, 6.0] {
+        let rotation = exp(&(Vec3::new(1.0, -2.0, 0.5).normalize() * angle));
+        let shift = Vec3::new(3.0, -1.0, 2.0);
+        let turned = Case {
+            r: case.r.iter().map(|r| rotation * r + shift).collect(),
+            q: case.q.iter().map(|q| rotation * q).collect(),
+            length: case.length,
+            material: case.material,
+            reference: case.reference,
+        };
+        let (after, strain_after) = (run(3, &turned), strains(&turned));
+        for (ours, theirs) in strain_after.iter().flatten().zip(strain.iter().flatten()) {
+            assert!((ours - theirs).abs() < 1e-13 * 10.0);
+        }
+        let (e0, e1) = (before.energy, after.energy);
+        assert!((e0 - e1).abs() < 1e-13 * e0.abs() * 10.0);
+    }
+}
+
+/// Strongly bent, stretched and sheared in the plane, on the way of a rod whose d1 (or d2, or neither) is normal to it.
+fn flat_case(order: usize, spin: f64, isotropic: bool) -> Case {
+    let along = |a: usize| a as f64 / order as f64;
+    let r = (0..=order).map(along).map(|s| Vec3::new(0.9 * s + 0.1 * (3.0 * s).sin(), 0.4 * s * s - 0.05 * s, 0.7));
+    // d3 from z into the plane, then spun about itself, then turned in the plane
+    let lie = exp(&(Vec3::y() * std::f64::consts::FRAC_PI_2));
+    let q = (0..=order).map(along).map(|s| exp(&(Vec3::z() * (0.4 - 0.9 * s * s))) * lie * exp(&(Vec3::z() * spin)));
+    let material = if isotropic { [3.0, 3.0, 50.0, 1.5, 1.5, 0.9] } else { [3.0, 4.0, 50.0, 1.5, 2.5, 0.9] };
+    // stretched, sheared and bent in the plane by nature
+    let plane = Plane::new(&to_array(&(lie * exp(&(Vec3::z() * spin)))));
+    let reference = [[1.02, 0.03, 0.2], [0.98, 0.0, -0.1], [1.0, 0.01, 0.3]].map(|three| plane.six(&three));
+    Case { r: r.collect(), q: q.collect(), length: 0.8, material, reference }
+}
+
+fn planes() -> [(f64, bool); 3] {
+    [(0.0, false), (std::f64::consts::FRAC_PI_2, false), (0.7, true)]
+}
+
+#[test]
+fn in_a_plane_it_is_what_it_is_in_space() {
+    let free = |dof: usize| [0, 1, 5].contains(&(dof % 6));
+    for (order, (spin, isotropic)) in (1..=3).flat_map(|order| planes().map(|p| (order, p))) {
+        let case = flat_case(order, spin, isotropic);
+        // the frame at the other end does as well
+        for a in [0, order] {
+            let plane = Plane::new(&to_array(&case.q[a]));
+            let (flat, space) = (run_in(order, &case, Some(&plane), &case.reference), run(order, &case));
+            assert!((flat.energy - space.energy).abs() < 1e-14 * space.energy, "{} {}", flat.energy, space.energy);
+            for i in 0..6 * (order + 1) {
+                assert!((flat.residual[i] - space.residual[i]).abs() < 1e-12, "order {order}, {spin}: {i}");
+                assert!(free(i) || flat.residual[i] == 0.0);
+                for j in (i / 6 * 6..6 * (order + 1)).filter(|&j| free(i) && free(j)) {
+                    let (ours, theirs) = (flat.tangent[i][j], space.tangent[i][j]);
+                    assert!((ours - theirs).abs() < 1e-12 * (1.0 + theirs.abs()), "order {order}: {i} {j}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
+    for (order, (spin, isotropic)) in (1..=3).flat_map(|order| planes().map(|p| (order, p))) {
+        let case = flat_case(order, spin, isotropic);
+        let mut increment = [0.0; MAX_DOF];
+        let mut after = Case { r: case.r.clone(), q: case.q.clone(), reference: case.reference, ..case };
+        for a in 0..=order {
+            let (x, y, turn) = (0.05 * (1.0 + a as f64).sin(), 0.03 * (2.0 * a as f64).cos(), 0.2 - 0.1 * a as f64);
+            (increment[6 * a], increment[6 * a + 1], increment[6 * a + 5]) = (x, y, turn);
+            after.r[a] += Vec3::new(x, y, 0.0);
+            after.q[a] = exp(&(Vec3::z() * turn)) * after.q[a];
+        }
+        let (table, plane) = (Table::new(order), Plane::new(&to_array(&case.q[0])));
+        let body = |plane| Body { table: &table, length: case.length, material: &case.material, plane };
+        let (flat, space) = (body(Some(&plane)), body(None));
+        let (nodes, moved) = (nodes_of(&case), nodes_of(&after));
+        let near = |ours: &[f64], theirs: &[f64]| {
+            let size = theirs.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            assert!(size > 1e-3);
+            ours.iter().zip(theirs).for_each(|(a, b)| assert!((a - b).abs() < 1e-13 * (10.0 + size), "{a} {b}"));
+        };
+        let predicted = |body: &Body| predicted_stress(body, &nodes, &case.reference, &increment);
+        near(predicted(&flat).as_flattened(), predicted(&space).as_flattened());
+        let surprise = |body: &Body| surprise_force(body, &nodes, &moved, &increment);
+        let ((stress, force), (stress_in_space, force_in_space)) = (surprise(&flat), surprise(&space));
+        near(stress.as_flattened(), stress_in_space.as_flattened());
+        near(&force, &force_in_space);
+    }
+}
+
+#[test]
+fn frames_that_leave_the_plane_are_seen() {
+    let case = flat_case(3, 0.0, false);
+    let plane = Plane::new(&to_array(&case.q[0]));
+    assert!(plane.nodes(&nodes_of(&case), 4).is_some());
+    for out in [Vec3::x() * 1e-6, Vec3::y() * 1e-6, case.q[2] * Vec3::z() * 0.3] {
+        let mut tilted = Case { r: case.r.clone(), q: case.q.clone(), ..case };
+        tilted.q[2] = exp(&out) * tilted.q[2];
+        assert!(plane.nodes(&nodes_of(&tilted), 4).is_none(), "{out:?}");
+        // and computed in space
+        let (with, without) = (run_in(3, &tilted, Some(&plane), &case.reference), run(3, &tilted));
+        assert_eq!((with.energy, with.residual), (without.energy, without.residual));
+    }
+}
