@@ -25,13 +25,12 @@ mod common;
 
 use common::cases::oval_ring;
 use common::kirchhoff_ring::{Event, event_of};
-use common::{history, verify};
+use common::{history, observed, verify};
 use std::f64::consts::TAU;
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status};
+use supercoil::solve::{Drive, Options, Solver, Status};
 
 /// To 1e-9 contact distances.
 const TOLERANCE: f64 = 2e-9;
@@ -52,9 +51,7 @@ fn decades(solver: &mut Solver, radius: f64, first: i32) -> (Vec<Resultants>, Ve
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
         assert!(report.penetration <= TOLERANCE, "{}", report.penetration);
         assert!(report.augmentations <= 15 && report.iterations <= 250, "{}", history(&report));
-        let progress =
-            Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
-        let seen = observe(&progress);
+        let seen = observed(&solver, &report);
         let link = seen.links.first().map_or([0.0; 2], |link| [link.writhe, link.seam_moment / TAU]);
         let found = [link[0], link[1], seen.total_contact_force];
         let sites: Vec<f64> = seen.sites.iter().map(|site| site.force).collect();

@@ -18,13 +18,12 @@
 
 mod common;
 
-use common::{fitted_order, history, verify};
+use common::{fitted_order, history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status, StepReport};
+use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
 
 const RADIUS: f64 = 0.01;
 const RADIUS_4: f64 = RADIUS * RADIUS * RADIUS * RADIUS;
@@ -54,7 +53,7 @@ fn model(rods: Vec<Rod>, law: ContactLaw) -> Model {
 
 fn see(solver: &Solver, report: &StepReport) -> Observation {
     assert_eq!(report.status, Status::Converged, "{}", history(report));
-    observe(&Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+    observed(solver, report)
 }
 
 fn crossed(law: ContactLaw) -> (Solver, [Ramp; 2]) {

@@ -19,18 +19,16 @@
 mod common;
 
 use common::cases::oval_ring;
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 fn seen(solver: &Solver, report: &StepReport) -> Observation {
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(report));
-    let engine = solver.engine();
-    observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+    observed(solver, report)
 }
 
 /// The last search of a step ended with increments that fell at least a thousandfold at once, or below 1e-9 in one step.

@@ -8,6 +8,9 @@
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
+mod common;
+
+use common::observed;
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
 use supercoil::scene::{Model, Ramp};
@@ -40,18 +43,7 @@ fn long_plectonemes_rest_where_they_do_without_short_ones() {
     assert!((ours / theirs - 1.0).abs() < 1e-7, "{ours} {theirs}");
     assert!(quick.penetration <= 1e-8);
     for solver in [&short, &slow] {
-        let link = supercoil::observe::observe(&supercoil::solve::Progress {
-            engine: solver.engine(),
-            stage: 0,
-            step: 0,
-            fraction: 1.0,
-            report: &quick,
-            seconds: 0.0,
-        })
-        .rods[0]
-            .closed
-            .unwrap()
-            .excess_link;
+        let link = observed(solver, &quick).links[0].link;
         assert!((link - TURNS).abs() < 1e-9, "{link}");
     }
     let next = short.step_to(&[Ramp::ExcessLink { rod: 0, to: TURNS - 0.2 }]).unwrap();

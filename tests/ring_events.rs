@@ -38,13 +38,12 @@ use std::f64::consts::TAU;
 
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
 use common::kirchhoff_ring::{Event, event_of};
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::{Observation, SiteReport};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
-use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 const ORDER: usize = 3;
 const ELEMENTS: usize = 96;
@@ -69,8 +68,7 @@ type Indicator<'a> = &'a dyn Fn(&Solver, &Observation) -> f64;
 
 fn seen(solver: &Solver, report: &StepReport) -> Observation {
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(report));
-    let engine = solver.engine();
-    let seen = observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 });
+    let seen = observed(solver, report);
     let link = seen.links[0];
     assert!((link.link - link.excess_link).abs() < 1e-9, "link {} at {}", link.link, link.excess_link);
     seen

@@ -21,13 +21,12 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::cases::oval_ring;
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::{Observation, SiteReport};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
-use supercoil::solve::{Drive, Options, Progress, Solver, Status, StepReport};
+use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
 
 fn penalty(kappa: f64, diameter: f64) -> ContactLaw {
     ContactLaw::Penalty { stiffness: kappa * (0.5 * diameter).powi(4) }
@@ -35,8 +34,7 @@ fn penalty(kappa: f64, diameter: f64) -> ContactLaw {
 
 fn seen(solver: &Solver, report: &StepReport) -> Observation {
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(report));
-    let engine = solver.engine();
-    observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+    observed(solver, report)
 }
 
 /// "P" and "L" for point and line, along the rod from the seam.

@@ -166,10 +166,12 @@ impl Workspace {
                 if accepted {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
-                    if let Some(side) = &mut engine.contact {
-                        side.before = None;
-                    }
+                    let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
                     radius = next_radius(radius, step.extent, &trial, gain, trial.expected.abs() <= 10.0 * noise);
+                    if hardened {
+                        // the first step under a new law tells how far the strands have to go; what follows is no longer
+                        radius = radius.min(step.extent);
+                    }
                     self.shift *= RELAXING * (step.extent / radius).min(1.0);
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them

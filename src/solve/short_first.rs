@@ -257,7 +257,8 @@ mod tests {
 
     fn plectoneme(elements: usize, angle: f64) -> Solver {
         let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, 0.5);
-        let shape = Shape::Plectoneme(Plectoneme::of_angle(elements as f64, 1.0, angle).unwrap());
+        let length = elements as f64;
+        let shape = Shape::Plectoneme(Plectoneme { length, ..Plectoneme::of_angle(200.0, 1.0, angle).unwrap() });
         let rod = Rod::new("ply", &shape, true, section, elements, 3, Natural::Straight).unwrap();
         Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
     }
