@@ -51,7 +51,7 @@ fn decades(solver: &mut Solver, radius: f64, first: i32) -> (Vec<Resultants>, Ve
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
         assert!(report.penetration <= TOLERANCE, "{}", report.penetration);
         assert!(report.augmentations <= 15 && report.iterations <= 250, "{}", history(&report));
-        let seen = observed(&solver, &report);
+        let seen = observed(solver, &report);
         let link = seen.links.first().map_or([0.0; 2], |link| [link.writhe, link.seam_moment / TAU]);
         let found = [link[0], link[1], seen.total_contact_force];
         let sites: Vec<f64> = seen.sites.iter().map(|site| site.force).collect();

@@ -109,10 +109,11 @@ fn euler_elastica_on_both_sides() {
     assert!((ends[0].y + ends[1].y).abs() < 1e-7 && ends[0].y.abs() > 0.1, "mirror images: {ends:?}");
 }
 
-/// Back along the branch, through its root, onto the other side: there the load turns and no eigenvalue changes sign.
+/// Back along the branch, through its root, onto the other side: there the load turns and no eigenvalue changes sign. (A column ten times as slender has a
+/// hundred times the rounding: its root moves by some 1e-7 with the order in which its elements add up.)
 #[test]
 fn the_root_seen_from_the_branch() {
-    let mut solver = column(1e5, Vec3::x(), true, false);
+    let mut solver = column(1e4, Vec3::x(), true, false);
     let ramp = Ramp::Load { to: 20.0 };
     to_branch_point(&mut solver, &ramp);
     let out = FollowOptions { start: Start::Branch { forwards: true }, max_points: 6, ..FollowOptions::default() };

@@ -13,6 +13,10 @@ use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::state::State;
 
+/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once more, which a shear strain cannot
+/// bear where rounding leaves few digits as it is.
+const MOST_SLENDER: f64 = 1e10;
+
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
 pub struct Element {
@@ -88,8 +92,8 @@ pub struct Engine {
     pub(crate) material: Vec<Six>,
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
     pub(crate) reference: Vec<Reference>,
-    /// Per rod of a planar model: the plane as its elements know it.
-    pub(crate) planes: Vec<Plane>,
+    /// Per rod: the plane as its elements know it, if they are computed in it.
+    pub(crate) planes: Vec<Option<Plane>>,
     pub(crate) free: Vec<[bool; 6]>,
     /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no mass, and
     /// their share of the gradient is the master's.
@@ -318,7 +322,7 @@ impl Engine {
             table: self.table(rod),
             length: self.element_length(rod),
             material: &self.material[rod],
-            plane: self.planes.get(rod),
+            plane: self.planes[rod].as_ref(),
         }
     }
 
@@ -397,9 +401,13 @@ pub(crate) fn contact_cubic(state: &State, [a, b]: [usize; 2], length: f64) -> C
     Cubic::from_hermite(state.positions[a], d3(a) * length, state.positions[b], d3(b) * length)
 }
 
-fn planes(model: &Model) -> Vec<Plane> {
-    let rods = model.rods.iter().filter(|_| model.planar);
-    rods.map(|rod| Plane::new(&to_array(&rod.frames[0]))).collect()
+fn planes(model: &Model) -> Vec<Option<Plane>> {
+    let plane = |rod: &Rod| {
+        let bending = rod.section.bending.iter().copied().fold(f64::INFINITY, f64::min);
+        let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * bending;
+        (model.planar && !slender).then(|| Plane::new(&to_array(&rod.frames[0])))
+    };
+    model.rods.iter().map(plane).collect()
 }
 
 fn masters(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<usize> {

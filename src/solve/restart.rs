@@ -131,9 +131,11 @@ impl Solver {
 }
 
 impl Engine {
-    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh one.
+    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh one. Of a law under which no step was
+    /// taken, as where strands were apart, none is remembered.
     fn forget_the_way(&mut self) -> Result<(), SolveError> {
         if let Some(side) = &mut self.contact {
+            side.before = None;
             side.exclusion = Exclusion::new();
             side.broad_phase = BroadPhase::new();
         }
