@@ -11,7 +11,7 @@ pub struct Footprint {
     pub nodes: usize,
     /// Unknowns that are solved for: six a free node, three in a planar model.
     pub unknowns: usize,
-    /// Stored entries of the tangent (upper triangle), 12 bytes each; where strands are near each other eight more for the part of contact.
+    /// Stored entries of the tangent (upper triangle), 12 bytes each.
     pub tangent_entries: usize,
     /// Stored entries of its factor, 8 bytes each.
     pub factor_entries: usize,
