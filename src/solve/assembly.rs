@@ -18,7 +18,7 @@ const BATCH: usize = 1024;
 /// The same with their tangents, five kilobytes each: what a cache holds.
 const TANGENTS: usize = 128;
 /// Candidate pairs evaluated before their terms are scattered.
-const PAIRS: usize = 8192;
+const PAIRS: usize = 1024;
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
