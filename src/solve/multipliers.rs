@@ -1,14 +1,11 @@
 //! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new law the same.
 
-use crate::contact::law::Law;
+use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
 
-/// Half of the longest zone that is still one point under a linear law, over (4/κ(1/B_a + 1/B_b))^¼: see `observe::sites`, where the same zone tells
-/// points from lines.
-const HALF_POINT: f64 = 1.5 * 1.0955;
 /// Pressure over that of a core law at which its stiffness is taken.
 const USUAL_PRESSURE: f64 = 0.1;
 /// Largest growth of a pace from one augmentation to the next.
@@ -148,8 +145,7 @@ impl Solver {
                 side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
             }
         };
-        let compliance: f64 = [a, b].map(|rod| 1.0 / rod.section.bending[0].min(rod.section.bending[1])).iter().sum();
-        let half_point = HALF_POINT * (4.0 / (stiffness * compliance)).powf(0.25);
+        let half_point = 0.5 * shortest_line(stiffness, [a, b].map(|rod| rod.section.smaller_bending()));
         half_point.max(a.length / a.num_elements as f64)
     }
 
