@@ -11,6 +11,7 @@
 //! A branch is entered along the critical eigenvector, on either side, without noise: the first point lies in the plane
 //! normal to it, so that it is found whether λ rises (supercritical) or falls (subcritical).
 
+mod contacts;
 mod corner;
 mod corrector;
 mod locate;
