@@ -105,8 +105,11 @@ pub enum PointKind {
         /// Eigenvalues that pass zero at once; 0 where one touches zero and turns back, as at the root of a branch when it is run through.
         multiplicity: usize,
     },
-    /// Hard contact begins, or the last one ends: the path has a corner, at which the parameter may turn back and the number of unstable directions
-    /// change. The state is extrapolated from the side before; the number is that before.
+    /// The number of contacts changes: one begins or ends, splits in two or joins another. The path has a corner there, at which the parameter may turn back
+    /// and the number of unstable directions change. The state is that just before, or extrapolated from there; the number is that before.
+    ///
+    /// A point splits where its zone parts in two, which under a law κ is some layers (B/κ)^¼ later than where it opens. Under an augmented Lagrangian what lies
+    /// nearer together than its offsets can tell apart, about two layers or an element, is one contact.
     Corner,
     /// The parameter has come to the ramp's target; the path ends.
     Target,
@@ -218,9 +221,9 @@ impl Solver {
     /// Ends where the parameter comes to the ramp's target, or as the options or the observer say. The observer sees
     /// the start, every point, and between them every limit and branch point located; it may stop there to switch branches by a second call.
     ///
-    /// Contact is enforced at every point under the present law. Where hard contact begins or ends a path has a corner, at which the parameter may
-    /// turn back (a ring that first touches itself past its fold). It is gone round where strands that were all apart touch, or the last contact
-    /// opens; where one contact of several begins or ends so sharply that no step goes past, the path ends with [`PathEnd::StepTooSmall`].
+    /// Contact is enforced at every point under the present law. Where a contact begins or ends a path has a corner, at which the parameter may
+    /// turn back (a ring that first touches itself past its fold). Such corners are gone round and located, be it the first contact, the last or one of several;
+    /// only where contacts come and go within one step, so that their number is the same after it, nothing is reported.
     ///
     /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness: about 1e-6 of the
     /// parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it is stationary there.

@@ -378,7 +378,7 @@ impl Solver {
         outcome
     }
 
-    fn augments(&self) -> bool {
+    pub(super) fn augments(&self) -> bool {
         matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
     }
 

@@ -1,10 +1,13 @@
-//! Which contacts a state has: strands touch in pieces, segment by segment and seen from both strands; what lies nearer together than the
-//! contact law can tell apart is one contact.
+//! Which contacts a state has: strands touch in pieces, segment by segment and seen from both strands. Those that meet are one contact; under an augmented
+//! Lagrangian also what lies nearer together than its offsets can tell apart.
 
 use crate::contact::curve::CurveSet;
 use crate::contact::detect::{self, PairTerm};
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
+
+/// How well a foot is known, relative to the contact radius, where the distance hardly changes along it.
+const MEETING: f64 = 2e-2;
 
 /// Arcs on two strands, each with its curve; ends ascending \[L\].
 #[derive(Debug, Clone, Copy)]
@@ -32,9 +35,12 @@ impl Contacts {
             return Self::default();
         }
         let terms = engine.residual(&engine.state).terms;
-        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), 0.0f64);
+        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), MEETING * side.min_radius);
+        let augments = solver.augments();
         for term in &terms {
-            reach = reach.max(solver.window(side, term.slave, term.master));
+            if augments {
+                reach = reach.max(solver.window(side, term.slave, term.master));
+            }
             let ends = [term.slave as u32, term.master as u32];
             for place in pieces(&side.set, term) {
                 places.push(place);
@@ -174,4 +180,56 @@ fn leader(leaders: &mut [usize], mut index: usize) -> usize {
         index = leaders[index];
     }
     index
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    /// A closed and an open strand, ten segments of length 1 each.
+    fn strands() -> CurveSet {
+        let points: Vec<Vec3> = (0..=10).map(|k| Vec3::x() * f64::from(k)).collect();
+        let [closed, open] = [(&points[..10], true), (&points[..], false)];
+        let mut set = CurveSet::from_polylines(&[(closed.0, 0.1, closed.1), (open.0, 0.1, open.1)]).unwrap();
+        set.set_lengths(&[1.0; 20]);
+        set
+    }
+
+    fn place(curves: [usize; 2], arcs: [[f64; 2]; 2]) -> Place {
+        Place { curves, arcs }
+    }
+
+    /// Groups against all pairs; over the seam, from both strands, within reach and not beyond it.
+    #[test]
+    fn what_meets_is_one_contact() {
+        let set = strands();
+        let places = [
+            place([0, 0], [[9.8, 10.0], [4.0, 4.2]]), // goes on over the seam in the next
+            place([0, 0], [[0.0, 0.3], [3.8, 4.0]]),
+            place([0, 0], [[3.9, 4.1], [9.9, 10.0]]), // the same seen from the other side
+            place([0, 0], [[0.45, 0.5], [3.7, 3.75]]), // beyond reach
+            place([0, 1], [[0.0, 0.3], [3.8, 4.0]]),  // another strand
+            place([1, 0], [[0.1, 0.2], [9.9, 10.0]]), // an open strand has no seam
+            place([1, 0], [[9.9, 10.0], [0.0, 0.1]]),
+        ];
+        assert_eq!(groups(&set, &places, 0.1), [0, 0, 0, 1, 2, 3, 4]);
+        assert_eq!(groups(&set, &places, 0.2), [0, 0, 0, 0, 1, 2, 3]);
+        assert_eq!(groups(&set, &[], 0.1), [0usize; 0]);
+    }
+
+    #[test]
+    fn contacts_are_found_again() {
+        let set = strands();
+        let contacts = |places: &[Place]| {
+            let numbered = places.iter().copied().zip(groups(&set, places, 0.01));
+            let pairs = vec![([0, 1], 0)];
+            Contacts { places: numbered.collect(), pairs, count: places.len() }
+        };
+        let some = contacts(&[place([0, 0], [[1.0, 1.1], [5.0, 5.1]]), place([0, 1], [[1.0, 1.1], [5.0, 5.1]])]);
+        let moved = contacts(&[place([0, 0], [[5.15, 5.2], [1.05, 1.2]])]);
+        assert_eq!(some.found_among(&moved, &set, 0.1), [true, false]);
+        assert_eq!(some.found_among(&moved, &set, 0.01), [false, false]);
+        assert_eq!(some.only(&[false, true]).found_among(&some, &set, 0.0), [false, true]);
+    }
 }

@@ -183,7 +183,8 @@ impl Tracer<'_> {
         let mut first = to_corner.clone();
         first.subtract(&beyond.tangent, -after);
         if beyond.force_rate > 0.0 {
-            let Some(pressed) = self.pressed(here, &first, beyond, (pattern, change), beyond.force_rate * after)? else {
+            let Some(pressed) = self.pressed(here, &first, beyond, (pattern, change), beyond.force_rate * after)?
+            else {
                 return Ok(None);
             };
             first = pressed;
