@@ -23,6 +23,7 @@ use std::time::Instant;
 use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::continuation::corrector::{Plane, Point, Tracer};
+use crate::solve::continuation::locate::Event;
 use crate::solve::continuation::parameter::Parameter;
 use crate::solve::engine::Engine;
 use crate::solve::path::{Progress, Solver};
@@ -269,13 +270,11 @@ fn trace(
     let mut step = options.step;
     let mut last_error = None;
     while report.num_points < options.max_points {
-        let next = tracer.ahead(&here, step).unwrap_or_else(|error| {
+        let stride = stride(tracer, &here, step, options.tol_location).unwrap_or_else(|error| {
             last_error = Some(error);
             None
         });
-        let turn = |next: &Point| tracer.dot(&here.tangent, &next.tangent).clamp(-1.0, 1.0).acos();
-        let good = next.filter(|n| turn(n) <= MAX_TURN && n.chord <= MAX_CHORD * step);
-        let Some(mut next) = good else {
+        let Some(Stride { next, distance, events, turned, arrives }) = stride else {
             if step < NEAR_CORNER * options.step
                 && let Some(found) =
                     tracer.round_corner(&here, CORNER_REACH * step, NEAR_CORNER * options.step).unwrap_or(None)
@@ -301,17 +300,7 @@ fn trace(
             }
             continue;
         };
-        let turned = turn(&next);
-        let mut distance = step;
-        let target = tracer.parameter.target;
-        let arrives = (here.value - target) * (next.value - target) < 0.0 || next.value == target;
-        if arrives {
-            (next, distance) = tracer.target_point(&here, &next, step, target, options.tol_location);
-            if let Some(exact) = tracer.at_value(&next, target)? {
-                next = exact;
-            }
-        }
-        for event in tracer.events(&here, &next, distance, options.tol_location) {
+        for event in events {
             report.value = event.point.value;
             if !reporter.tell(tracer, &event.point, event.kind, arc + event.distance)? {
                 return Ok(PathEnd::Stopped);
@@ -335,6 +324,38 @@ fn trace(
         here = next;
     }
     Ok(PathEnd::MaxPoints)
+}
+
+/// A step along the path.
+struct Stride {
+    next: Point,
+    distance: f64,
+    events: Vec<Event>,
+    /// Angle between the tangents at its ends, rad.
+    turned: f64,
+    /// It ends where the parameter comes to its target.
+    arrives: bool,
+}
+
+/// The step of length `step` from `here`, or to the target if that comes first; `None` where Newton finds no point, or one that is not on this path.
+fn stride(tracer: &mut Tracer, here: &Point, step: f64, tol: f64) -> Result<Option<Stride>, SolveError> {
+    let Some(mut next) = tracer.ahead(here, step)?.filter(|next| next.chord <= MAX_CHORD * step) else {
+        return Ok(None);
+    };
+    let turned = tracer.dot(&here.tangent, &next.tangent).clamp(-1.0, 1.0).acos();
+    if turned > MAX_TURN {
+        return Ok(None);
+    }
+    let (mut distance, target) = (step, tracer.parameter.target);
+    let arrives = (here.value - target) * (next.value - target) < 0.0 || next.value == target;
+    if arrives {
+        (next, distance) = tracer.target_point(here, &next, step, target, tol);
+        if let Some(exact) = tracer.at_value(&next, target)? {
+            next = exact;
+        }
+    }
+    let events = tracer.events(here, &next, distance, tol);
+    Ok(events.map(|events| Stride { next, distance, events, turned, arrives }))
 }
 
 /// The first point with its tangent: on the path, or the first one on a branch.

@@ -193,6 +193,10 @@ impl Tracer<'_> {
             point.value += taken.parameter;
             moved.subtract(&taken, -1.0);
             cut_in_a_row = if fraction < 1.0 { cut_in_a_row + 1 } else { 0 };
+            if iteration > 0 {
+                // a step has been taken under the offsets there are now
+                self.solver.forget_pressures();
+            }
             let solver = &mut *self.solver;
             solver.engine.state = point.state.clone();
             solver.workspace.refresh(&mut solver.engine, &point.state)?;
@@ -275,7 +279,6 @@ impl Tracer<'_> {
             }
             point.augmentations += 1;
             self.solver.augment(&errors.gaps, &mut paces);
-            self.solver.forget_pressures();
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);

@@ -2,12 +2,14 @@
 
 use crate::error::SolveError;
 use crate::solve::continuation::PointKind;
-use crate::solve::continuation::corrector::{Plane, Point, Tracer};
+use crate::solve::continuation::corrector::{Motion, Plane, Point, Tracer};
 
 /// Trials per location.
 const MAX_TRIALS: usize = 60;
 /// Branch points, or corners, located between two points of a path before the rest is left unlocated.
 const MAX_CROSSINGS: usize = 8;
+/// How far the states on both sides of a corner may be apart, relative to the step: beyond it Newton has gone to another path.
+const JUMP: f64 = 0.05;
 
 /// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
 const NEAR: f64 = 0.02;
@@ -58,8 +60,9 @@ impl Tracer<'_> {
         self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
     }
 
-    /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order.
-    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Vec<Event> {
+    /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order. `None` if contact changes in a
+    /// jump: `next` is on another path.
+    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Option<Vec<Event>> {
         let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
         let (mut from, to) = (end(base, 0.0), end(next, distance));
         let mut events = Vec::new();
@@ -68,12 +71,23 @@ impl Tracer<'_> {
                 break;
             }
             let [before, after] = self.corner(base, [from.clone(), to.clone()], tol);
+            if self.apart(&before.point, &after.point) > JUMP * distance {
+                return None;
+            }
             self.smooth_events(base, [from, before.clone()], tol, &mut events);
             events.push(Event { kind: PointKind::Corner, point: before.point, distance: before.distance });
             from = after;
         }
         self.smooth_events(base, [from, to], tol, &mut events);
-        events
+        Some(events)
+    }
+
+    /// Distance between two states that are nearly the same.
+    fn apart(&self, x: &Point, y: &Point) -> f64 {
+        let nodes = x.state.positions.iter().zip(&y.state.positions).map(|(a, b)| b - a);
+        let field = nodes.flat_map(|d| [d.x, d.y, d.z, 0.0, 0.0, 0.0]).collect();
+        let motion = Motion { field, parameter: y.value - x.value };
+        self.dot(&motion, &motion).sqrt()
     }
 
     /// The last point with as many contacts as at the first end and the first one with another number, by bisection. Each is sought from the nearest
