@@ -8,8 +8,9 @@ use crate::solve::continuation::corrector::{Motion, Plane, Point, Tracer};
 const MAX_TRIALS: usize = 60;
 /// Branch points, or corners, located between two points of a path before the rest is left unlocated.
 const MAX_CROSSINGS: usize = 8;
-/// How far the states on both sides of a corner may be apart, relative to the step: beyond it Newton has gone to another path.
-const JUMP: f64 = 0.05;
+/// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is located: beyond it Newton has gone to
+/// another path.
+const JUMP: [f64; 2] = [1e-4, 100.0];
 
 /// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
 const NEAR: f64 = 0.02;
@@ -71,7 +72,7 @@ impl Tracer<'_> {
                 break;
             }
             let [before, after] = self.corner(base, [from.clone(), to.clone()], tol);
-            if self.apart(&before.point, &after.point) > JUMP * distance {
+            if self.apart(&before.point, &after.point) > JUMP[0] * distance + JUMP[1] * tol {
                 return None;
             }
             self.smooth_events(base, [from, before.clone()], tol, &mut events);
