@@ -99,7 +99,6 @@ impl Solver {
     /// is apart at its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
     /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
     pub(super) fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
-        let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
         let stiffness = match side.law {
             Law::Linear { stiffness } => stiffness,
             Law::Core { pressure, .. } => {
@@ -107,9 +106,15 @@ impl Solver {
                 side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
             }
         };
-        let compliance: f64 = [a, b].map(|rod| 1.0 / rod.section.bending[0].min(rod.section.bending[1])).iter().sum();
-        let half_point = HALF_POINT * (4.0 / (stiffness * compliance)).powf(0.25);
-        half_point.max(a.length / a.num_elements as f64)
+        let rod = &self.engine.model.rods[self.engine.rod_of(side.nodes[slave][0])];
+        self.half_point(side, [slave, master], stiffness).max(rod.length / rod.num_elements as f64)
+    }
+
+    /// Half of the longest zone that is still one point, for two segments under a contact stiffness \[L\].
+    pub(super) fn half_point(&self, side: &ContactSide, segments: [usize; 2], stiffness: f64) -> f64 {
+        let rods = segments.map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
+        let compliance: f64 = rods.map(|rod| 1.0 / rod.section.bending[0].min(rod.section.bending[1])).iter().sum();
+        HALF_POINT * (4.0 / (stiffness * compliance)).powf(0.25)
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider

@@ -146,6 +146,9 @@ impl Solver {
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
     pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
         let mut report = StepReport::settled();
+        if let Err(error) = self.foresee_hardening() {
+            return StepReport::refused(error);
+        }
         let settled = match predicted {
             Some(increment) => self.settle_predicted(drive, increment, &mut report),
             None => self.settle_from_short(drive, &mut report),
