@@ -17,9 +17,7 @@ use crate::math::Vec3;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, rounding_of_residual,
-};
+use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::timed;
 
@@ -57,8 +55,6 @@ const TOL_CONTACT_CHANGE: f64 = 1e-6;
 const IMMOBILE: f64 = 1e-4;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
-/// Residuals that do not halve in two steps fall no more.
-const FALLING: f64 = 0.5;
 /// Decrements that the potential cannot see and that fall by less than this in three steps are made of rounding.
 const SETTLING: f64 = 0.1;
 /// Relative size of changes of the potential that rounding makes.
@@ -196,10 +192,7 @@ impl Workspace {
                     }
                     let idle =
                         balanced && matches!(decrements[..], [.., before, _, _, last] if last > SETTLING * before);
-                    let resolved = TOL_SADDLE.max(rounding_of_residual(engine, &state, &residual));
-                    let unresolved =
-                        self.near_rest && unseen && remaining == 0.0 && is_stuck(&report.iterations, resolved);
-                    report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3 || idle || unresolved);
+                    report.converged = trial.fraction == 1.0 && (at_rest || at_saddle >= 3 || idle);
                     break;
                 }
                 // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it says nothing): this is
@@ -348,7 +341,7 @@ impl Workspace {
             step = self.model_step(engine, residual, drive, at)?;
         }
         let small = increment_size(engine, &step.increment) <= tol;
-        if !self.near_rest && radius.is_finite() && step.extent < 0.5 * radius && self.shift > 0.0 && !small {
+        if radius.is_finite() && step.extent < 0.5 * radius && self.shift > 0.0 && !small {
             let farther = radius - step.extent;
             self.add_softest(engine, residual, &mut step, farther);
         }
@@ -460,11 +453,6 @@ impl Workspace {
         }
         (excess, out)
     }
-}
-
-/// Whether a residual that is next to nothing falls no more.
-fn is_stuck(iterations: &[Iteration], small: f64) -> bool {
-    matches!(iterations, [.., a, b, c] if c.residual <= small && c.residual >= FALLING * a.residual.min(b.residual))
 }
 
 /// Changes of the potential that rounding makes.

@@ -55,6 +55,47 @@ impl Solver {
         }
     }
 
+    /// Gives the nodes offsets that make smooth pressures of the gaps there are: the means of the present ones over an element. Elements in line contact
+    /// have ripples, and offsets that are the same along a line make ripples of the pressure of them. Strands in which these face each other lower the energy by
+    /// sliding along each other; under smooth pressures they raise it. For a single closed rod.
+    pub(super) fn smooth_pressures(&mut self) {
+        let gaps = self.node_gaps();
+        let (nodes, order) = (gaps.len(), self.engine.model.rods[0].order);
+        let Some(side) = &mut self.engine.contact else { return };
+        let distance = 2.0 * side.min_radius;
+        let pressure = |i: usize| side.law.response(side.offsets[i] - gaps[i], distance).pressure;
+        let smooth = |i: usize| {
+            // as many nodes as an element has, half of the first and of the last if these are on its joints
+            let around = |k: usize| (i + nodes + k - order / 2) % nodes;
+            let ends = if order % 2 == 0 { 0.5 } else { 1.0 };
+            let last = 2 * (order / 2);
+            let weight = |k: usize| if k == 0 || k == last { ends } else { 1.0 };
+            let mean = (0..=last).map(|k| weight(k) * pressure(around(k))).sum::<f64>() / order as f64;
+            let touches = (0..=last).all(|k| gaps[around(k)].is_finite() && pressure(around(k)) > 0.0);
+            if touches { side.law.overlap(mean, distance) + gaps[i] } else { side.offsets[i] }
+        };
+        let offsets = (0..nodes).map(smooth).collect();
+        side.change_law(side.law, offsets);
+    }
+
+    /// Gap at each node \[L\]; infinite where nothing touches.
+    fn node_gaps(&self) -> Vec<f64> {
+        let Some(side) = &self.engine.contact else { return Vec::new() };
+        let mut gaps = vec![f64::INFINITY; side.offsets.len()];
+        for term in &self.engine.residual(&self.engine.state).terms {
+            let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
+            let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
+            for (zone, k) in term.zones.iter().flat_map(|zone| [(zone, 0), (zone, 1)]) {
+                let (u, v) = (zone.piece.u[k], zone.piece.v[k]);
+                if let Some(end) = [0.0, 1.0].iter().position(|at| *at == u) {
+                    let gap = &mut gaps[side.nodes[term.slave][end]];
+                    *gap = gap.min((slave.point(u) - master.point(v)).norm() - reach);
+                }
+            }
+        }
+        gaps
+    }
+
     /// Pressure near each node \[F/L\], at the smallest gap around it.
     fn pressures(&self) -> Vec<f64> {
         let errors = self.contact_errors();

@@ -81,9 +81,6 @@ pub struct Workspace {
     pub(crate) rough: Option<f64>,
     /// Shear forces and tension, per element and integration point, that the next search starts from instead of those of the state; empty: of the state.
     pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
-    /// Searches start next to an equilibrium: directions in which a long, soft rod is unstable there belong to what little is out of balance, and are not
-    /// followed; a residual that rounding keeps from falling is rest.
-    pub(crate) near_rest: bool,
     /// A search was given up because it was asked to.
     pub(crate) interrupted: bool,
 }
@@ -393,9 +390,7 @@ impl Workspace {
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &Drive::default());
-        // where rounding hides even motions as long as the rod, those that it hides are neutral
-        let rounding = self.rounding_of_eigenvalues(engine);
-        let neutral = if rounding > 1.0 { rounding } else { NEUTRAL_SHIFT };
+        let neutral = NEUTRAL_SHIFT;
         self.factorise(engine, neutral).ok_or(SolveError::Factorisation { iteration: 0, shift: neutral })
     }
 }
@@ -430,16 +425,6 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
         // NaN must not be swallowed by max
         if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
     })
-}
-
-/// What rounding of the positions makes of [`relative_residual`]: a unit in the last place of the largest is a stretch of the elements.
-pub(crate) fn rounding_of_residual(engine: &Engine, state: &State, residual: &Residual) -> f64 {
-    let coordinate = state.positions.iter().map(|r| r.amax()).fold(0.0, f64::max);
-    let stiffness =
-        |rod: usize| engine.material[rod][2] / engine.element_length(rod) * engine.model.rods[rod].order as f64;
-    let force = (0..engine.model.rods.len()).map(stiffness).fold(0.0, f64::max) * f64::EPSILON * coordinate;
-    let magnitude = residual.magnitude.chunks(6).flat_map(|node| &node[..3]).fold(0.0f64, |a, b| a.max(*b));
-    if magnitude > 0.0 { force / magnitude } else { 0.0 }
 }
 
 /// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node spacing, so that

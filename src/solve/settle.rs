@@ -202,9 +202,7 @@ impl Solver {
         if !self.start_from_short(report) {
             return Ok(false);
         }
-        self.workspace.near_rest = true;
         let settled = self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], report);
-        self.workspace.near_rest = false;
         report.predicted = false;
         if settled == Ok(false) {
             self.restore(start)?;

@@ -43,6 +43,8 @@ const CLOSEST: f64 = 1e-11;
 /// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at most.
 const TOL_LINK: f64 = 1e-3;
 const MAX_ROUNDS: usize = 8;
+/// How often the pressures of the short rod are made smooth.
+const SMOOTHINGS: usize = 3;
 
 /// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about themselves beyond it along either strand.
 #[derive(Debug, Clone, Copy)]
@@ -190,6 +192,14 @@ impl Solver {
         let mut slope = 1.0 + 2.0 * cut as f64 / shorter as f64;
         let mut before: Option<[f64; 2]> = None;
         let mut report = short.settle(&Drive::default());
+        for _ in 0..SMOOTHINGS {
+            iterations += report.iterations;
+            if report.status != Status::Converged {
+                return None;
+            }
+            short.smooth_pressures();
+            report = short.settle_along(&Drive::default(), Some(vec![0.0; 6 * start.positions.len()]));
+        }
         for _ in 0..MAX_ROUNDS {
             iterations += report.iterations;
             if report.status != Status::Converged {
@@ -204,7 +214,8 @@ impl Solver {
                 longer.seams[0] += TAU * (whole - longer.seams[0] / TAU).round();
                 Some(longer)
             };
-            let each = (longer(PROBE)?.seams[0] - longer(0)?.seams[0]) / TAU / PROBE as f64;
+            let each = (longer(PROBE)?.seams[0] / TAU - link) / PROBE as f64;
+            eprintln!("short: its {iterations} {:?} link {link}", report.status);
             let missing = wanted - link - cut as f64 * each;
             if missing.abs() <= TOL_LINK {
                 let mut long = longer(cut)?;
@@ -298,5 +309,45 @@ mod tests {
         let before = solver.engine.state.clone();
         assert!(!solver.start_from_short(&mut report));
         assert_eq!((solver.engine.state, report.short_iterations), (before, 0));
+    }
+
+    /// Work per length² that strands do against each other while they slide along each other by unit length (K v · v over the middle), by differences of
+    /// gradients: negative where ripples of elements that face each other let the energy fall.
+    fn stiffness_of_sliding(solver: &mut Solver) -> f64 {
+        let engine = &mut solver.engine;
+        let state = engine.state.clone();
+        let nodes = state.positions.len();
+        let screw = Screw::measure(&state, 3, nodes / 12 * 3, nodes / 24).unwrap();
+        let along = |i: usize| {
+            let back = 2 * i >= nodes;
+            let way = screw.axis.into_inner() * if back { -1.0 } else { 1.0 };
+            let moved = way * screw.rise + way.cross(&(state.positions[i] - screw.point)) * screw.angle;
+            let turned = way * screw.angle + state.frames[i] * Vec3::z() * screw.spins[usize::from(back)];
+            [moved, turned]
+        };
+        let v: Vec<f64> = (0..nodes).flat_map(along).flat_map(|part| [part.x, part.y, part.z]).collect();
+        let step = 1e-4;
+        let [ahead, behind] = [step, -step].map(|t| {
+            let there = state.retract(&v, t);
+            engine.update_contact(&there).unwrap();
+            engine.residual(&there).gradient
+        });
+        let middle = [nodes / 6..nodes / 3, 2 * nodes / 3..5 * nodes / 6].into_iter().flatten();
+        middle.flat_map(|i| 6 * i..6 * i + 6).map(|m| v[m] * (ahead[m] - behind[m]) / (2.0 * step)).sum()
+    }
+
+    #[test]
+    fn strands_under_smooth_pressures_do_not_want_to_slide() {
+        let mut solver = plectoneme(240, 0.3);
+        let still = vec![0.0; 6 * solver.engine.num_nodes()];
+        assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
+        let before = stiffness_of_sliding(&mut solver);
+        assert!(before < 0.0, "{before}");
+        for _ in 0..SMOOTHINGS {
+            solver.smooth_pressures();
+            assert_eq!(solver.settle_along(&Drive::default(), Some(still.clone())).status, Status::Converged);
+        }
+        let after = stiffness_of_sliding(&mut solver);
+        assert!(after > -0.05 * before, "{before} {after}");
     }
 }
