@@ -215,7 +215,6 @@ impl Solver {
                 Some(longer)
             };
             let each = (longer(PROBE)?.seams[0] / TAU - link) / PROBE as f64;
-            eprintln!("short: its {iterations} {:?} link {link}", report.status);
             let missing = wanted - link - cut as f64 * each;
             if missing.abs() <= TOL_LINK {
                 let mut long = longer(cut)?;
