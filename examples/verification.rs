@@ -69,6 +69,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "twisted_ring",
             "ring_events",
             "ring_topology",
+            "path_corners",
             "two_ply",
             "clamped_pop",
             "elastic_knots",
