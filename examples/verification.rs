@@ -76,7 +76,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "ropelength",
         ],
     ),
-    ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders"]),
+    ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders", "held_motions"]),
     ("Topology", &["writhe_of_long_curves"]),
     ("Other", &[]),
 ];

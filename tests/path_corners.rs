@@ -17,7 +17,7 @@
 //! at the first corner, and .01 lower at the second. Independent of path following, load steps that prescribe the height of the apex (which the path
 //! lowers all the way) must find the same P on both sides of both corners: they pass the limit point and the corners without noticing.
 //!
-//! **Ring.** The closed twisted ring, L = 1, B = 1, C/B = 1.5, D/L = .03: from the root of the buckled branch on the flat circle over its fold to first
+//! **Ring.** The closed twisted ring, L = 1, B = 1, C/B = 1.5, D/L = .03, EA = GA = 1e7 (which moves M₃L/2πB at first contact by 4e-6), 96 cubic elements: from the root of the buckled branch on the flat circle over its fold to first
 //! contact, round it and on to two and three contacts, and back. Reference for first contact and two → three: Kirchhoff rod by shooting
 //! (`common/kirchhoff_ring.rs`). What a penalty κ makes of the latter is a matter of κ (the gap in the middle is tiny between two points): its error must fall
 //! with κ. One → two is seen where the zone of contact parts in two, which under a penalty is later than the point opens.
@@ -182,7 +182,7 @@ fn one_contact_after_the_other() {
     let stepped = load_at_heights(&STACK, &sample.iter().map(|s| s.height).collect::<Vec<_>>());
     for (point, load) in sample.iter().zip(stepped) {
         let quantity =
-            format!("P at the height {:.6}, {} contacts, over that of load steps", point.height, point.contacts);
+            format!("P at the height {:.6}, contacts: {}, over that of load steps", point.height, point.contacts);
         // under offsets for gaps a state depends a little on how it was come to
         verify(STACK.name, &quantity, point.load / load, 1.0, if point.contacts == 0 { 1e-9 } else { 1e-6 });
     }
