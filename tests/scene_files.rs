@@ -247,7 +247,7 @@ fn a_fidelity_sets_what_is_left_open() {
         read(&format!("fidelity = \"{fidelity}\"\n{open}")).unwrap()
     };
     for (word, fidelity, elements, law, tol) in [
-        ("draft", Fidelity::Draft, 12, (10.0, 1e-2), 1e-3),
+        ("draft", Fidelity::Draft, 12, (10.0, 1e-2), 1e-4),
         ("balanced", Fidelity::Balanced, 32, (100.0, 1e-4), 1e-6),
         ("reference", Fidelity::Reference, 64, (1000.0, 1e-8), 1e-8),
     ] {

@@ -112,6 +112,12 @@ impl BroadPhase {
         &self.pairs
     }
 
+    /// Whether the present list was built for this range and margin \[L\].
+    #[must_use]
+    pub(crate) fn is_for(&self, range: f64, margin: f64) -> bool {
+        self.built.as_ref().is_some_and(|built| (built.range, built.margin) == (range, margin))
+    }
+
     /// All pairs i < j of segments, sorted, that are not excluded as neighbours and whose curves may come within
     /// radius_i + radius_j + `range` \[L\] of each other, and some more: a pair up to `margin` \[L\] farther may be listed, one whose capsules are
     /// provably farther apart is not. `exclusion` must be up to date with `set`.

@@ -35,7 +35,8 @@ struct Scaled {
 
 /// Of the segments r + [0,1] d and [0,1] e.
 fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> Scaled {
-    let size = d.amax().max(e.amax()).max(r.amax());
+    let size =
+        [d, e, r].into_iter().flat_map(|v| v.iter()).fold(0.0, |size, x| if x.abs() > size { x.abs() } else { size });
     if size == 0.0 {
         return Scaled { size, scale: 0.0, unit_sq: 0.0 };
     }

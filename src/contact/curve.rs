@@ -93,11 +93,10 @@ impl Cubic {
     #[must_use]
     pub fn bulge(&self) -> f64 {
         let chord = self.chord();
-        let d1 = distance_to_segment(&(self.b[1] - self.b[0]), &chord);
-        let d2 = distance_to_segment(&(self.b[2] - self.b[0]), &chord);
+        let farthest = farthest_from_segment([&(self.b[1] - self.b[0]), &(self.b[2] - self.b[0])], &chord);
         // Rounding of the foot costs second order, of the offset a few ulp of the polygon's size.
         let size = self.edges().iter().map(Vec3::amax).sum::<f64>();
-        0.75 * d1.max(d2) + 4.0 * f64::EPSILON * size
+        0.75 * farthest + 4.0 * f64::EPSILON * size
     }
 
     /// Upper bound of the total turning of the tangent along the curve, rad: the sum of the angles between successive
@@ -146,12 +145,16 @@ impl Cubic {
 /// Angle between two vectors in \[0, π\], accurate at both ends and for any magnitudes; 0 if either is zero.
 #[must_use]
 pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
-    let (sa, sb) = (a.amax(), b.amax());
-    if sa == 0.0 || sb == 0.0 {
-        return 0.0;
-    }
-    let usual = (1e-60..1e60).contains(&sa) && (1e-60..1e60).contains(&sb);
-    let (a, b) = if usual { (*a, *b) } else { (a / sa, b / sb) };
+    let usual = |square: f64| (1e-120..1e120).contains(&square);
+    let (a, b) = if usual(a.norm_squared()) && usual(b.norm_squared()) {
+        (*a, *b)
+    } else {
+        let (sa, sb) = (a.amax(), b.amax());
+        if sa == 0.0 || sb == 0.0 {
+            return 0.0;
+        }
+        (a / sa, b / sb)
+    };
     let (across, along) = (a.cross(&b).norm(), a.dot(&b));
     if across < SMALL_ANGLE * along { small_angle(across / along) } else { across.atan2(along) }
 }
@@ -166,7 +169,19 @@ fn small_angle(t: f64) -> f64 {
     t - t * q * tail.iter().fold(0.0, |sum, term| term - q * sum)
 }
 
-/// Distance of the point `p` from the segment from 0 to `d`.
+/// The larger distance of two points from the segment from 0 to `d`.
+fn farthest_from_segment(points: [&Vec3; 2], d: &Vec3) -> f64 {
+    // usual sizes need no scaling
+    let dd = d.norm_squared();
+    if (1e-200..1e200).contains(&dd) && points.iter().all(|p| p.norm_squared() < 1e200) {
+        let [first, second] = points.map(|p| (p - d * (p.dot(d) / dd).clamp(0.0, 1.0)).norm_squared());
+        return first.max(second).sqrt();
+    }
+    let [first, second] = points.map(|p| distance_to_segment(p, d));
+    first.max(second)
+}
+
+/// Distance of the point `p` from the segment from 0 to `d`, of any size.
 fn distance_to_segment(p: &Vec3, d: &Vec3) -> f64 {
     let scale = d.amax().max(p.amax());
     if scale == 0.0 || !scale.is_finite() {

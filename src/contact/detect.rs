@@ -126,6 +126,14 @@ pub(crate) struct Pressures<'a> {
     pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
 }
 
+impl Pressures<'_> {
+    /// Where pressure ends, at both ends of a segment, from another strand's centreline \[L\].
+    fn reach(&self, slave: usize, contact_distance: f64) -> [f64; 2] {
+        let offset = self.before.map_or(self.offset, |(_, offset)| offset);
+        offset(slave).map(|c| contact_distance + c)
+    }
+}
+
 /// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
 ///
 /// `offset(segment)` is the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over candidates in the current rayon
@@ -180,7 +188,9 @@ pub(crate) fn evaluate_within(
     pressures: &Pressures,
     want: Want,
 ) -> Vec<PairTerm> {
-    in_chunks(candidates, |pair, pieces, out| ground.terms(pair, pressures, want, pieces, |term| out.push(term)))
+    let add =
+        |pair, pieces: &mut _, out: &mut Vec<_>| ground.terms(pair, pressures, want, pieces, |term| out.push(term));
+    in_chunks(candidates, add).into_iter().flatten().collect()
 }
 
 /// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six coordinates each (displacement,
@@ -200,30 +210,30 @@ pub(crate) struct Besides {
     pub(crate) zones: bool,
 }
 
-/// The terms of [`evaluate_within`] with respect to the segments' ends.
+/// The terms of [`evaluate_within`] with respect to the segments' ends, in parts: they are large, and moved no more than need be.
 pub(crate) fn evaluate_ends(
     ground: &Ground,
     candidates: &[[u32; 2]],
     pressures: &Pressures,
     besides: Besides,
-) -> Vec<EndTerm> {
+) -> Vec<Vec<EndTerm>> {
     in_chunks(candidates, |pair, pieces, out| {
         ground.each(pair, pressures, besides.zones, pieces, |found| out.push(ground.end_term(found, besides)));
     })
 }
 
-/// Calls `add(pair, scratch, out)` for every pair; `out` in the order of the pairs.
+/// Calls `add(pair, scratch, out)` for every pair; what is put out, in the order of the pairs, in parts.
 fn in_chunks<T: Send>(
     candidates: &[[u32; 2]],
     add: impl Fn([usize; 2], &mut Vec<Piece>, &mut Vec<T>) + Sync,
-) -> Vec<T> {
+) -> Vec<Vec<T>> {
     const CHUNK: usize = 64;
     let chunk = |chunk: &[[u32; 2]]| {
         let (mut found, mut pieces) = (Vec::new(), Vec::new());
         chunk.iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
         found
     };
-    candidates.par_chunks(CHUNK).flat_map_iter(chunk).collect()
+    candidates.par_chunks(CHUNK).map(chunk).collect()
 }
 
 /// What one candidate pair does to the control points of both segments.
@@ -277,9 +287,14 @@ impl Ground<'_> {
         pieces: &mut Vec<Piece>,
         mut found: impl FnMut(&Found),
     ) {
+        let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         let distance = self.nearest(i, j);
         for (slave, master) in [(i, j), (j, i)] {
-            let Some(local) = self.local(slave, master, distance, pressures) else { continue };
+            let reach = pressures.reach(slave, contact_distance);
+            if distance >= reach[0].max(reach[1]) {
+                continue;
+            }
+            let local = self.local(slave, master, reach, contact_distance, pressures);
             pieces.clear();
             let mut collect = |touch: &Follow, pieces: &mut Vec<Piece>| {
                 self.keep_rings([slave, master], &local, touch, pieces);
@@ -321,8 +336,13 @@ impl Ground<'_> {
             });
             return sum;
         }
+        let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         for (slave, master) in [(i, j), (j, i)] {
-            let Some(local) = self.local(slave, master, 0.0, pressures) else { continue };
+            let reach = pressures.reach(slave, contact_distance);
+            if reach[0].max(reach[1]) <= 0.0 {
+                continue;
+            }
+            let local = self.local(slave, master, reach, contact_distance, pressures);
             let Some(lines) = self.lines(slave, master, &local) else { continue };
             if !self.may_be_ring(slave, master) {
                 lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
@@ -401,17 +421,24 @@ impl Ground<'_> {
         if self.capsules.is_empty() { 0.0 } else { self.capsules[i].distance_lower_bound(&self.capsules[j]) }
     }
 
-    /// What holds all along the slave, if it may be in reach at a distance of at least `nearest` \[L\].
-    fn local<'a>(&self, slave: usize, master: usize, nearest: f64, pressures: &'a Pressures<'a>) -> Option<Local<'a>> {
-        let contact_distance = self.strands.radius_of(slave) + self.strands.radius_of(master);
-        let reaching = pressures.before.map_or(pressures.offset, |(_, offset)| offset);
-        let reach = reaching(slave).map(|c| contact_distance + c);
+    /// What holds all along the slave.
+    fn local<'a>(
+        &self,
+        slave: usize,
+        master: usize,
+        reach: [f64; 2],
+        contact_distance: f64,
+        pressures: &'a Pressures<'a>,
+    ) -> Local<'a> {
         let (length, offset) = (self.lengths[slave], (pressures.offset)(slave));
         let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
-        let (start, end) = self.strands.ends(slave);
-        let span = if straight { (end - start).norm() } else { length };
-        let local = Local { pressures, contact_distance, reach, offset, length, straight, span };
-        (nearest < reach[0].max(reach[1])).then_some(local)
+        let span = if straight {
+            let (start, end) = self.strands.ends(slave);
+            (end - start).norm()
+        } else {
+            length
+        };
+        Local { pressures, contact_distance, reach, offset, length, straight, span }
     }
 
     /// The pair as lines, if both are straight and the reach does not vary along the slave.

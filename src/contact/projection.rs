@@ -193,13 +193,19 @@ pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic, far: f64) -> bool {
 
 /// Same direction to rounding (1e-12 rad) of two differences of points that are `far` \[L\] from the origin; false if one is zero.
 pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
+    // The usual cases at once, of segments less than 1e6 of their length from the origin: an angle above 1e-6 or below 3e-13.
+    let (aa, bb, cross_sq) = (a.norm_squared(), b.norm_squared(), a.cross(b).norm_squared());
+    let shorter = aa.min(bb);
+    if shorter > 1e-140 && aa.max(bb) < 1e140 && far * far < 3e11 * shorter {
+        if cross_sq > 1e-12 * aa * bb {
+            return false;
+        }
+        if cross_sq < 1e-25 * aa * bb && a.dot(b) > 0.0 {
+            return true;
+        }
+    }
     let (sa, sb) = (a.amax(), b.amax());
     if sa == 0.0 || sb == 0.0 {
-        return false;
-    }
-    // The usual case at once: an angle above 1e-6 of segments less than 1e6 of their length from the origin.
-    let usual = (1e-70..1e70).contains(&sa) && (1e-70..1e70).contains(&sb) && far < 1e6 * sa.min(sb);
-    if usual && a.cross(b).norm_squared() > 1e-12 * a.norm_squared() * b.norm_squared() {
         return false;
     }
     let (a, b) = (a / sa, b / sb);

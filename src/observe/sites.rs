@@ -4,10 +4,11 @@
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its force
 //!    is the sum over all its zones, because each view carries half of it.
-//! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`Layer::longest_point`].
+//! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::detect::{PairTerm, ZonePiece};
+use crate::contact::law::shortest_line;
 
 use super::report::{SiteKind, SiteReport};
 
@@ -77,23 +78,10 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// Length \[L\] of the zone of a point contact that is just about to open into a line (or into two points).
-    ///
-    /// The gap w = w_a − w_b of two strands pressed together obeys w⁗ = −4β⁴w with β⁴ = ¼κ(1/B_a + 1/B_b) where w < 0, w⁗ = 0 elsewhere. A
-    /// point carries a force as long as the strands would bend away from it on both sides: w″ = k + c|s|, k > 0. At k = 0 it opens. The
-    /// even solution that is zero at the end a of its zone then has w″(a) = a w‴(a), which is at βa = 1.0955. A stiffer law makes the zone
-    /// of a point shorter as κ^(−1/3), this bound as κ^(−1/4), and leaves a line as long as it is: points and lines part as the law hardens.
-    fn longest_point(&self, a: usize, b: usize) -> f64 {
-        let compliance = 1.0 / self.bending[a] + 1.0 / self.bending[b];
-        2.0 * HALF_ZONE_AT_OPENING / (0.25 * self.stiffness * compliance).powf(0.25)
+    fn shortest_line(&self, a: usize, b: usize) -> f64 {
+        shortest_line(self.stiffness, [self.bending[a], self.bending[b]])
     }
 }
-
-/// A line is longer than the longest point by this factor: that is exact for strands that bend in one plane under an even law; crossings of
-/// strands that wind about each other were found to be up to 1.2 times as long under soft laws (κε⁴/B of 50). Lines outgrow it at once.
-const LINE_OVER_POINT: f64 = 1.5;
-/// βa of [`Layer::longest_point`].
-const HALF_ZONE_AT_OPENING: f64 = 1.095_543_932_565_708;
 
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
 pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
@@ -338,7 +326,7 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
         })
     };
     let (load_a, load_b) = (total(false, period(set, first.curve_a)), total(true, period_b));
-    let is_line = 0.5 * (width_a + width_b) > LINE_OVER_POINT * layer.longest_point(first.curve_a, first.curve_b);
+    let is_line = 0.5 * (width_a + width_b) > layer.shortest_line(first.curve_a, first.curve_b);
     let center = |load: &Load, feet: [f64; 2], period: Option<f64>| {
         let center = if load.force > 0.0 { load.center } else { 0.5 * (feet[0] + feet[1]) };
         period.map_or(center, |p| center.rem_euclid(p))

@@ -53,10 +53,7 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
 
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
     engine.contact.as_ref().map_or_else(Vec::new, |side| {
-        let softer = |rod: &usize| {
-            let [first, second] = engine.model().rods[*rod].section.bending;
-            first.min(second)
-        };
+        let softer = |rod: &usize| engine.model().rods[*rod].section.smaller_bending();
         let stiffness = match side.law {
             Law::Linear { stiffness } => stiffness,
             Law::Core { .. } => engine.contact_stiffness(),

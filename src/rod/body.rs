@@ -141,6 +141,11 @@ impl Rod {
         self.num_elements * self.order
     }
 
+    /// Reference arc length between neighbouring nodes \[L\].
+    pub fn spacing(&self) -> f64 {
+        self.length / self.num_segments() as f64
+    }
+
     /// Reference arc length of a node \[L\].
     pub fn arc_of_node(&self, node: usize) -> f64 {
         self.length * (node as f64 / self.num_segments() as f64)
@@ -196,7 +201,7 @@ impl Rod {
     /// What a rod would turn by from node to node where nothing holds it must be within what elements can tell.
     fn check_natural(&self, path: &str) -> Result<(), InputError> {
         let Natural::Uniform { kappa } = self.natural else { return Ok(()) };
-        let spacing = self.length / self.num_segments() as f64;
+        let spacing = self.spacing();
         let turns = Vec3::from(kappa).amax() * spacing / std::f64::consts::TAU;
         if turns <= MAX_TURN {
             return Ok(());
@@ -231,7 +236,7 @@ impl Rod {
     fn check_segment(&self, path: &str, segment: usize) -> Result<(), InputError> {
         let [a, b] = [segment, (segment + 1) % self.num_nodes()];
         let refuse = |reason: String| Err(InputError::Inconsistent { field: path.to_owned(), reason });
-        let spacing = self.length / self.num_segments() as f64;
+        let spacing = self.spacing();
         if (self.positions[b] - self.positions[a]).norm() <= 1e-12 * spacing {
             return refuse(format!("nodes {a} and {b} coincide"));
         }

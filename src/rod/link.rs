@@ -68,7 +68,7 @@ impl Rod {
     /// Points along the contact centreline (cubic between neighbouring nodes with their d3) and d1 there, so close that frames turn by
     /// less than ½ rad from one to the next and chords stay within a fraction of the contact radius (8 a segment at most).
     fn ribbon(&self, seam: f64) -> (Vec<Vec3>, Vec<Vec3>) {
-        let (nodes, spacing) = (self.num_nodes(), self.length / self.num_segments() as f64);
+        let (nodes, spacing) = (self.num_nodes(), self.spacing());
         let closing = self.frames[0] * spin(seam);
         let next = |i: usize| if i + 1 == nodes { closing } else { self.frames[i + 1] };
         let turning = |i: usize| self.frames[i].angle_to(&next(i));

@@ -146,6 +146,11 @@ impl Section {
         self.bending[0] == self.bending[1] && self.shearing[0] == self.shearing[1]
     }
 
+    /// The smaller bending stiffness \[F·L²\].
+    pub(crate) fn smaller_bending(&self) -> f64 {
+        self.bending[0].min(self.bending[1])
+    }
+
     /// Refuses non-positive or non-finite stiffnesses; `field` names the section in the error.
     ///
     /// # Errors

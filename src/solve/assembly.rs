@@ -13,10 +13,12 @@ use crate::solve::engine::{ContactSide, Element, Engine, contact_cubic, give_to_
 use crate::solve::state::{Drive, State};
 use crate::sparse::Pattern;
 
-/// Elements or contact terms computed in parallel before one ordered scatter: bounds the buffer, not the result.
+/// Elements computed in parallel before one ordered scatter: bounds the buffer, not the result.
 const BATCH: usize = 1024;
+/// The same with their tangents, five kilobytes each: what a cache holds.
+const TANGENTS: usize = 128;
 /// Candidate pairs evaluated before their terms are scattered.
-const PAIRS: usize = 8192;
+const PAIRS: usize = 1024;
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -130,20 +132,18 @@ impl Engine {
         let prescribed = self.prescribed(drive);
         self.install(|| {
             let mut out = self.start_residual();
-            for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
-                let results: Vec<(ElementOutput, ElementTangent)> = batch
-                    .par_iter()
-                    .enumerate()
-                    .map(|(k, _)| {
-                        let e = batch_index * BATCH + k;
-                        let mut tangent = [[0.0; MAX_DOF]; MAX_DOF];
-                        (self.element_output(e, state, predicted.map(|p| &p[e]), Some(&mut tangent)), tangent)
-                    })
-                    .collect();
-                for (k, (result, block)) in results.iter().enumerate() {
-                    let e = batch_index * BATCH + k;
-                    self.scatter_element_gradient(e, result, state, &mut out);
-                    self.scatter_element_tangent(e, block, prescribed.as_deref(), pattern, tangent);
+            let mut results =
+                vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); TANGENTS.min(self.elements.len())];
+            for first in (0..self.elements.len()).step_by(TANGENTS) {
+                let count = TANGENTS.min(self.elements.len() - first);
+                results[..count].par_iter_mut().with_min_len(8).enumerate().for_each(|(k, (result, block))| {
+                    *block = [[0.0; MAX_DOF]; MAX_DOF];
+                    let e = first + k;
+                    *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(block));
+                });
+                for (k, (result, block)) in results[..count].iter().enumerate() {
+                    self.scatter_element_gradient(first + k, result, state, &mut out);
+                    self.scatter_element_tangent(first + k, block, prescribed.as_deref(), pattern, tangent);
                 }
             }
             let besides = Besides { zones: false, tangent: true };
@@ -388,7 +388,7 @@ impl Engine {
                 |segment: usize| side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]));
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
-            for found in detect::evaluate_ends(&ground, pairs, &pressures, besides) {
+            for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
                 let nodes = side.term_nodes(&found.term);
                 out.potential.contact += found.term.energy;
                 for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
@@ -482,29 +482,38 @@ impl Engine {
 impl ContactSide {
     /// Moves the contact curves and refreshes candidates; true if the list changed.
     pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
-        self.is_current = false;
         self.place(state);
-        self.exclusion.update(&self.set)?;
         let earlier = self.before.iter().flat_map(|(_, offsets)| offsets);
         let largest = self.offsets.iter().chain(earlier).copied().fold(0.0, f64::max);
         // in steps, so that a slowly growing offset does not rebuild the list every time
         let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
         let margin = 0.5 * self.min_radius;
+        if self.is_current && self.broad_phase.is_for(range, margin) {
+            return Ok(false);
+        }
+        self.is_current = false;
+        self.exclusion.update(&self.set)?;
         let before = self.broad_phase.generation();
         self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
         self.is_current = true;
         Ok(self.broad_phase.generation() != before)
     }
 
-    /// Overwrites the contact curves with those of `state`.
+    /// Overwrites the contact curves with those of `state`; what goes with them is no longer current if they moved.
     pub(crate) fn place(&mut self, state: &State) {
-        let (nodes, lengths) = (&self.nodes, self.set.lengths.clone());
-        self.set
-            .segments_mut()
+        let (nodes, lengths) = (&self.nodes, &self.set.lengths);
+        let moved = self
+            .set
+            .segments
             .par_iter_mut()
             .with_min_len(256)
             .enumerate()
-            .for_each(|(k, segment)| *segment = contact_cubic(state, nodes[k], lengths[k]));
+            .map(|(k, segment)| {
+                let now = contact_cubic(state, nodes[k], lengths[k]);
+                std::mem::replace(segment, now) != now
+            })
+            .reduce(|| false, |a, b| a || b);
+        self.is_current &= !moved;
     }
 
     /// Global nodes of a term: slave a, b, master a, b.

@@ -198,7 +198,7 @@ impl Engine {
     pub(crate) fn check_resolution(&self, tol_increment: f64) -> Result<(), InputError> {
         for (index, rod) in self.model.rods.iter().enumerate() {
             let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
-            let spacing = rod.length / rod.num_segments() as f64;
+            let spacing = rod.spacing();
             let resolution = f64::EPSILON * farthest / spacing;
             if resolution > tol_increment {
                 let reason = format!(
@@ -455,11 +455,10 @@ fn build_elements(model: &Model, first_node: &[usize]) -> Vec<Element> {
 fn scales(model: &Model) -> Scales {
     let fold =
         |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
-    let spacing = |r: &Rod| r.length / (r.num_elements * r.order) as f64;
     Scales {
         length: fold(&|r| r.length, 0.0, f64::max),
-        bending: fold(&|r| r.section.bending[0].min(r.section.bending[1]), f64::INFINITY, f64::min),
-        lever: fold(&spacing, f64::INFINITY, f64::min),
+        bending: fold(&|r| r.section.smaller_bending(), f64::INFINITY, f64::min),
+        lever: fold(&Rod::spacing, f64::INFINITY, f64::min),
     }
 }
 
@@ -467,7 +466,7 @@ fn masses(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
     let unit = scales.bending / scales.length.powi(4);
     let lever_sq = scales.lever * scales.lever;
     let of_rod = |rod: &Rod| {
-        let position = unit * (rod.length / (rod.num_elements * rod.order) as f64);
+        let position = unit * rod.spacing();
         let rotation = position * lever_sq;
         [position, position, position, rotation, rotation, rotation].repeat(rod.num_nodes())
     };

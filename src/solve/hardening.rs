@@ -6,7 +6,7 @@
 //! tangent there may be indefinite. Here d is found from the point's force, and the new law is linearised about strands moved apart by d. Strands along lines follow
 //! the pressure, F ∝ κδ, so that there each place may well give for its own.
 
-use crate::contact::law::Law;
+use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
 use crate::solve::engine::ContactSide;
 use crate::solve::path::Solver;
@@ -26,8 +26,8 @@ struct Run {
     force: f64,
     /// Largest overlap \[L\].
     depth: f64,
-    /// Half of the longest point under a contact stiffness of 1.
-    half_point: f64,
+    /// Length from which it is a line under a contact stiffness of 1 \[L\].
+    shortest_line: f64,
 }
 
 impl Solver {
@@ -46,7 +46,7 @@ impl Solver {
         self.engine.update_contact(&state)?;
         let overlaps = self.overlaps();
         let runs = self.runs(&overlaps);
-        if runs.iter().any(|run| run.length > 2.0 * run.half_point / before.powf(0.25)) {
+        if runs.iter().any(|run| run.length > run.shortest_line / before.powf(0.25)) {
             return Ok(());
         }
         let mut left: Vec<f64> = runs.iter().map(|run| run.depth * ratio.powf(-1.0 / AT_POINTS)).collect();
@@ -84,7 +84,9 @@ impl Solver {
         for term in self.engine.residual(&self.engine.state).terms {
             let here = &mut felt[term.slave];
             let offset = side.offset(term.slave);
-            here.half_point = self.half_point(side, [term.slave, term.master], 1.0);
+            let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
+            let bending = [term.slave, term.master].map(|segment| rod(segment).section.smaller_bending());
+            here.shortest_line = shortest_line(1.0, bending);
             for zone in &term.zones {
                 here.force += zone.half_force;
                 here.length += (zone.piece.u[1] - zone.piece.u[0]) * side.set.lengths[term.slave];
@@ -100,8 +102,8 @@ impl Solver {
         let touches = |segment: usize| felt[segment].depth > 0.0;
         let begins = |segment: &usize| touches(*segment) && !side.set.prev(*segment).is_some_and(touches);
         let run = |first: usize| {
-            let half_point = felt[first].half_point;
-            let mut run = Run { segments: vec![first], length: 0.0, force: 0.0, depth: 0.0, half_point };
+            let shortest_line = felt[first].shortest_line;
+            let mut run = Run { segments: vec![first], length: 0.0, force: 0.0, depth: 0.0, shortest_line };
             while let Some(next) = side.set.next(run.segments[run.segments.len() - 1]).filter(|k| touches(*k)) {
                 run.segments.push(next);
             }
@@ -122,8 +124,8 @@ struct Felt {
     force: f64,
     length: f64,
     depth: f64,
-    /// Half of the longest point under a contact stiffness of 1.
-    half_point: f64,
+    /// Length from which it is a line under a contact stiffness of 1 \[L\].
+    shortest_line: f64,
 }
 
 /// Offsets lowered by as much as the strands of each run move apart.

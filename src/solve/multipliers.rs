@@ -1,14 +1,11 @@
 //! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new law the same.
 
-use crate::contact::law::Law;
+use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
 
-/// Half of the longest zone that is still one point under a linear law, over (4/κ(1/B_a + 1/B_b))^¼: see `observe::sites`, where the same zone tells
-/// points from lines.
-const HALF_POINT: f64 = 1.5 * 1.0955;
 /// Pressure over that of a core law at which its stiffness is taken.
 const USUAL_PRESSURE: f64 = 0.1;
 /// Largest growth of a pace from one augmentation to the next.
@@ -140,6 +137,7 @@ impl Solver {
     /// is apart at its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
     /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
     pub(super) fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
+        let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
         let stiffness = match side.law {
             Law::Linear { stiffness } => stiffness,
             Law::Core { pressure, .. } => {
@@ -147,15 +145,8 @@ impl Solver {
                 side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
             }
         };
-        let rod = &self.engine.model.rods[self.engine.rod_of(side.nodes[slave][0])];
-        self.half_point(side, [slave, master], stiffness).max(rod.length / rod.num_elements as f64)
-    }
-
-    /// Half of the longest zone that is still one point, for two segments under a contact stiffness \[L\].
-    pub(super) fn half_point(&self, side: &ContactSide, segments: [usize; 2], stiffness: f64) -> f64 {
-        let rods = segments.map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
-        let compliance: f64 = rods.map(|rod| 1.0 / rod.section.bending[0].min(rod.section.bending[1])).iter().sum();
-        HALF_POINT * (4.0 / (stiffness * compliance)).powf(0.25)
+        let half_point = 0.5 * shortest_line(stiffness, [a, b].map(|rod| rod.section.smaller_bending()));
+        half_point.max(a.length / a.num_elements as f64)
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider

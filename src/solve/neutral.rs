@@ -174,14 +174,19 @@ impl Neutral {
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
         let model = &engine.model;
         let bare = model.joints.is_empty() && model.loads.is_empty() && model.line_loads.is_empty();
-        if model.rods.len() != 1 || !bare && !is_free(engine, 0) {
+        if model.rods.len() != 1 {
+            return Self::default();
+        }
+        let free = is_free(engine, 0);
+        let clamped = !model.rods[0].closed && engine.free.iter().any(|node| node.iter().all(|free| !free));
+        if !free && (!bare || clamped) {
             return Self::default();
         }
         // displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second order
         let lever = 1e-3 * engine.scales.length;
         let mut neutral = Self { weights: [1.0, lever * lever], ..Self::default() };
         let (mut motions, mut sliding) = motions_of_the_first_rod(engine, state);
-        if !is_free(engine, 0) {
+        if !free {
             let supports = Supports::of(engine);
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             motions = supports.all_that_pass(&motions);
@@ -250,7 +255,7 @@ impl Neutral {
         }
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
             let factor = if engine.model.rods.len() == 1 { 1.0 } else { SHARED };
-            let spacing = rod.length / (rod.num_elements * rod.order) as f64;
+            let spacing = rod.spacing();
             let spring = rod.section.bending[0] / spacing.powi(3);
             let turning = rod.section.twisting / spacing;
             let first = engine.first_node[index];
@@ -265,14 +270,12 @@ impl Neutral {
             pattern.add_block(values, other, other, axial);
         }
     }
-}
 
-impl Neutral {
     /// One spring for each motion of a held rod but sliding, along that motion at the node that it moves most and across those before: together they stop
     /// all of them and nothing else.
     fn pin_held(&self, engine: &Engine, pattern: &Pattern, values: &mut [f64]) {
         let rod = &engine.model.rods[0];
-        let spacing = rod.length / rod.num_segments() as f64;
+        let spacing = rod.spacing();
         let spring = rod.section.bending[0] / spacing.powi(3);
         let arm = |k: usize| if k < 3 { 1.0 } else { spacing };
         let at = |motion: &[f64], node: usize| -> [f64; 6] { std::array::from_fn(|k| arm(k) * motion[6 * node + k]) };

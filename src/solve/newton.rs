@@ -390,8 +390,7 @@ impl Workspace {
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &Drive::default());
-        let neutral = NEUTRAL_SHIFT;
-        self.factorise(engine, neutral).ok_or(SolveError::Factorisation { iteration: 0, shift: neutral })
+        self.factorise(engine, NEUTRAL_SHIFT).ok_or(SolveError::Factorisation { iteration: 0, shift: NEUTRAL_SHIFT })
     }
 }
 

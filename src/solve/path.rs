@@ -9,6 +9,7 @@ use crate::math::Vec3;
 use crate::scene::model::unit;
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
+use crate::solve::assembly::in_pool;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::History;
@@ -226,7 +227,7 @@ impl Solver {
     /// Brings the start state to rest.
     fn run_start(&mut self, observer: &mut Observer) -> Result<(Place, Status), RunError> {
         let started = Instant::now();
-        let mut report = self.settle(&Drive::default());
+        let mut report = self.in_own_pool(|solver| solver.settle(&Drive::default()));
         self.judge_turning(&mut report);
         let place = Place::start_of(0, 0, report.iterations);
         let settled = report.status == Status::Converged;
@@ -354,6 +355,14 @@ impl Solver {
         }
     }
 
+    /// Does all of the work in the solver's own pool, if it has one: to go in and out for every sum takes longer than a small sum does.
+    fn in_own_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
+        let pool = self.engine.pool.take();
+        let result = in_pool(pool.as_ref(), || work(self));
+        self.engine.pool = pool;
+        result
+    }
+
     fn attempt(&mut self, target: &Target, predicted: Option<Vec<f64>>) -> StepReport {
         if let Some(factor) = target.load_factor {
             self.engine.state.load_factor = factor;
@@ -364,7 +373,7 @@ impl Solver {
         if let Err(error) = self.engine.check_drive(&target.drive) {
             return StepReport::refused(error);
         }
-        let mut report = self.settle_along(&target.drive, predicted);
+        let mut report = self.in_own_pool(|solver| solver.settle_along(&target.drive, predicted));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {
             for &(node, change) in &target.turned {

@@ -198,10 +198,9 @@ impl Solver {
         if !(still && self.augments()) {
             return Ok(false);
         }
+        let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
-        if !self.start_from_short(report) {
-            return Ok(false);
-        }
+        self.start_from(lengthened, report);
         let settled = self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], report);
         report.predicted = false;
         if settled == Ok(false) {

@@ -45,7 +45,7 @@ fn turns(
     let line: f64 = scene.line_loads.iter().filter(|load| is_this(&load.rod)).map(|load| size(load.force)).sum();
     let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
     // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
-    let bending = section.bending[0].min(section.bending[1]);
+    let bending = section.smaller_bending();
     let loaded = (force / bending).sqrt() + ((line + pressure) / bending).cbrt() + moment / bending;
     Ok((length, tangent_turns.max(by_nature).max(wound) + rotation + moved + loaded * length / TAU))
 }

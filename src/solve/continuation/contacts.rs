@@ -87,7 +87,9 @@ impl Contacts {
         let offset = |segment| side.offset(segment);
         let pressures = detect::Pressures { law: side.law, offset: &offset, before: None };
         let ground = detect::Ground::of_set(&side.set);
-        for found in detect::evaluate_ends(&ground, &pairs, &pressures, detect::Besides::default()) {
+        for found in
+            detect::evaluate_ends(&ground, &pairs, &pressures, detect::Besides::default()).into_iter().flatten()
+        {
             for (node, force) in side.term_nodes(&found.term).iter().zip(found.gradient.chunks_exact(6)) {
                 (0..6).for_each(|k| out[6 * node + k] += force[k]);
             }
