@@ -136,6 +136,17 @@ fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -
     out
 }
 
+fn centre(state: &State) -> Vec3 {
+    state.positions.iter().sum::<Vec3>() / state.positions.len() as f64
+}
+
+/// A state moved so that its centre is there.
+fn moved(mut state: State, there: &Vec3) -> State {
+    let shift = there - centre(&state);
+    state.positions.iter_mut().for_each(|x| *x += shift);
+    state
+}
+
 /// A long plectoneme whose ends are at rest, and what holds them there.
 pub(crate) struct Lengthened {
     state: State,
@@ -190,6 +201,8 @@ impl Solver {
         if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.spacing()) {
             return None;
         }
+        // far from the origin rounding of the long rod's positions would keep the short one from coming to rest
+        let start = moved(start, &Vec3::zeros());
         let wanted = engine.state.seams[0] / TAU;
         let mut short = self.solver_of(&start, rod).ok()?;
         let mut iterations = 0;
@@ -221,7 +234,7 @@ impl Solver {
             let each = (longer(PROBE)?.seams[0] / TAU - link) / PROBE as f64;
             let missing = wanted - link - cut as f64 * each;
             if missing.abs() <= TOL_LINK {
-                let mut long = longer(cut)?;
+                let mut long = moved(longer(cut)?, &centre(&engine.state));
                 let nodes = 0..long.positions.len();
                 long.twist(0, nodes, TAU * wanted - long.seams[0]);
                 let side = short.engine.contact.as_ref()?;
