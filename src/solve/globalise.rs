@@ -17,7 +17,9 @@ use crate::math::Vec3;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
+use crate::solve::newton::{
+    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, rounding_of_residual,
+};
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::timed;
 
@@ -181,10 +183,13 @@ impl Workspace {
                     engine.state = state.clone();
                     // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
                     // (large shifts make any step tiny: the residual must have gone too)
-                    let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
+                    let unseen = trial.expected.abs() < noise;
+                    let balanced = report.iterations.last().is_some_and(|i| {
+                        let floor = |state| rounding_of_residual(engine, state, &residual);
+                        i.residual <= TOL_SADDLE || unseen && i.residual <= floor(&state)
+                    });
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
-                    let unseen = trial.expected.abs() < noise;
                     if !unseen || indefinite || trial.fraction < 1.0 || remaining > 0.0 {
                         decrements.clear();
                     } else {
