@@ -20,6 +20,8 @@ use supercoil::solve::{Options, Solver, Status, StepReport, run};
 
 const LINK: f64 = -3.0;
 const STEPS: usize = 20;
+/// What is left between the ways, relative to the energy: offsets along one and the same contact, whose ends the way sets.
+const WAYS_APART: f64 = 5e-5;
 
 fn minicircle(stiffness: f64) -> Model {
     let shape = Shape::Circle { length: 114.24, center: Vec3::zeros(), normal: Vec3::z() };
@@ -61,10 +63,11 @@ fn elastic(seen: &Observation) -> f64 {
     seen.energies.total - seen.energies.contact
 }
 
-/// Neither way leaves a contact that is open but carries force, and both lead to nearly the same energy: the report's figure is what the sites tell.
+/// Neither way leaves a contact that is open but carries force, and both lead to nearly the same energy; the report's figure is what the sites tell. (At
+/// κ' = 1000 two points half a node spacing long, a third of one beside a line, cannot be told from it by offsets at the nodes: .28 pN each.)
 #[test]
 fn neighbours_do_not_hold_contacts_open() {
-    for (stiffness, apart) in [(100.0, 6e-5), (300.0, 1e-5)] {
+    for (stiffness, held) in [(100.0, 2e-6), (300.0, 2e-6), (1000.0, 5e-6)] {
         let energies = [by_run, by_steps].map(|way| {
             let (solver, report) = way(minicircle(stiffness));
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
@@ -81,9 +84,10 @@ fn neighbours_do_not_hold_contacts_open() {
                     site.kind, site.arc_a, site.arc_b, site.gap, site.force
                 );
             }
-            assert!(work < 3e-6 && report.held_open < 2e-6, "{stiffness}: {work}, {}", report.held_open);
+            assert!(work < held, "{stiffness}: {work}");
+            assert!((report.held_open - work).abs() < 1e-2 * work + 1e-7, "{stiffness}: {work}, {}", report.held_open);
             elastic(&seen)
         });
-        assert!((energies[0] / energies[1] - 1.0).abs() < apart, "{stiffness}: {energies:?}");
+        assert!((energies[0] / energies[1] - 1.0).abs() < WAYS_APART, "{stiffness}: {energies:?}");
     }
 }

@@ -3,7 +3,8 @@
 //! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]), as one contact needs it. A contact within
 //! the window of another that touches would keep its force over any gap: a state in balance, stable, and with too much energy. So contacts are told apart here.
 //! Pieces of zones that follow each other along a strand are one contact, and its gap is the smallest in it: the ripples that elements in line contact have
-//! are inside of one contact and none of this. Contacts so near each other that they share all offsets are beyond what the mesh tells apart.
+//! are inside of one contact and none of this. Contacts nearer to each other than the nodes are share their offsets, and
+//! the mesh cannot tell them apart: what these carry is reported, not released.
 
 use crate::contact::detect::ZonePiece;
 use crate::solve::assembly::Residual;
@@ -19,8 +20,10 @@ pub(super) const TOL_HELD_OPEN: f64 = 2e-6;
 /// Contacts that carry force over a gap.
 #[derive(Debug, Default)]
 pub(super) struct HeldOpen {
-    /// Σ force × gap over the elastic energy.
+    /// Σ force × gap over the elastic energy …
     pub(super) work: f64,
+    /// … and of those contacts alone that have an offset of their own to lower.
+    pub(super) releasable: f64,
     /// What the offsets are to be lowered by, per node \[L\]: the gap of the open contact there, zero where there is none or another one touches.
     pub(super) gaps: Vec<f64>,
 }
@@ -45,11 +48,19 @@ impl Stretch {
         Self { segments: vec![segment], end, start, gap: zone.min_gap, half_force: zone.half_force }
     }
 
-    /// Whether `other`, which starts no earlier, starts before this one ends, or where it does.
+    /// Whether `other`, which starts no earlier on the strand, starts before this one ends or where it does.
     fn reaches(&self, side: &ContactSide, other: &Self) -> bool {
-        let (Some(&last), Some(&first)) = (self.segments.last(), other.segments.first()) else { return false };
-        let over_joint = || self.end >= 1.0 - TOL_MEET && other.start <= TOL_MEET && side.set.next(last) == Some(first);
-        last == first && other.start <= self.end + TOL_MEET || over_joint()
+        self.segments.last() == other.segments.first() && other.start <= self.end + TOL_MEET
+            || self.goes_on_in(side, other)
+    }
+
+    /// Whether it ends at the joint to a segment that `other` starts at.
+    fn goes_on_in(&self, side: &ContactSide, other: &Self) -> bool {
+        let next = self.segments.last().and_then(|&last| side.set.next(last));
+        self.end >= 1.0 - TOL_MEET
+            && other.start <= TOL_MEET
+            && next.is_some()
+            && next.as_ref() == other.segments.first()
     }
 
     fn join(&mut self, other: Self) {
@@ -79,7 +90,7 @@ fn stretches(side: &ContactSide, residual: &Residual) -> Vec<Stretch> {
     }
     // over the seams of closed strands: there, and only there, a later one goes on in an earlier one
     for last in (1..joined.len()).rev() {
-        if let Some(first) = (0..last).find(|&first| joined[last].reaches(side, &joined[first])) {
+        if let Some(first) = (0..last).find(|&first| joined[last].goes_on_in(side, &joined[first])) {
             let part = joined.remove(last);
             joined[first].join(part);
         }
@@ -106,9 +117,12 @@ impl Solver {
             let held = gap.is_finite() && *gap > open && *offset > 0.0;
             *gap = if held { *gap } else { 0.0 };
         }
-        let held = stretches.iter().filter(|stretch| nodes(stretch).iter().any(|&node| gaps[node] > 0.0));
-        let work: f64 = held.map(|stretch| stretch.half_force * stretch.gap.max(0.0)).sum();
         let energy: f64 = residual.potential.elastic.iter().sum();
-        HeldOpen { work: if energy > 0.0 { work / energy } else { 0.0 }, gaps }
+        let work = |stretch: &Stretch| {
+            if energy > 0.0 && stretch.gap > open { stretch.half_force * stretch.gap / energy } else { 0.0 }
+        };
+        let own = |stretch: &&Stretch| nodes(stretch).iter().any(|&node| gaps[node] > 0.0);
+        let releasable = stretches.iter().filter(own).map(work).fold(0.0, |a, b| a + b);
+        HeldOpen { work: stretches.iter().map(work).fold(0.0, |a, b| a + b), releasable, gaps }
     }
 }

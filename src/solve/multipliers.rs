@@ -159,7 +159,7 @@ impl Solver {
             return None;
         }
         let mut held = self.held_open();
-        if held.work <= TOL_HELD_OPEN || paces.releases >= MAX_RELEASES {
+        if held.releasable <= TOL_HELD_OPEN || paces.releases >= MAX_RELEASES {
             held.gaps.clear();
         } else {
             paces.releases += 1;

@@ -86,8 +86,9 @@ pub struct StepReport {
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
-    /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian still hold open beside others that touch: what the
-    /// energy is too high by. More than 2e-6 is left only where it could not be released; 0 without contact and under other laws.
+    /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside others that touch: what the energy is
+    /// too high by. They are released until it is 2e-6, but for contacts less than a node spacing from their neighbours; 0 without contact and
+    /// under other laws.
     pub held_open: f64,
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
     /// all the same; a point contact is spread wider by the cube root of it.
