@@ -39,7 +39,7 @@ fn ring_at_the_root(ratio: f64, rigid: f64, contact: Contact, diameter: f64) -> 
     let mut solver = Solver::new(model, any_equilibrium()).unwrap();
     let root = to_branch_point(&mut solver, &RAMP);
     verify(
-        &format!("twisted ring, C/B = {ratio}"),
+        &format!("twisted ring, C/B = {ratio}, EA = {rigid:.0e}"),
         "ΔLk at the branch point",
         root,
         3f64.sqrt() / ratio,

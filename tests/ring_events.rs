@@ -11,7 +11,7 @@
 //! A naturally straight isotropic rod, L = 1, B = 1, C = 1.5, diameters D/L = .03 and .01, is closed into a flat circle and
 //! turned by the excess link ΔLk. It is followed under a soft penalty on 96 cubic elements through whatever states the engine finds, without any symmetry
 //! imposed. Near an event each state is interpolated to meshes of twice the elements, once or four times, and brought to rest there under penalties raised to
-//! κ = 1e14 B/L⁴ (penetration below 1e-6 D). EA = GA = 1e9 B/L²: their effect is about 1e-6.
+//! κ = 1e14 B/L⁴ (penetration below 1e-6 D). EA = GA = 1e9 B/L²: their effect is about 1e-6, but for the last event of the thick ring.
 //!
 //! Reference: writhe, torque M₃L/(2πB) and bending energy of the Kirchhoff rod (inextensible, unshearable, hard contact) at the four events, by
 //! shooting (`common/kirchhoff_ring.rs`), which a test here compares with an earlier computation, five decimals. ΔLk = Wr + (M₃L/2πB)(B/C).
@@ -26,7 +26,10 @@
 //! What the states themselves are off by is the penetration, ∝ κ^(−2/3) at a point, which two laws a decade apart tell and Richardson's rule takes away; and the
 //! elements' compliance to forces that lie inside them, ∝ h³ and dependent on where they lie. Of writhe and torque this leaves 1e-6, and one → two, where the contact lies on a
 //! node, is found as well on 192 elements as on 1536. But the gap in the middle is so small between two and three points that a hundredth of that moves the later
-//! events: by 1e-4 on 192 elements; on 768 two → three by 1e-5, three → line by 6e-5 at most; on 1536 by 1e-6 and 1e-6 … 8e-6. The curvature is taken from elements
+//! events: by 1e-4 on 192 elements; on 768 two → three by 1e-5, three → line by 6e-5 at most; on 1536 by 1e-6 and 1e-6 … 8e-6. What the latter is made of was found by
+//! comparing the eigenvalue in states with three points with shooting, state by state (thick ring, ΔLk 2.345 … 2.3793, divided by its slope, 1.8 per turn). Stretch and shear: 9e-6 of ΔLk at EA = GA = 1e9, ten
+//! times as much at 1e8 (a strain N/EA changes D/L by 1e-8, and the gap in the middle with it). The mesh: a wave in the place of the outer contacts within their elements, of mean zero,
+//! ± 3e-5 on 768 elements, ± 5e-6 on 1536. The law: less than 1e-6 after Richardson's rule. So EA = 1e10 alone does not reach 1e-6 (on 1536 elements two → three was then 2e-6 off). The curvature is taken from elements
 //! outside the layer (B/κ)^¼ of the law (with those beside the contact one → two got worse with refinement: 3e-8, 6e-7, 3e-6 on 192, 384, 768 elements). A polynomial through the
 //! last four states left 7e-6 of one → two of the thin ring, whose writhe turns steeply there; through all six it leaves 2e-6.
 

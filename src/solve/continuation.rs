@@ -11,6 +11,7 @@
 //! A branch is entered along the critical eigenvector, on either side, without noise: the first point lies in the plane
 //! normal to it, so that it is found whether λ rises (supercritical) or falls (subcritical).
 
+mod contacts;
 mod corner;
 mod corrector;
 mod locate;
@@ -22,6 +23,7 @@ use std::time::Instant;
 use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::continuation::corrector::{Plane, Point, Tracer};
+use crate::solve::continuation::locate::Event;
 use crate::solve::continuation::parameter::Parameter;
 use crate::solve::engine::Engine;
 use crate::solve::path::{Progress, Solver};
@@ -104,8 +106,11 @@ pub enum PointKind {
         /// Eigenvalues that pass zero at once; 0 where one touches zero and turns back, as at the root of a branch when it is run through.
         multiplicity: usize,
     },
-    /// Hard contact begins, or the last one ends: the path has a corner, at which the parameter may turn back and the number of unstable directions
-    /// change. The state is extrapolated from the side before; the number is that before.
+    /// The number of contacts changes: one begins or ends, splits in two or joins another. The path has a corner there, at which the parameter may turn back
+    /// and the number of unstable directions change. The state is that just before, or extrapolated from there; the number is that before.
+    ///
+    /// A point splits where its zone parts in two, which under a law κ is some layers (B/κ)^¼ later than where it opens. Under an augmented Lagrangian what lies
+    /// nearer together than its offsets can tell apart, about two layers or an element, is one contact.
     Corner,
     /// The parameter has come to the ramp's target; the path ends.
     Target,
@@ -218,9 +223,9 @@ impl Solver {
     /// Ends where the parameter comes to the ramp's target, or as the options or the observer say. The observer sees
     /// the start, every point, and between them every limit and branch point located; it may stop there to switch branches by a second call.
     ///
-    /// Contact is enforced at every point under the present law. Where hard contact begins or ends a path has a corner, at which the parameter may
-    /// turn back (a ring that first touches itself past its fold). It is gone round where strands that were all apart touch, or the last contact
-    /// opens; where one contact of several begins or ends so sharply that no step goes past, the path ends with [`PathEnd::StepTooSmall`].
+    /// Contact is enforced at every point under the present law. Where a contact begins or ends a path has a corner, at which the parameter may
+    /// turn back (a ring that first touches itself past its fold). Such corners are gone round and located, be it the first contact, the last or one of several;
+    /// only where contacts come and go within one step, so that their number is the same after it, nothing is reported.
     ///
     /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness: about 1e-6 of the
     /// parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it is stationary there.
@@ -266,13 +271,11 @@ fn trace(
     let mut step = options.step;
     let mut last_error = None;
     while report.num_points < options.max_points {
-        let next = tracer.ahead(&here, step).unwrap_or_else(|error| {
+        let stride = stride(tracer, &here, step, options.tol_location).unwrap_or_else(|error| {
             last_error = Some(error);
             None
         });
-        let turn = |next: &Point| tracer.dot(&here.tangent, &next.tangent).clamp(-1.0, 1.0).acos();
-        let good = next.filter(|n| turn(n) <= MAX_TURN && n.chord <= MAX_CHORD * step);
-        let Some(mut next) = good else {
+        let Some(Stride { next, distance, events, turned, arrives }) = stride else {
             if step < NEAR_CORNER * options.step
                 && let Some(found) =
                     tracer.round_corner(&here, CORNER_REACH * step, NEAR_CORNER * options.step).unwrap_or(None)
@@ -298,17 +301,7 @@ fn trace(
             }
             continue;
         };
-        let turned = turn(&next);
-        let mut distance = step;
-        let target = tracer.parameter.target;
-        let arrives = (here.value - target) * (next.value - target) < 0.0 || next.value == target;
-        if arrives {
-            (next, distance) = tracer.target_point(&here, &next, step, target, options.tol_location);
-            if let Some(exact) = tracer.at_value(&next, target)? {
-                next = exact;
-            }
-        }
-        for event in tracer.events(&here, &next, distance, options.tol_location) {
+        for event in events {
             report.value = event.point.value;
             if !reporter.tell(tracer, &event.point, event.kind, arc + event.distance)? {
                 return Ok(PathEnd::Stopped);
@@ -332,6 +325,38 @@ fn trace(
         here = next;
     }
     Ok(PathEnd::MaxPoints)
+}
+
+/// A step along the path.
+struct Stride {
+    next: Point,
+    distance: f64,
+    events: Vec<Event>,
+    /// Angle between the tangents at its ends, rad.
+    turned: f64,
+    /// It ends where the parameter comes to its target.
+    arrives: bool,
+}
+
+/// The step of length `step` from `here`, or to the target if that comes first; `None` where Newton finds no point, or one that is not on this path.
+fn stride(tracer: &mut Tracer, here: &Point, step: f64, tol: f64) -> Result<Option<Stride>, SolveError> {
+    let Some(mut next) = tracer.ahead(here, step)?.filter(|next| next.chord <= MAX_CHORD * step) else {
+        return Ok(None);
+    };
+    let turned = tracer.dot(&here.tangent, &next.tangent).clamp(-1.0, 1.0).acos();
+    if turned > MAX_TURN {
+        return Ok(None);
+    }
+    let (mut distance, target) = (step, tracer.parameter.target);
+    let arrives = (here.value - target) * (next.value - target) < 0.0 || next.value == target;
+    if arrives {
+        (next, distance) = tracer.target_point(here, &next, step, target, tol);
+        if let Some(exact) = tracer.at_value(&next, target)? {
+            next = exact;
+        }
+    }
+    let events = tracer.events(here, &next, distance, tol);
+    Ok(events.map(|events| Stride { next, distance, events, turned, arrives }))
 }
 
 /// The first point with its tangent: on the path, or the first one on a branch.

@@ -11,6 +11,7 @@ pub mod engine;
 pub mod fields;
 pub mod footprint;
 pub mod globalise;
+mod hardening;
 mod held_open;
 mod interrupt;
 mod moment_load;

@@ -139,7 +139,7 @@ impl Solver {
     /// the same point. In a wider window an offset would see other contacts too, not be lowered while strands touch there, and hold open what
     /// is apart at its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
     /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
-    fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
+    pub(super) fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
         let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
         let stiffness = match side.law {
             Law::Linear { stiffness } => stiffness,

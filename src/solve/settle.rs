@@ -151,6 +151,9 @@ impl Solver {
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
     pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
         let mut report = StepReport::settled();
+        if let Err(error) = self.foresee_hardening() {
+            return StepReport::refused(error);
+        }
         let settled = match predicted {
             Some(increment) => self.settle_predicted(drive, increment, &mut report),
             None => self.settle_from_short(drive, &mut report),
@@ -384,7 +387,7 @@ impl Solver {
         outcome
     }
 
-    fn augments(&self) -> bool {
+    pub(super) fn augments(&self) -> bool {
         matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
     }
 

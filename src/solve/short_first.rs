@@ -8,10 +8,13 @@
 //! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
 //! ```
 //!
-//! closes again exactly. Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]): otherwise the ripples of elements that face each other let
-//! strands slide along each other in waves, which from some 3·10⁴ nodes on nothing holds (stretching does as q², the ripples pull at any length). The short rod's link is such that the long one's is what it was: what an element more in each strand adds to it, twist and writhe, is
+//! closes again exactly. The short rod's link is such that the long one's is what it was: what an element more in each strand adds to it, twist and writhe, is
 //! found from the linking numbers of two rods of different length. The long rod then settles from there like any other state; whatever it was made
 //! from, it ends in equilibrium or says that it does not.
+//!
+//! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that face each other let strands slide along each
+//! other in waves: the curvature of the energy along these is negative by some κa²/h², a the ripples' height, whatever the wave's length, while stretching
+//! holds them by EA q², from some 3·10⁴ nodes on no longer.
 
 use std::f64::consts::TAU;
 

@@ -4,6 +4,7 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::scene::ContactLaw;
 use crate::solve::assembly::Residual;
+use crate::solve::continuation::contacts::Contacts;
 use crate::solve::continuation::parameter::Parameter;
 use crate::solve::multipliers::Paces;
 use crate::solve::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
@@ -54,6 +55,8 @@ pub(super) struct Point {
     /// Unit tangent, oriented along the path.
     pub(super) tangent: Motion,
     pub(super) num_unstable: usize,
+    /// Contacts that can be told apart.
+    pub(super) num_contacts: usize,
     pub(super) iterations: usize,
     pub(super) augmentations: usize,
     pub(super) penetration: f64,
@@ -129,6 +132,7 @@ impl Tracer<'_> {
             value,
             tangent: Motion { field: Vec::new(), parameter: 0.0 },
             num_unstable: 0,
+            num_contacts: 0,
             iterations: 0,
             augmentations: 0,
             penetration: 0.0,
@@ -191,6 +195,10 @@ impl Tracer<'_> {
             point.value += taken.parameter;
             moved.subtract(&taken, -1.0);
             cut_in_a_row = if fraction < 1.0 { cut_in_a_row + 1 } else { 0 };
+            if iteration > 0 {
+                // a step has been taken under the offsets there are now
+                self.solver.forget_pressures();
+            }
             let solver = &mut *self.solver;
             solver.engine.state = point.state.clone();
             solver.workspace.refresh(&mut solver.engine, &point.state)?;
@@ -277,7 +285,6 @@ impl Tracer<'_> {
             }
             point.augmentations += 1;
             self.solver.augment(&errors.gaps, &mut paces);
-            self.solver.forget_pressures();
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);
@@ -290,6 +297,7 @@ impl Tracer<'_> {
     /// Tangent and inertia at a point in which the solver stands; `None` where the tangent has no size.
     pub(super) fn analyse(&mut self, mut point: Point, along: &Motion) -> Result<Option<Point>, SolveError> {
         point.num_unstable = self.linearise_there(&point.state)?;
+        point.num_contacts = Contacts::of(self.solver).count();
         let stress = self.solver.engine.actual_stress(&point.state);
         let response = self.response_to_parameter(&point.state, &stress);
         let Some(tangent) = self.normalise(response) else { return Ok(None) };

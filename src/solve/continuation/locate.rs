@@ -1,13 +1,16 @@
-//! Where between two neighbouring points of a path something happens: a limit point, a branch point, the target.
+//! Where between two neighbouring points of a path something happens: a limit point, a branch point, a corner, the target.
 
 use crate::error::SolveError;
 use crate::solve::continuation::PointKind;
-use crate::solve::continuation::corrector::{Plane, Point, Tracer};
+use crate::solve::continuation::corrector::{Motion, Plane, Point, Tracer};
 
 /// Trials per location.
 const MAX_TRIALS: usize = 60;
-/// Branch points located between two points of a path before the rest is left unlocated.
+/// Branch points, or corners, located between two points of a path before the rest is left unlocated.
 const MAX_CROSSINGS: usize = 8;
+/// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is located: beyond it Newton has gone to
+/// another path.
+const JUMP: [f64; 2] = [1e-4, 100.0];
 
 /// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
 const NEAR: f64 = 0.02;
@@ -58,35 +61,82 @@ impl Tracer<'_> {
         self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
     }
 
-    /// Limit and branch points between `base` and `next`, `distance` ahead of it, in their order.
-    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Vec<Event> {
+    /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order. `None` if contact changes in a
+    /// jump: `next` is on another path.
+    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Option<Vec<Event>> {
         let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
-        let (first, last) = (end(base, 0.0), end(next, distance));
-        let inertia_tells = self.solver.engine.is_conservative();
+        let (mut from, to) = (end(base, 0.0), end(next, distance));
         let mut events = Vec::new();
-        if base.tangent.parameter * next.tangent.parameter >= 0.0 {
-            if inertia_tells {
-                self.crossings(base, first, last, tol, &mut events);
+        for _ in 0..MAX_CROSSINGS {
+            if from.point.num_contacts == to.point.num_contacts {
+                break;
             }
-            return events;
+            let [before, after] = self.corner(base, [from.clone(), to.clone()], tol);
+            if self.apart(&before.point, &after.point) > JUMP[0] * distance + JUMP[1] * tol {
+                return None;
+            }
+            self.smooth_events(base, [from, before.clone()], tol, &mut events);
+            events.push(Event { kind: PointKind::Corner, point: before.point, distance: before.distance });
+            from = after;
         }
-        let net = base.num_unstable.abs_diff(next.num_unstable);
+        self.smooth_events(base, [from, to], tol, &mut events);
+        Some(events)
+    }
+
+    /// Distance between two states that are nearly the same.
+    fn apart(&self, x: &Point, y: &Point) -> f64 {
+        let nodes = x.state.positions.iter().zip(&y.state.positions).map(|(a, b)| b - a);
+        let field = nodes.flat_map(|d| [d.x, d.y, d.z, 0.0, 0.0, 0.0]).collect();
+        let motion = Motion { field, parameter: y.value - x.value };
+        self.dot(&motion, &motion).sqrt()
+    }
+
+    /// The last point with as many contacts as at the first end and the first one with another number, by bisection. Each is sought from the nearest
+    /// known to lie before the corner, which leaves Newton the least to find out about contact.
+    fn corner(&mut self, base: &Point, [mut low, mut high]: [End; 2], tol: f64) -> [End; 2] {
+        while high.distance - low.distance > tol {
+            let distance = 0.5 * (low.distance + high.distance);
+            let (normal, left) = (&base.tangent, distance - low.distance);
+            let found = self.correct(&low.point, &normal.scaled(left), &Plane { normal, distance: left });
+            let Ok(Some(point)) = found else { break };
+            let end = End { distance, value: None, point };
+            let before = end.point.num_contacts == low.point.num_contacts;
+            *(if before { &mut low } else { &mut high }) = end;
+        }
+        [low, high]
+    }
+
+    /// Limit and branch points between two ends with no corner between them, in their order.
+    fn smooth_events(&mut self, base: &Point, [first, last]: [End; 2], tol: f64, events: &mut Vec<Event>) {
+        let distance = last.distance - first.distance;
+        if distance <= tol {
+            return;
+        }
+        let inertia_tells = self.solver.engine.is_conservative();
+        if first.point.tangent.parameter * last.point.tangent.parameter >= 0.0 {
+            if inertia_tells {
+                self.crossings(base, first, last, tol, events);
+            }
+            return;
+        }
+        let net = first.point.num_unstable.abs_diff(last.point.num_unstable);
         let Found { before, best: found, after, .. } = self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
         let at = found.distance;
+        let mut here = Vec::new();
         if inertia_tells {
-            self.crossings(base, first, before, tol, &mut events);
-            self.crossings(base, after, last, tol, &mut events);
+            self.crossings(base, first, before, tol, &mut here);
+            self.crossings(base, after, last, tol, &mut here);
             // where the eigenvalue only touches zero rounding makes it cross there and back
             let near = (NEAR * distance).max(100.0 * tol);
-            events.retain(|event| (event.distance - at).abs() > near);
+            here.retain(|event| (event.distance - at).abs() > near);
         }
-        let elsewhere: usize = events.iter().map(Event::multiplicity).sum();
+        let elsewhere: usize = here.iter().map(Event::multiplicity).sum();
         // the path turns: at a limit point one eigenvalue passes zero; if none does, other paths cross there
         let passes = (net + elsewhere) % 2 == 1 || !inertia_tells;
         let kind = if passes { PointKind::Limit } else { PointKind::Branch { multiplicity: 0 } };
-        events.push(Event { kind, point: found.point, distance: at });
-        events.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        events
+        here.push(Event { kind, point: found.point, distance: at });
+        here.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        events.append(&mut here);
     }
 
     /// Where the parameter passes `target` between `base` and the point `distance` ahead.
