@@ -35,6 +35,7 @@ fn report() -> StepReport {
         departures: 0,
         num_unstable: 0,
         penetration: 0.0,
+        held_open: 0.0,
         softening: 1.0,
         short_iterations: 0,
         predicted: false,

@@ -195,6 +195,7 @@ impl Reporter<'_> {
             departures: 0,
             num_unstable: point.num_unstable,
             penetration: point.penetration,
+            held_open: point.held_open,
             softening: 1.0,
             short_iterations: 0,
             predicted: false,

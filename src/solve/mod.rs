@@ -12,6 +12,7 @@ pub mod fields;
 pub mod footprint;
 pub mod globalise;
 mod hardening;
+mod held_open;
 mod interrupt;
 mod moment_load;
 mod multipliers;

@@ -3,6 +3,7 @@
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
+use crate::solve::held_open::{HeldOpen, TOL_HELD_OPEN};
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
 
@@ -10,6 +11,8 @@ use crate::solve::settle::TOL_OPENING;
 const USUAL_PRESSURE: f64 = 0.1;
 /// Largest growth of a pace from one augmentation to the next.
 const FASTER: f64 = 2.0;
+/// How often offsets of contacts held open are lowered before these are left as they are.
+const MAX_RELEASES: usize = 10;
 
 /// How far the contact conditions are from met, by nodes and in all.
 #[derive(Debug, Default)]
@@ -149,6 +152,21 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
+    /// Once the contact conditions are met to a tolerance relative to the contact radius: what offsets hold open, its gaps empty if that may stay. `None`
+    /// before.
+    pub(super) fn to_release(&self, errors: &ContactErrors, tol: f64, paces: &mut Paces) -> Option<HeldOpen> {
+        if errors.penetration > tol || errors.opening > tol.max(TOL_OPENING) {
+            return None;
+        }
+        let mut held = self.held_open();
+        if held.releasable <= TOL_HELD_OPEN || paces.releases >= MAX_RELEASES {
+            held.gaps.clear();
+        } else {
+            paces.releases += 1;
+        }
+        Some(held)
+    }
+
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider
     /// than it may stay.
     pub(super) fn augment(&mut self, gaps: &[f64], paces: &mut Paces) {
@@ -174,6 +192,8 @@ pub(super) struct Paces {
     paces: Vec<f64>,
     /// Gap at the augmentation before, and by how much it lowered the offset \[L\], per node.
     before: Vec<[f64; 2]>,
+    /// How often contacts held open were released.
+    releases: usize,
 }
 
 impl Paces {

@@ -9,7 +9,6 @@ use crate::solve::continuation::parameter::Parameter;
 use crate::solve::multipliers::Paces;
 use crate::solve::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
 use crate::solve::path::Solver;
-use crate::solve::settle::TOL_OPENING;
 use crate::solve::state::State;
 
 /// Newton iterations allowed per point; about twice as many as a good step takes.
@@ -61,6 +60,8 @@ pub(super) struct Point {
     pub(super) iterations: usize,
     pub(super) augmentations: usize,
     pub(super) penetration: f64,
+    /// See [`StepReport::held_open`](crate::solve::StepReport::held_open).
+    pub(super) held_open: f64,
     /// Arc length of the chord from the point it was found from.
     pub(super) chord: f64,
 }
@@ -135,6 +136,7 @@ impl Tracer<'_> {
             iterations: 0,
             augmentations: 0,
             penetration: 0.0,
+            held_open: 0.0,
             chord: 0.0,
         }
     }
@@ -269,10 +271,14 @@ impl Tracer<'_> {
         };
         let mut paces = Paces::default();
         loop {
-            let errors = self.solver.contact_errors();
+            let mut errors = self.solver.contact_errors();
             point.penetration = errors.penetration;
-            if errors.penetration <= tol && errors.opening <= tol.max(TOL_OPENING) {
-                break;
+            if let Some(held) = self.solver.to_release(&errors, tol, &mut paces) {
+                point.held_open = held.work;
+                if held.gaps.is_empty() {
+                    break;
+                }
+                errors.gaps = held.gaps;
             }
             if point.augmentations >= self.solver.options.max_augmentations {
                 return Ok(false);
