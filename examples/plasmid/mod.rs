@@ -30,6 +30,9 @@ pub struct Summary {
     pub pitch: [f64; 2],
 }
 
+/// Nodes on either side of the middle of a line among which the one that faces the other strand's is sought.
+const REACH: usize = 50;
+
 /// Angle α at which a plectoneme of radius R has the twisting moment M = 2B sin³α cosα/(R cos2α), by bisection.
 fn angle_of_moment(moment: f64, bending: f64, radius: f64) -> f64 {
     let (mut low, mut high) = (0.0, std::f64::consts::FRAC_PI_4);
@@ -54,7 +57,11 @@ pub fn run(file: &str) -> Result<Summary, RunError> {
     let node = |arc: f64| (arc / rod.length * rod.num_nodes() as f64).round() as usize % rod.num_nodes();
     let line = state.sites.iter().filter(|s| s.kind == SiteKind::Line).max_by(|a, b| a.force.total_cmp(&b.force));
     let (distance, angle) = line.map_or((f64::NAN, f64::NAN), |site| {
-        let [a, b] = site.center.map(node);
+        // the middles of a line on either strand need not face each other
+        let [a, beside] = site.center.map(node);
+        let (nodes, away) = (rod.num_nodes(), |n: usize| (engine.positions(0)[n] - engine.positions(0)[a]).norm());
+        let around = (0..2 * REACH).map(|k| (beside + nodes - REACH + k) % nodes);
+        let b = around.min_by(|p, q| away(*p).total_cmp(&away(*q))).unwrap_or(beside);
         let tangent = |n: usize| engine.frames(0)[n] * Vec3::z();
         // nodes do not face each other exactly: the distance across the strands
         let (chord, across) =
