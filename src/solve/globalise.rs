@@ -186,7 +186,7 @@ impl Workspace {
                     let unseen = trial.expected.abs() < noise;
                     let balanced = report.iterations.last().is_some_and(|i| {
                         let floor = |state| rounding_of_residual(engine, state, &residual);
-                        i.residual <= TOL_SADDLE || unseen && i.residual <= floor(&state)
+                        i.residual <= TOL_SADDLE || unseen && wanders(&report.iterations) && i.residual <= floor(&state)
                     });
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
@@ -458,6 +458,11 @@ impl Workspace {
         }
         (excess, out)
     }
+}
+
+/// Whether increments have not halved in three steps.
+fn wanders(iterations: &[Iteration]) -> bool {
+    matches!(iterations, [.., before, _, _, last] if last.increment > 0.5 * before.increment)
 }
 
 /// Changes of the potential that rounding makes.
