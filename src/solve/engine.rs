@@ -403,8 +403,7 @@ pub(crate) fn contact_cubic(state: &State, [a, b]: [usize; 2], length: f64) -> C
 
 fn planes(model: &Model) -> Vec<Option<Plane>> {
     let plane = |rod: &Rod| {
-        let bending = rod.section.bending.iter().copied().fold(f64::INFINITY, f64::min);
-        let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * bending;
+        let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * rod.section.smaller_bending();
         (model.planar && !slender).then(|| Plane::new(&to_array(&rod.frames[0])))
     };
     model.rods.iter().map(plane).collect()

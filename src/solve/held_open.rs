@@ -90,7 +90,9 @@ fn stretches(side: &ContactSide, residual: &Residual) -> Vec<Stretch> {
     }
     // over the seams of closed strands: there, and only there, a later one goes on in an earlier one
     for last in (1..joined.len()).rev() {
-        if let Some(first) = (0..last).find(|&first| joined[last].goes_on_in(side, &joined[first])) {
+        let next = joined[last].segments.last().and_then(|&segment| side.set.next(segment));
+        let first = joined[..last].partition_point(|stretch| stretch.segments.first().copied() < next);
+        if first < last && joined[last].goes_on_in(side, &joined[first]) {
             let part = joined.remove(last);
             joined[first].join(part);
         }
@@ -99,12 +101,11 @@ fn stretches(side: &ContactSide, residual: &Residual) -> Vec<Stretch> {
 }
 
 impl Solver {
-    /// Contacts that offsets hold open at the present state.
-    pub(super) fn held_open(&self) -> HeldOpen {
+    /// Contacts that offsets hold open, from the residual of the present state, with zones.
+    pub(super) fn held_open(&self, residual: &Residual) -> HeldOpen {
         let holds = |side: &&ContactSide| side.offsets.iter().any(|offset| *offset > 0.0);
         let Some(side) = self.engine.contact.as_ref().filter(holds) else { return HeldOpen::default() };
-        let residual = self.engine.residual(&self.engine.state);
-        let stretches = stretches(side, &residual);
+        let stretches = stretches(side, residual);
         let open = TOL_OPENING * side.min_radius;
         let nodes = |stretch: &Stretch| -> Vec<usize> {
             stretch.segments.iter().flat_map(|&segment| side.nodes[segment]).collect()

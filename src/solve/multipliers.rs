@@ -3,7 +3,7 @@
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
-use crate::solve::held_open::{HeldOpen, TOL_HELD_OPEN};
+use crate::solve::held_open::TOL_HELD_OPEN;
 use crate::solve::path::Solver;
 use crate::solve::settle::TOL_OPENING;
 
@@ -23,6 +23,17 @@ pub(super) struct ContactErrors {
     pub(super) penetration: f64,
     /// Worst gap that an offset holds open over the smallest contact radius.
     pub(super) opening: f64,
+}
+
+/// What an augmented Lagrangian has yet to do.
+#[derive(Debug)]
+pub(super) struct Outstanding {
+    /// Worst penetration over the smallest contact radius.
+    pub(super) penetration: f64,
+    /// Work of offsets on what they hold open over the elastic energy; none while the contact conditions are not met.
+    pub(super) held_open: Option<f64>,
+    /// What offsets are to be raised and lowered by, per node \[L\]; none where all is done.
+    pub(super) gaps: Option<Vec<f64>>,
 }
 
 impl Solver {
@@ -152,19 +163,21 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// Once the contact conditions are met to a tolerance relative to the contact radius: what offsets hold open, its gaps empty if that may stay. `None`
-    /// before.
-    pub(super) fn to_release(&self, errors: &ContactErrors, tol: f64, paces: &mut Paces) -> Option<HeldOpen> {
-        if errors.penetration > tol || errors.opening > tol.max(TOL_OPENING) {
-            return None;
+    /// What is left to do until the contact conditions are met to a tolerance relative to the contact radius and offsets hold nothing open that can be
+    /// released.
+    pub(super) fn outstanding(&self, tol: f64, paces: &mut Paces) -> Outstanding {
+        if self.engine.contact.is_none() {
+            return Outstanding { penetration: 0.0, held_open: Some(0.0), gaps: None };
         }
-        let mut held = self.held_open();
-        if held.releasable <= TOL_HELD_OPEN || paces.releases >= MAX_RELEASES {
-            held.gaps.clear();
-        } else {
-            paces.releases += 1;
+        let residual = self.engine.residual(&self.engine.state);
+        let ContactErrors { gaps, penetration, opening } = self.contact_errors_of(&residual);
+        if penetration > tol || opening > tol.max(TOL_OPENING) {
+            return Outstanding { penetration, held_open: None, gaps: Some(gaps) };
         }
-        Some(held)
+        let held = self.held_open(&residual);
+        let releases = held.releasable > TOL_HELD_OPEN && paces.releases < MAX_RELEASES;
+        paces.releases += usize::from(releases);
+        Outstanding { penetration, held_open: Some(held.work), gaps: releases.then_some(held.gaps) }
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider

@@ -292,20 +292,15 @@ impl Solver {
         };
         let mut paces = Paces::default();
         while report.status == Status::Converged {
-            let mut errors = self.contact_errors();
-            report.penetration = errors.penetration;
-            if let Some(held) = self.to_release(&errors, tol_penetration, &mut paces) {
-                report.held_open = held.work;
-                if held.gaps.is_empty() {
-                    break;
-                }
-                errors.gaps = held.gaps;
-            }
+            let outstanding = self.outstanding(tol_penetration, &mut paces);
+            report.penetration = outstanding.penetration;
+            report.held_open = outstanding.held_open.unwrap_or(report.held_open);
+            let Some(gaps) = outstanding.gaps else { break };
             if report.augmentations >= self.options.max_augmentations {
                 report.status = Status::Penetration;
                 break;
             }
-            self.augment(&errors.gaps, &mut paces);
+            self.augment(&gaps, &mut paces);
             report.augmentations += 1;
             self.search(&Drive::default(), report)?;
         }

@@ -271,20 +271,15 @@ impl Tracer<'_> {
         };
         let mut paces = Paces::default();
         loop {
-            let mut errors = self.solver.contact_errors();
-            point.penetration = errors.penetration;
-            if let Some(held) = self.solver.to_release(&errors, tol, &mut paces) {
-                point.held_open = held.work;
-                if held.gaps.is_empty() {
-                    break;
-                }
-                errors.gaps = held.gaps;
-            }
+            let outstanding = self.solver.outstanding(tol, &mut paces);
+            point.penetration = outstanding.penetration;
+            point.held_open = outstanding.held_open.unwrap_or(point.held_open);
+            let Some(gaps) = outstanding.gaps else { break };
             if point.augmentations >= self.solver.options.max_augmentations {
                 return Ok(false);
             }
             point.augmentations += 1;
-            self.solver.augment(&errors.gaps, &mut paces);
+            self.solver.augment(&gaps, &mut paces);
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);
