@@ -12,6 +12,7 @@ use crate::scene::ContactLaw;
 use crate::solve::multipliers::Paces;
 use crate::solve::newton::{Iteration, NewtonReport};
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 
@@ -139,7 +140,7 @@ impl StepReport {
 pub(crate) struct Snapshot {
     stages_left: i32,
     state: State,
-    contact: Option<(Law, Vec<f64>)>,
+    contact: Option<(Law, PerContact)>,
 }
 
 impl Solver {
