@@ -118,7 +118,7 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
         let pressures = penalty(3.0);
         for (own, foreign) in [(3, 0), (3, 1), (3, 2), (1, 3)] {
             let distance = ground.strands.radius_of(own) + ground.strands.radius_of(foreign);
-            let local = ground.local(own, foreign, pressures.reach(own, distance), distance, &pressures);
+            let local = ground.local(own, foreign, pressures.reach(own, foreign, distance), distance, &pressures);
             let (mut ours, mut general) = (Vec::new(), Vec::new());
             let lines = ground.lines(own, foreign, &local).unwrap();
             lines.pieces(|piece| ours.push(piece));
