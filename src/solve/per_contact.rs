@@ -1,8 +1,8 @@
 //! Numbers of contacts at nodes: one per node, and where a node touches several strands at once, one for each of them.
 //!
-//! Nearly all nodes touch one strand at most, and their number holds for whatever they touch. Where two strands touch a node, or two places of one that are apart
-//! (a knot, a ply of three), each has an entry: an interval of its arc length. A segment of a strand belongs to the
-//! entry that is nearest along its curve, so in between numbers change half way from one contact to the next, where nothing touches.
+//! Where two strands touch a node, or two places of one that are apart (a knot, a ply of three), each has an entry: an interval of its arc length. A segment of a strand
+//! belongs to the entry that is nearest along its curve, so in between numbers change half way from one contact to the next, where nothing touches. Of
+//! a single curve nearly all nodes touch one place at most and need no entry: their number follows it wherever it slides.
 
 use std::ops::Range;
 
@@ -220,7 +220,8 @@ pub(crate) fn smallest_gaps(
 ) -> PerContact {
     let num_nodes = positions.len();
     let set = &side.set;
-    let mut partners = vec![Partner::None; num_nodes];
+    let alone = set.curves.len() == 1;
+    let mut partners = vec![if alone { Partner::None } else { Partner::Several }; num_nodes];
     side.offsets.entries.iter().for_each(|e| partners[e.node as usize] = Partner::Several);
     let counted = |seen: &Seen| !seen.zone.piece.branch.is_counted_off();
     for seen in seen(side, residual, &window).filter(counted) {
@@ -294,7 +295,7 @@ fn joined(set: &CurveSet, mut places: Vec<(Entry, f64)>) -> Vec<Entry> {
     entries
 }
 
-/// Adds the entries that there are already whose strands, out of reach by now, are still near; then leaves out those of nodes that have but one.
+/// Adds the entries that there are already whose strands, out of reach by now, are still near; of a single curve leaves out those of nodes that have but one.
 fn remember(side: &ContactSide, positions: &[Vec3], apart: f64, entries: &mut Vec<Entry>) {
     let set = &side.set;
     let found = PerContact { num_nodes: positions.len(), values: Vec::new(), entries: std::mem::take(entries) };
@@ -309,7 +310,8 @@ fn remember(side: &ContactSide, positions: &[Vec3], apart: f64, entries: &mut Ve
         }
     }
     all.sort_by_key(|e| e.node);
-    *entries = all.chunk_by(|x, y| x.node == y.node).filter(|own| own.len() > 1).flatten().copied().collect();
+    let wanted = |own: &&[Entry]| own.len() > 1 || set.curves.len() > 1;
+    *entries = all.chunk_by(|x, y| x.node == y.node).filter(wanted).flatten().copied().collect();
 }
 
 /// The middle of a place, and the radius there \[L\].
@@ -318,3 +320,6 @@ fn point_of(set: &CurveSet, entry: &Entry) -> (Vec3, f64) {
     let (segment, u) = set.at_arc(entry.curve as usize, middle);
     (set.segments[segment].point(u), set.radius_of(segment))
 }
+
+#[cfg(test)]
+mod tests;
