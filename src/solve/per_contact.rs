@@ -267,28 +267,25 @@ pub(crate) fn smallest_gaps(
     gaps
 }
 
-/// Places that are no farther apart than they may be, joined, node by node; nodes of which one is left are left out.
+/// Places of a node that are no farther apart than one contact may be, joined; sorted by node.
 fn joined(set: &CurveSet, mut places: Vec<(Entry, f64)>) -> Vec<Entry> {
     places.sort_by(|(x, _), (y, _)| (x.node, x.curve).cmp(&(y.node, y.curve)).then(x.arc[0].total_cmp(&y.arc[0])));
     let mut entries: Vec<Entry> = Vec::new();
-    for of_node in places.chunk_by(|(x, _), (y, _)| x.node == y.node) {
+    for alike in places.chunk_by(|(x, _), (y, _)| (x.node, x.curve) == (y.node, y.curve)) {
         let mut own: Vec<Entry> = Vec::new();
-        for (place, apart) in of_node {
-            // over the seam of a closed strand the last place may meet the first
-            let meets = |e: &Entry| e.curve == place.curve && e.distance(set, place.arc) <= *apart;
-            match own.iter().rposition(meets) {
-                Some(k) => own[k].extend(set, place.arc),
+        for (place, apart) in alike {
+            match own.last_mut().filter(|last| last.distance(set, place.arc) <= *apart) {
+                Some(last) => last.extend(set, place.arc),
                 None => own.push(*place),
             }
         }
-        let apart = of_node.iter().map(|(_, apart)| *apart).fold(0.0, f64::max);
-        let wraps = |own: &[Entry]| {
-            let (first, last) = (own.iter().position(|e| e.curve == own[own.len() - 1].curve)?, own.len() - 1);
-            (first < last && own[first].distance(set, own[last].arc) <= apart).then_some((first, last))
-        };
-        if let Some((first, last)) = wraps(&own) {
-            let end = own.remove(last);
-            own[first].extend(set, end.arc);
+        // over the seam of a closed strand the last goes on in the first
+        let apart = alike.iter().map(|(_, apart)| *apart).fold(0.0, f64::max);
+        if let [first, .., last] = own[..]
+            && first.distance(set, last.arc) <= apart
+        {
+            own[0].extend(set, last.arc);
+            own.pop();
         }
         entries.extend(own);
     }
