@@ -58,7 +58,8 @@ impl Solver {
             positions.extend(r);
             frames.extend(q);
         }
-        fine.engine.set_state(State { positions, frames, ..coarse.state.clone() })?;
+        let remainders = vec![Vec3::zeros(); positions.len()];
+        fine.engine.set_state(State { positions, remainders, frames, ..coarse.state.clone() })?;
         if let (Some(from), Some(to)) = (&coarse.contact, &mut fine.engine.contact) {
             to.law = from.law;
             for index in 0..coarse.model.rods.len() {
