@@ -185,8 +185,8 @@ impl Workspace {
                     // (large shifts make any step tiny: the residual must have gone too)
                     let unseen = trial.expected.abs() < noise;
                     let balanced = report.iterations.last().is_some_and(|i| {
-                        let floor = |state| rounding_of_residual(engine, state, &residual);
-                        i.residual <= TOL_SADDLE || unseen && wanders(&report.iterations) && i.residual <= floor(&state)
+                        let floor = || rounding_of_residual(engine, &residual);
+                        i.residual <= TOL_SADDLE || unseen && wanders(&report.iterations) && i.residual <= floor()
                     });
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
