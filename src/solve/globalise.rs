@@ -17,9 +17,7 @@ use crate::math::Vec3;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, rounding_of_residual,
-};
+use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::timed;
 
@@ -184,10 +182,7 @@ impl Workspace {
                     // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
                     // (large shifts make any step tiny: the residual must have gone too)
                     let unseen = trial.expected.abs() < noise;
-                    let balanced = report.iterations.last().is_some_and(|i| {
-                        let floor = || rounding_of_residual(engine, &residual);
-                        i.residual <= TOL_SADDLE || unseen && wanders(&report.iterations) && i.residual <= floor()
-                    });
+                    let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
                     if !unseen || indefinite || trial.fraction < 1.0 || remaining > 0.0 {
@@ -458,11 +453,6 @@ impl Workspace {
         }
         (excess, out)
     }
-}
-
-/// Whether increments have not halved in three steps.
-fn wanders(iterations: &[Iteration]) -> bool {
-    matches!(iterations, [.., before, _, _, last] if last.increment > 0.5 * before.increment)
 }
 
 /// Changes of the potential that rounding makes.

@@ -426,13 +426,6 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
     })
 }
 
-/// What rounding makes of [`relative_residual`]: a unit in the last place of the distance of two nodes is a stretch of the element, of a frame a shear strain.
-pub(crate) fn rounding_of_residual(engine: &Engine, residual: &Residual) -> f64 {
-    let force = engine.material.iter().flat_map(|moduli| &moduli[..3]).fold(0.0f64, |a, b| a.max(*b)) * f64::EPSILON;
-    let magnitude = residual.magnitude.chunks(6).flat_map(|node| &node[..3]).fold(0.0f64, |a, b| a.max(*b));
-    if magnitude > 0.0 { force / magnitude } else { 0.0 }
-}
-
 /// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node spacing, so that
 /// pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
