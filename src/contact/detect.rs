@@ -195,11 +195,31 @@ pub(crate) fn evaluate_within(
     in_chunks(candidates, add).into_iter().flatten().collect()
 }
 
+/// Where one ordered pair (slave, master) is in contact: what is kept of its term once that is summed.
+#[derive(Debug, Clone)]
+pub struct Meeting {
+    /// Slave segment.
+    pub slave: usize,
+    /// Master segment.
+    pub master: usize,
+    /// Zones of this pair; none unless asked for.
+    pub zones: Box<[ZonePiece]>,
+    /// Points in contact; none unless the tangent was asked for.
+    pub(crate) touched: Box<[Touched]>,
+}
+
+impl From<PairTerm> for Meeting {
+    fn from(PairTerm { slave, master, zones, touched, .. }: PairTerm) -> Self {
+        Self { slave, master, zones: zones.into(), touched: touched.into() }
+    }
+}
+
 /// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six coordinates each (displacement,
 /// rotation vector), slave's start and end, master's start and end.
 pub(crate) struct EndTerm {
-    /// Without Hessian, and with zones only if they are asked for.
-    pub(crate) term: PairTerm,
+    pub(crate) meeting: Meeting,
+    /// Energy \[F·L\].
+    pub(crate) energy: f64,
     pub(crate) gradient: [f64; 24],
     /// Second derivative; none unless asked for.
     pub(crate) tangent: Option<Box<Blocks>>,
@@ -335,8 +355,12 @@ impl Ground<'_> {
         let coordinates = Coordinates::ends(&self.near(found.slave, &origin), &self.near(found.master, &origin));
         let mut stiffness = besides.tangent.then(|| Stiffness::new(coordinates));
         let term = found.sum(besides, stiffness.as_mut());
-        let gradient = coordinates.pull(&term.gradient);
-        EndTerm { tangent: stiffness.map(|s| s.finish(&term.gradient)), gradient, term }
+        EndTerm {
+            energy: term.energy,
+            gradient: coordinates.pull(&term.gradient),
+            tangent: stiffness.map(|s| s.finish(&term.gradient)),
+            meeting: term.into(),
+        }
     }
 
     /// The sum of [`Ground::terms`] without the terms.

@@ -7,7 +7,7 @@
 //! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
 use crate::contact::curve::{CurveSet, angle};
-use crate::contact::detect::{PairTerm, ZonePiece};
+use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
 
 use super::report::{SiteKind, SiteReport};
@@ -84,7 +84,7 @@ impl Layer {
 }
 
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
-pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
+pub(super) fn sites(set: &CurveSet, terms: &[Meeting], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
     let zones = zones(set, terms);
     let mut sites: Vec<SiteReport> =
         views(set, &zones).iter().map(|members| site(set, &zones, members, rods, layer)).collect();
@@ -126,7 +126,7 @@ fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
     start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
 }
 
-fn pieces(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
+fn pieces(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
     let mut pieces: Vec<Zone> = Vec::new();
     for term in terms {
         for zone in term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()) {
@@ -164,7 +164,7 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
 }
 
 /// Joins pieces that follow each other; sorted.
-fn zones(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
+fn zones(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
     let pieces = pieces(set, terms);
     let next = successors(set, &pieces);
     let mut follows = vec![false; pieces.len()];

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::contact::detect::stiffness::Blocks;
-use crate::contact::detect::{self, Besides, PairTerm};
+use crate::contact::detect::{self, Besides, Meeting};
 use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::shape_functions::lagrange;
@@ -18,7 +18,7 @@ const BATCH: usize = 1024;
 /// The same with their tangents, five kilobytes each: what a cache holds.
 const TANGENTS: usize = 128;
 /// Candidate pairs evaluated before their terms are scattered.
-const PAIRS: usize = 1024;
+pub(super) const PAIRS: usize = 1024;
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,8 +47,8 @@ pub struct Residual {
     pub magnitude: Vec<f64>,
     /// Potential.
     pub potential: Potential,
-    /// Contact terms.
-    pub terms: Vec<PairTerm>,
+    /// Where there is contact.
+    pub meetings: Vec<Meeting>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting moment there.
@@ -81,7 +81,7 @@ impl Engine {
         self.residual_besides(state, Besides { zones: true, tangent: false })
     }
 
-    /// [`Engine::residual`] for searches, which ask for no zones: its terms tell who is in contact and how much.
+    /// [`Engine::residual`] for searches, which ask for no zones: it tells who is in contact.
     pub(crate) fn residual_of_trial(&self, state: &State) -> Residual {
         self.residual_besides(state, Besides::default())
     }
@@ -389,8 +389,8 @@ impl Engine {
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
             for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
-                let nodes = side.term_nodes(&found.term);
-                out.potential.contact += found.term.energy;
+                let nodes = side.nodes_of(&found.meeting);
+                out.potential.contact += found.energy;
                 for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
                     for k in 0..6 {
                         out.gradient[6 * node + k] += force[k];
@@ -401,7 +401,7 @@ impl Engine {
                 if let (Some((pattern, prescribed, tangent)), Some(blocks)) = (&mut tangent, found.tangent) {
                     scatter_contact(&nodes, &blocks, pattern, *prescribed, tangent);
                 }
-                out.terms.push(found.term);
+                out.meetings.push(found.meeting);
             }
         }
     }
@@ -518,9 +518,9 @@ impl ContactSide {
         self.is_current &= !moved;
     }
 
-    /// Global nodes of a term: slave a, b, master a, b.
-    pub(crate) fn term_nodes(&self, term: &PairTerm) -> [usize; 4] {
-        let (s, m) = (self.nodes[term.slave], self.nodes[term.master]);
+    /// Global nodes: slave a, b, master a, b.
+    pub(crate) fn nodes_of(&self, meeting: &Meeting) -> [usize; 4] {
+        let (s, m) = (self.nodes[meeting.slave], self.nodes[meeting.master]);
         [s[0], s[1], m[0], m[1]]
     }
 }

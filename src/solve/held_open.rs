@@ -76,7 +76,7 @@ impl Stretch {
 fn stretches(side: &ContactSide, residual: &Residual) -> Vec<Stretch> {
     let counted = |zone: &&ZonePiece| !zone.piece.branch.is_counted_off();
     let mut pieces: Vec<Stretch> = residual
-        .terms
+        .meetings
         .iter()
         .flat_map(|term| term.zones.iter().filter(counted).map(|zone| Stretch::of(term.slave, zone)))
         .collect();

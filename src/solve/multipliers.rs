@@ -93,7 +93,7 @@ impl Solver {
     fn node_gaps(&self) -> Vec<f64> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut gaps = vec![f64::INFINITY; side.offsets.len()];
-        for term in &self.engine.residual(&self.engine.state).terms {
+        for term in &self.engine.residual(&self.engine.state).meetings {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
             let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
             for (zone, k) in term.zones.iter().flat_map(|zone| [(zone, 0), (zone, 1)]) {
@@ -131,7 +131,7 @@ impl Solver {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let mut gaps = vec![f64::INFINITY; side.offsets.len()];
         let mut touched = vec![false; side.offsets.len()];
-        for term in &residual.terms {
+        for term in &residual.meetings {
             side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
             let window = self.window(side, term.slave, term.master);
             for gap in term.zones.iter().map(|z| z.min_gap) {
