@@ -305,11 +305,11 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to .8 % from it. Nearer than that its strands'
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, up to .5 % from it. Nearer than .2 % its strands'
 /// radius of curvature falls to the contact distance, feet of normals are no longer unique, and it is *refused* by `MaxIterations` or `Penetration`, as is a thicker
 /// one, which has no state without overlap. (Symptom before, from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be
-/// factorised" and infinite energy. Mechanism: the law was hardened to a depth of .08 D while pressure still held strands deeper in each other.
-/// Threshold: the energy under the harder law must be finite where it begins.)
+/// factorised" and infinite energy. Mechanism: the law was hardened to one of infinite energy from .08 D on while pressure still held strands deeper in each
+/// other. Threshold: the energy under the harder law must be finite where it begins, as that of the linear laws is that it is hardened to now.)
 #[test]
 fn a_knot_at_its_limit() {
     for (ratio, exists) in [
@@ -318,7 +318,8 @@ fn a_knot_at_its_limit() {
         (17.0, true),
         (16.6, true),
         (16.5, true),
-        (16.4, false),
+        (16.45, true),
+        (16.3, false),
         (16.0, false),
         (15.0, false),
     ] {

@@ -6,12 +6,12 @@
 //!     \_/\_/▒        >  ) (  < ▒
 //! ```
 //!
-//! * A twisted closed ring, L = 1, B = 1, C = 1.5, D/L = .02, 96 cubic elements, held at one node: clamped it may travel along its own shape through the clamp, and swing
+//! * A twisted closed ring, L = 1, B = 1, C = 1.5, D/L = .02, 144 cubic elements, held at one node: clamped it may travel along its own shape through the clamp, and swing
 //!   about the tangent there; on a ball joint it may turn and spin besides.
 //! * A ring under pressure in the plane (see `planar_touch`), clamped at one node: it may travel.
 //!
 //! None of these motions costs energy. Reference: the same rings, free. Contact that lies elsewhere between nodes differs by the elements' compliance inside
-//! themselves, up to 5e-5 of its force; the support carries the ripple that sliding has in the discrete energy, up to 1e-4 of it. Searches must end quadratically, as they do without
+//! themselves, up to 2e-5 of its force (6e-5 on 96 elements); the support carries the ripple that sliding has in the discrete energy, up to 1e-4 of it. Searches must end quadratically, as they do without
 //! supports: before the motions were known they went on with increments of 1e-5 for ever, and 60 iterations became 500.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
@@ -53,7 +53,7 @@ fn compare(name: &str, model: &Model, support: Support, ramps: &[Ramp]) {
         let energy = free.energies.total;
         verify(&name, "energy", held.energies.total, energy, 1e-5 * energy.abs());
         let force = free.total_contact_force;
-        verify(&name, "contact force", held.total_contact_force, force, 5e-5 * force);
+        verify(&name, "contact force", held.total_contact_force, force, 3e-5 * force);
         for reaction in &held.reactions {
             verify(&name, "reaction", Vec3::from(reaction.force).norm(), 0.0, 2e-4 * force.max(1e-3));
         }
@@ -70,7 +70,7 @@ fn twisted_ring_held_at_one_node() {
     ] {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 96, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, true, section, 144, 3, Natural::Straight).unwrap();
         let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
         let links: &[f64] = if law.is_on() { &[0.5, 1.1, 1.2, 1.5, 2.1] } else { &[0.5, 1.1] };
         let ramps: Vec<_> = links.iter().map(|&to| Ramp::ExcessLink { rod: 0, to }).collect();

@@ -537,6 +537,8 @@ fn not_finite(error: InputError) -> SolveError {
 pub(crate) fn in_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
     match pool {
         Some(pool) => pool.install(work),
+        // inside the global pool, so that no sum on the way has to go in and out
+        None if rayon::current_thread_index().is_none() => rayon::scope(|_| work()),
         None => work(),
     }
 }

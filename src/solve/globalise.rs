@@ -20,6 +20,7 @@ use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::timed;
+use crate::solve::trust::{Outcome, Trust};
 
 /// Smallest shift that is tried, in units of B/L⁴.
 const FIRST_SHIFT: f64 = 10.0;
@@ -39,9 +40,8 @@ const MAX_REJECTIONS: usize = 30;
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is good enough.
 const ENOUGH: f64 = 0.1;
-/// Trust radius at the start and at most, rad (see [`extent`]).
-const FIRST_RADIUS: f64 = 0.5;
-const MAX_RADIUS: f64 = 2.0;
+/// Extent (see [`extent`]) of a response that is that of a nearly singular tangent.
+const TOO_FAR: f64 = 2.0;
 /// Larger shifts tried to bring a step within the radius.
 const MAX_SHORTENINGS: usize = 3;
 /// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one factorisation.
@@ -107,7 +107,7 @@ impl Workspace {
         let mut state = engine.state.clone();
         let (mut rejections, mut at_saddle) = (0, 0);
         let mut decrements = Vec::new();
-        let mut radius = FIRST_RADIUS;
+        let mut trust = Trust::new();
         let mut stress = engine.actual_stress(&state);
         for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
             point[..3].copy_from_slice(force);
@@ -124,7 +124,7 @@ impl Workspace {
                     return Ok(report);
                 }
                 let at = report.iterations.len();
-                let within = if pushed { f64::INFINITY } else { radius };
+                let within = if pushed { f64::INFINITY } else { trust.radius };
                 let step = self.step_within(engine, &residual, &drive_now, within, (at, options.tol_increment))?;
                 let size = increment_size(engine, &step.increment);
                 let mut trial = self.trial(engine, &state, &residual, &step, longest, pushed)?;
@@ -163,12 +163,18 @@ impl Workspace {
                     rejections = 0;
                     remaining *= 1.0 - trial.fraction;
                     let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
-                    radius = next_radius(radius, step.extent, &trial, gain, trial.expected.abs() <= 10.0 * noise);
+                    let unseen = trial.expected.abs() <= 10.0 * noise;
+                    trust.accept(Outcome {
+                        extent: step.extent,
+                        fraction: trial.fraction,
+                        rounds: trial.rounds,
+                        gain: (!unseen).then_some(gain / trial.expected),
+                    });
                     if hardened {
                         // the first step under a new law tells how far the strands have to go; what follows is no longer
-                        radius = radius.min(step.extent);
+                        trust.radius = trust.radius.min(step.extent);
                     }
-                    self.shift *= RELAXING * (step.extent / radius).min(1.0);
+                    self.shift *= RELAXING * (step.extent / trust.radius).min(1.0);
                     // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
                     // constraint surface makes of them
                     stress = engine.predicted_stress(&state, &trial.increment);
@@ -214,13 +220,12 @@ impl Workspace {
                     if longest < SHORTEST {
                         return self.finish(engine, &state, report);
                     }
-                    // a response far longer than what is prescribed is that of a nearly singular tangent
-                    if step.extent > MAX_RADIUS {
-                        self.shift = self.shift_for(&step, step.extent / MAX_RADIUS).max(4.0 * self.shift);
+                    if step.extent > TOO_FAR {
+                        self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
                     }
                 } else {
-                    radius = 0.25 * radius.min(step.extent);
-                    self.shift = self.shift_for(&step, step.extent / radius).max(4.0 * self.shift);
+                    trust.reject(step.extent);
+                    self.shift = self.shift_for(&step, step.extent / trust.radius).max(4.0 * self.shift);
                 }
             }
             if report.converged {
@@ -381,7 +386,7 @@ impl Workspace {
             excess: None,
         };
         let mut last = f64::INFINITY;
-        let mut best: Option<Trial> = None;
+        let mut best: Option<(Trial, f64)> = None;
         loop {
             // contact that cannot be resolved there is a step too long, not the end
             if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
@@ -409,15 +414,21 @@ impl Workspace {
             let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
-            if best.as_ref().is_none_or(|b| trial.potential < b.potential) {
-                best = Some(trial.clone());
+            // under a new law of contact the potential hardly tells strands that touch from strands just apart, of which a next step would know nothing:
+            // there the state with the least left to correct is the best of those that lie low enough
+            let tight = engine.contact.as_ref().is_some_and(|side| side.before.is_some());
+            let falls = residual.potential.total() - trial.potential >= ENOUGH * trial.expected - noise(residual);
+            let better = |(b, least): &(Trial, f64)| {
+                if tight && falls { size < *least } else { trial.potential < b.potential }
+            };
+            if best.as_ref().is_none_or(better) {
+                best = Some((trial.clone(), size));
             }
             if size.is_nan() || size >= CONTRACTION * last {
                 break;
             }
             last = size;
             trial.rounds += 1;
-            let tight = engine.contact.as_ref().is_some_and(|side| side.before.is_some());
             trial.settled = size < if tight { 1e-2 * SMALL_CORRECTION } else { SMALL_CORRECTION };
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
@@ -426,7 +437,7 @@ impl Workspace {
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
         // among changes that rounding makes, the corrected state is the better one
         Ok(match best {
-            Some(best) if !trial.settled && trial.expected > noise(residual) => best,
+            Some((best, _)) if !trial.settled && trial.expected > noise(residual) => best,
             _ => trial,
         })
     }
@@ -465,21 +476,6 @@ fn relative_change(before: &[f64], after: &[f64]) -> f64 {
     let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / largest }
-}
-
-/// The trust radius after a step was accepted whose model expected more or less than it gained; `unseen` changes of the potential say
-/// nothing against it.
-fn next_radius(radius: f64, extent: f64, trial: &Trial, gain: f64, unseen: bool) -> f64 {
-    let taken = trial.fraction * extent;
-    if unseen || trial.rounds <= 3 && (0.75..4.0).contains(&(gain / trial.expected)) {
-        radius.max(3.0 * taken).min(MAX_RADIUS)
-    } else if gain < 0.25 * trial.expected {
-        0.5 * taken
-    } else if trial.fraction < 1.0 {
-        taken
-    } else {
-        radius
-    }
 }
 
 /// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact

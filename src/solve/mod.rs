@@ -29,6 +29,7 @@ pub mod state;
 pub mod step_bound;
 mod surprise;
 mod timing;
+mod trust;
 mod turning;
 
 use crate::error::InputError;

@@ -1,8 +1,8 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
 //! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already balance the shape
-//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened in stages,
-//! each of which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened by way of a softer one
+//! than asked for, which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
 //! has them. Then the offsets of the augmented Lagrangian are raised until no penetration beyond the tolerance is left.
 //! Unstable equilibria are left along their most negative direction.
 
@@ -15,15 +15,13 @@ use crate::solve::path::Solver;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 
-/// Depths of the core law that a load step with contact goes through, over the contact distance.
-const DEPTHS: [f64; 2] = [0.4, 0.02];
+/// Depth of the core law that a load step with contact begins under, over the contact distance.
+const DEPTH: f64 = 0.4;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 const AT_REST: f64 = 1e-2;
-/// How often pressures are passed on under one law before a harder one is given up.
-const MAX_CLOSINGS: usize = 6;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
-/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
+/// Factor between the stiffness on the way and the one asked for, and between those that are tried where the mesh does not carry that; how often.
 const SOFTENING: f64 = 10.0;
 const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
@@ -260,13 +258,13 @@ impl Solver {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
         let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
-        let core = Law::Core { pressure, depth: DEPTHS[0] };
+        let core = Law::Core { pressure, depth: DEPTH };
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
-        let too_deep = 0.8 * 2.0 * DEPTHS[0];
+        let too_deep = 0.8 * 2.0 * DEPTH;
         let mut pressures = Vec::new();
         if overlap >= too_deep {
             // strands deep inside each other come apart under a law without a core first
-            self.start_under(Law::Linear { stiffness: pressure / (DEPTHS[0] * 2.0 * radius) }, &[]);
+            self.start_under(Law::Linear { stiffness: pressure / (DEPTH * 2.0 * radius) }, &[]);
             self.search_roughly(true, &Drive::default(), report)?;
             report.penetration = self.contact_errors().penetration;
             if report.status == Status::Converged && report.penetration >= too_deep {
@@ -310,15 +308,10 @@ impl Solver {
     /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
     /// of contact break up into points between nodes.
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        let pressure = self.engine.pressure_scale();
-        for depth in &DEPTHS[1..] {
-            self.harden_when_fit(Law::Core { pressure, depth: *depth }, report)?;
-            if report.status == Status::Converged {
-                self.search_roughly(true, &Drive::default(), report)?;
-            }
-            if report.status != Status::Converged {
-                return Ok(());
-            }
+        self.harden_to(Law::Linear { stiffness: self.engine.contact_stiffness() / SOFTENING });
+        self.search_roughly(true, &Drive::default(), report)?;
+        if report.status != Status::Converged {
+            return Ok(());
         }
         let before = self.snapshot();
         for softer in 0..=MAX_SOFTER {
@@ -333,32 +326,6 @@ impl Solver {
             }
             self.restore(before.clone())?;
             (report.status, report.num_unstable) = (Status::Converged, 0);
-        }
-        Ok(())
-    }
-
-    /// Puts a harder law in force, once the pressures have closed the gaps under the present one so far that its energy is finite here: strands held in each
-    /// other by more than its depth, as in a knot pulled too tight, are first pressed apart, and given up if that does not help.
-    fn harden_when_fit(&mut self, law: Law, report: &mut StepReport) -> Result<(), SolveError> {
-        for attempt in 0.. {
-            let before = self.snapshot();
-            self.harden_to(law);
-            if self.engine.residual(&self.engine.state).potential.contact.is_finite() {
-                return Ok(());
-            }
-            self.restore(before)?;
-            report.penetration = self.contact_errors().penetration;
-            if attempt == MAX_CLOSINGS {
-                report.status = Status::Penetration;
-            }
-            let Some(present) = self.engine.contact.as_ref().map(|side| side.law) else { return Ok(()) };
-            if report.status == Status::Converged {
-                self.harden_to(present);
-                self.search_roughly(true, &Drive::default(), report)?;
-            }
-            if report.status != Status::Converged {
-                break;
-            }
         }
         Ok(())
     }
