@@ -87,7 +87,7 @@ impl Engine {
     ) {
         for batch in terms.chunks(BATCH) {
             let found: Vec<([f64; 24], R)> =
-                self.install(|| batch.par_iter().with_min_len(64).map(|term| gradient(term)).collect());
+                self.install(|| batch.par_iter().with_min_len(64).map(&gradient).collect());
             for (term, (gradient, rest)) in batch.iter().zip(found) {
                 for (node, force) in side.nodes_of(term).into_iter().zip(gradient.chunks_exact(6)) {
                     forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
