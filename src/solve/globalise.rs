@@ -395,8 +395,9 @@ impl Workspace {
             let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
-            // the potential cannot tell, and corrections would be made of rounding
-            trial.settled |= trial.expected.abs() < noise(residual);
+            // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
+            let rises = trial.potential - residual.potential.total() > noise(residual);
+            trial.settled |= trial.expected.abs() < noise(residual) && !rises;
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
