@@ -65,7 +65,7 @@ fn contact_terms(c: &mut Criterion) {
     let pairs: Vec<[u32; 2]> =
         (0..500u32).flat_map(|i| (i.saturating_sub(2)..(i + 3).min(500)).map(move |j| [i, 500 + j])).collect();
     let law = Law::Linear { stiffness: 100.0 };
-    let run = |want| evaluate(&set, black_box(&pairs), law, &|_| [0.0; 2], want);
+    let run = |want| evaluate(&set, black_box(&pairs), law, &|_, _| [0.0; 2], want);
     let total: Vec3 = run(Want::Gradient).iter().flat_map(|t| t.gradient).sum();
     let pressed: f64 = run(Want::Gradient).iter().flat_map(|t| &t.zones).map(|z| z.half_force).sum();
     assert!(pressed > 1.0 && total.norm() < 1e-9 * pressed);

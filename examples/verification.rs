@@ -66,6 +66,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
         &[
             "planar_touch",
             "beams",
+            "contact_three_strands",
             "twisted_ring",
             "ring_events",
             "ring_topology",

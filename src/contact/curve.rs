@@ -345,6 +345,22 @@ impl CurveSet {
         self.arc_start[segment] + u * self.lengths[segment]
     }
 
+    /// Reference length \[L\] of a curve if it is closed.
+    #[must_use]
+    pub fn period(&self, curve: usize) -> Option<f64> {
+        let info = &self.curves[curve];
+        info.closed.then(|| self.arc_length(info.first + info.count - 1, 1.0))
+    }
+
+    /// Segment and parameter at a reference arc length \[L\] from the start of a curve; beyond its ends, on closed curves whole turns aside, the end.
+    pub(crate) fn at_arc(&self, curve: usize, arc: f64) -> (usize, f64) {
+        let arc = self.period(curve).map_or(arc, |period| arc.rem_euclid(period));
+        let info = &self.curves[curve];
+        let starts = &self.arc_start[info.first..info.first + info.count];
+        let segment = info.first + starts.partition_point(|start| *start <= arc).max(1) - 1;
+        (segment, ((arc - self.arc_start[segment]) / self.lengths[segment]).clamp(0.0, 1.0))
+    }
+
     /// Contact radius \[L\] of a segment.
     #[must_use]
     pub fn radius_of(&self, segment: usize) -> f64 {

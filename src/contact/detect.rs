@@ -113,8 +113,8 @@ pub enum Want {
     Hessian,
 }
 
-/// Offsets c at both ends of a segment \[L\].
-pub type Offsets<'a> = dyn Fn(usize) -> [f64; 2] + Sync + 'a;
+/// Offsets c at both ends of a segment (the first, the slave), towards another one \[L\].
+pub type Offsets<'a> = dyn Fn(usize, usize) -> [f64; 2] + Sync + 'a;
 
 /// What decides over pressures.
 #[derive(Clone, Copy)]
@@ -127,16 +127,17 @@ pub(crate) struct Pressures<'a> {
 }
 
 impl Pressures<'_> {
-    /// Where pressure ends, at both ends of a segment, from another strand's centreline \[L\].
-    fn reach(&self, slave: usize, contact_distance: f64) -> [f64; 2] {
+    /// Where pressure ends, at both ends of a segment, from another one's centreline \[L\].
+    fn reach(&self, slave: usize, master: usize, contact_distance: f64) -> [f64; 2] {
         let offset = self.before.map_or(self.offset, |(_, offset)| offset);
-        offset(slave).map(|c| contact_distance + c)
+        offset(slave, master).map(|c| contact_distance + c)
     }
 }
 
 /// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
 ///
-/// `offset(segment)` is the offset c at both ends of a segment \[L\] (0 for a plain penalty). Parallel over candidates in the current rayon
+/// `offset(slave, master)` is the offset c at both ends of a segment towards another one \[L\] (0 for a plain penalty); where contact goes on from one
+/// segment to the next, on either strand, it is to do so too. Parallel over candidates in the current rayon
 /// pool; the result does not depend on the number of threads.
 pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
     evaluate_within(&Ground::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
@@ -312,7 +313,7 @@ impl Ground<'_> {
         let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         let distance = self.nearest(i, j);
         for (slave, master) in [(i, j), (j, i)] {
-            let reach = pressures.reach(slave, contact_distance);
+            let reach = pressures.reach(slave, master, contact_distance);
             if distance >= reach[0].max(reach[1]) {
                 continue;
             }
@@ -374,7 +375,7 @@ impl Ground<'_> {
         }
         let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         for (slave, master) in [(i, j), (j, i)] {
-            let reach = pressures.reach(slave, contact_distance);
+            let reach = pressures.reach(slave, master, contact_distance);
             if reach[0].max(reach[1]) <= 0.0 {
                 continue;
             }
@@ -466,7 +467,7 @@ impl Ground<'_> {
         contact_distance: f64,
         pressures: &'a Pressures<'a>,
     ) -> Local<'a> {
-        let (length, offset) = (self.lengths[slave], (pressures.offset)(slave));
+        let (length, offset) = (self.lengths[slave], (pressures.offset)(slave, master));
         let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
         let span = if straight {
             let (start, end) = self.strands.ends(slave);

@@ -198,7 +198,7 @@ impl Detector {
         let mut found = std::mem::take(&mut self.pair_forces);
         let this = &*self;
         let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
-        let pressures = Pressures { law, offset: &|_| [0.0; 2], before: None };
+        let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
         let force = |pieces: &mut Vec<Piece>, p: &[u32; 2]| {
             let pair = p.map(|k| k as usize);
             if detect::wanted(&strands, &this.exclusion, pair) {
@@ -227,7 +227,7 @@ impl Detector {
         let strands = self.update(curves, self.options.range.max(0.0))?;
         let wanted = |p: &&[u32; 2]| detect::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        let pressures = Pressures { law, offset: &|_| [0.0; 2], before: None };
+        let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
         let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
         Ok(detect::evaluate_within(&ground, &pairs, &pressures, want))
     }

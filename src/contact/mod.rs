@@ -17,6 +17,7 @@
 mod boxes;
 pub mod broad_phase;
 pub mod capsule;
+pub(crate) mod chain;
 pub mod clearance;
 mod closest;
 pub mod curve;

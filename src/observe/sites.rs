@@ -6,6 +6,7 @@
 //!    is the sum over all its zones, because each view carries half of it.
 //! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
+use crate::contact::chain::{Link, TOL_FOOT, chains, near};
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
@@ -16,10 +17,8 @@ mod by_place;
 
 use by_place::ByPlace;
 
-/// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
+/// A zone that goes round a closed strand but for this part of it goes all round.
 const TOL_ARC: f64 = 1e-6;
-/// … and on the other strand to how well a foot is known where the distance hardly changes along it.
-const TOL_FOOT: f64 = 1e-2;
 
 /// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,18 +100,8 @@ fn length(set: &CurveSet, curve: usize) -> f64 {
     set.arc_length(info.first + info.count - 1, 1.0)
 }
 
-/// Length of a curve if it is closed \[L\].
-fn period(set: &CurveSet, curve: usize) -> Option<f64> {
-    set.curves[curve].closed.then(|| length(set, curve))
-}
-
 fn contact_distance(set: &CurveSet, zone: &Zone) -> f64 {
     set.curves[zone.curve_a].radius + set.curves[zone.curve_b].radius
-}
-
-/// `x` shifted by periods to be as near to `target` as it can.
-fn near(x: f64, target: f64, period: Option<f64>) -> f64 {
-    period.map_or(x, |p| x + p * ((target - x) / p).round())
 }
 
 fn order(x: &Zone, y: &Zone) -> std::cmp::Ordering {
@@ -126,28 +115,35 @@ fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
     start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
 }
 
-fn pieces(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
-    let mut pieces: Vec<Zone> = Vec::new();
-    for term in terms {
-        for zone in term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()) {
-            let nearest = zone.piece.nearest;
-            let (_, tangent_a, _) = set.segments[term.slave].derivatives(nearest.u);
-            let (_, tangent_b, _) = set.segments[term.master].derivatives(nearest.v);
-            let crossing = angle(&tangent_a, &tangent_b).to_degrees();
-            let [start, end] = zone.piece.u.map(|u| set.arc_length(term.slave, u));
-            pieces.push(Zone {
-                curve_a: set.curve_of(term.slave),
-                arc_a: [start, end],
-                curve_b: set.curve_of(term.master),
-                arc_b: zone.piece.v.map(|v| set.arc_length(term.master, v)),
-                load: load(zone, [start, end]),
-                gap: zone.min_gap,
-                angle: crossing.min(180.0 - crossing),
-            });
-        }
+/// All zones, sorted.
+fn zones(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
+    let mut zones: Vec<Zone> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
+    zones.sort_by(order);
+    zones
+}
+
+/// What a chain of pieces makes together.
+fn zone(set: &CurveSet, chain: &[Link]) -> Zone {
+    let mut zone = piece(set, &chain[0]);
+    chain[1..].iter().for_each(|link| append(set, &mut zone, &piece(set, link)));
+    zone
+}
+
+fn piece(set: &CurveSet, link: &Link) -> Zone {
+    let (zone, [curve_a, curve_b], [arc_a, arc_b]) = (link.zone, link.curves, link.arcs);
+    let nearest = zone.piece.nearest;
+    let (_, tangent_a, _) = set.segments[link.segments[0]].derivatives(nearest.u);
+    let (_, tangent_b, _) = set.segments[link.segments[1]].derivatives(nearest.v);
+    let crossing = angle(&tangent_a, &tangent_b).to_degrees();
+    Zone {
+        curve_a,
+        arc_a,
+        curve_b,
+        arc_b,
+        load: load(zone, arc_a),
+        gap: zone.min_gap,
+        angle: crossing.min(180.0 - crossing),
     }
-    pieces.sort_by(order);
-    pieces
 }
 
 /// The force on the slave side of a piece that spans `arc`.
@@ -163,70 +159,14 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
     Load { force, center: arc[0] + (mean - u[0]) * scale, inertia }
 }
 
-/// Joins pieces that follow each other; sorted.
-fn zones(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
-    let pieces = pieces(set, terms);
-    let next = successors(set, &pieces);
-    let mut follows = vec![false; pieces.len()];
-    next.iter().flatten().for_each(|&j| follows[j] = true);
-    let mut used = vec![false; pieces.len()];
-    let mut zones = Vec::new();
-    // chains from their first piece; what is left are zones all round a closed strand
-    let starts = (0..pieces.len()).filter(|&i| !follows[i]).chain((0..pieces.len()).filter(|&i| follows[i]));
-    for start in starts {
-        if used[start] {
-            continue;
-        }
-        used[start] = true;
-        let mut zone = pieces[start];
-        let mut last = start;
-        while let Some(piece) = next[last].filter(|&j| !used[j]) {
-            used[piece] = true;
-            append(set, &mut zone, &pieces[piece]);
-            last = piece;
-        }
-        zones.push(zone);
-    }
-    zones.sort_by(order);
-    zones
-}
-
 fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
     zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
-    let start = near(piece.arc_b[0], zone.arc_b[1], period(set, zone.curve_b));
+    let start = near(piece.arc_b[0], zone.arc_b[1], set.period(zone.curve_b));
     zone.arc_b[1] = start + piece.arc_b[1] - piece.arc_b[0];
     if piece.gap < zone.gap {
         (zone.gap, zone.angle) = (piece.gap, piece.angle);
     }
-}
-
-/// For each piece the one that continues it.
-fn successors(set: &CurveSet, pieces: &[Zone]) -> Vec<Option<usize>> {
-    let mut taken = vec![false; pieces.len()];
-    let mut successors = Vec::with_capacity(pieces.len());
-    for piece in pieces {
-        let distance = contact_distance(set, piece);
-        let (tol_arc, tol_foot) = (TOL_ARC * distance, TOL_FOOT * distance);
-        let range = class(pieces, piece.curve_a, piece.curve_b);
-        let (offset, range) = (range.start, &pieces[range]);
-        let mut best: Option<(f64, usize)> = None;
-        for shift in [Some(0.0), period(set, piece.curve_a)].into_iter().flatten() {
-            let end = piece.arc_a[1] - shift;
-            let first = range.partition_point(|z| z.arc_a[0] < end - tol_arc);
-            for (k, other) in range.iter().enumerate().skip(first).take_while(|(_, z)| z.arc_a[0] <= end + tol_arc) {
-                let jump = (near(other.arc_b[0], piece.arc_b[1], period(set, piece.curve_b)) - piece.arc_b[1]).abs();
-                if jump <= tol_foot && !taken[offset + k] && best.is_none_or(|(least, _)| jump < least) {
-                    best = Some((jump, offset + k));
-                }
-            }
-        }
-        if let Some((_, j)) = best {
-            taken[j] = true;
-        }
-        successors.push(best.map(|(_, j)| j));
-    }
-    successors
 }
 
 /// Groups zones into sites: the indices of its zones, true for those that see it the other way round than the first.
@@ -270,8 +210,8 @@ fn pad(set: &CurveSet, zone: &Zone) -> f64 {
 
 /// Whether two zones, each on the other's partner strand, overlap on both strands.
 fn sees(set: &CurveSet, zone: &Zone, other: &Zone, pad: f64) -> bool {
-    overlap(zone.arc_b, other.arc_a, pad, period(set, zone.curve_b))
-        && overlap(zone.arc_a, other.arc_b, pad, period(set, zone.curve_a))
+    overlap(zone.arc_b, other.arc_a, pad, set.period(zone.curve_b))
+        && overlap(zone.arc_a, other.arc_b, pad, set.period(zone.curve_a))
 }
 
 fn ascending(arc: [f64; 2]) -> [f64; 2] {
@@ -309,8 +249,8 @@ fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2],
 fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize], layer: &Layer) -> SiteReport {
     let seen_from = |flipped: bool| members.iter().filter(move |m| m.1 == flipped).map(|m| zones[m.0]);
     let first = &zones[members[0].0];
-    let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), period(set, first.curve_a));
-    let period_b = period(set, first.curve_b);
+    let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), set.period(first.curve_a));
+    let period_b = set.period(first.curve_b);
     // a contact that only strand a sees is placed on strand b by its feet
     let (arc_b, width_b) = if members.iter().any(|m| m.1) {
         hull(seen_from(true).map(|z| z.arc_a), period_b)
@@ -325,13 +265,13 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
             sum.with(load, shift)
         })
     };
-    let (load_a, load_b) = (total(false, period(set, first.curve_a)), total(true, period_b));
+    let (load_a, load_b) = (total(false, set.period(first.curve_a)), total(true, period_b));
     let is_line = 0.5 * (width_a + width_b) > layer.shortest_line(first.curve_a, first.curve_b);
     let center = |load: &Load, feet: [f64; 2], period: Option<f64>| {
         let center = if load.force > 0.0 { load.center } else { 0.5 * (feet[0] + feet[1]) };
         period.map_or(center, |p| center.rem_euclid(p))
     };
-    let a = (rods[first.curve_a], arc_a, center(&load_a, first.arc_a, period(set, first.curve_a)), load_a.spread());
+    let a = (rods[first.curve_a], arc_a, center(&load_a, first.arc_a, set.period(first.curve_a)), load_a.spread());
     let b = (rods[first.curve_b], arc_b, center(&load_b, first.arc_b, period_b), load_b.spread());
     let (a, b) = if (b.0, b.1[0]) < (a.0, a.1[0]) { (b, a) } else { (a, b) };
     SiteReport {

@@ -382,10 +382,11 @@ impl Engine {
         let ground = detect::Ground::of_set(&side.set);
         // second derivatives live for one part of the candidates only: five kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
-            let offset = |segment| side.offset(segment);
+            let offset = |slave, master| side.offset(slave, master);
             let earlier = side.before.as_ref().filter(|_| tangent.is_some());
-            let offset_before =
-                |segment: usize| side.nodes[segment].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets[n]));
+            let offset_before = |slave: usize, master: usize| {
+                side.nodes[slave].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets.at(&side.set, n, master)))
+            };
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
             for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
@@ -483,8 +484,8 @@ impl ContactSide {
     /// Moves the contact curves and refreshes candidates; true if the list changed.
     pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
         self.place(state);
-        let earlier = self.before.iter().flat_map(|(_, offsets)| offsets);
-        let largest = self.offsets.iter().chain(earlier).copied().fold(0.0, f64::max);
+        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
+        let largest = self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max);
         // in steps, so that a slowly growing offset does not rebuild the list every time
         let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
         let margin = 0.5 * self.min_radius;

@@ -11,6 +11,7 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::state::Drive;
 
 /// Pressure over the law's own with which touching strands are probed, and the largest result.
@@ -43,12 +44,12 @@ impl Solver {
         let distance = 2.0 * side.min_radius;
         let probe = law.overlap(PROBING_PRESSURE * scale, distance);
         side.law = law;
-        side.offsets.fill(probe);
+        side.offsets = PerContact::uniform(side.offsets.num_nodes(), probe);
         side.before = None;
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
         let probed = self.engine.residual(&state);
-        let gaps = self.contact_errors_of(&probed).gaps;
+        let gaps = self.contact_errors_of(&probed).gaps.per_node(f64::min);
         let rest: Vec<f64> = probed.contact_gradient.iter().zip(&probed.gradient).map(|(c, g)| c - g).collect();
         let mut balance = Balance::default();
         let mut reach = vec![probe; gaps.len()];
@@ -88,7 +89,7 @@ impl Solver {
         let state = self.engine.state.clone();
         let Some(side) = &mut self.engine.contact else { return Ok(None) };
         side.law = Law::Linear { stiffness: STIFFNESS * scale / distance };
-        side.before = Some((Law::Linear { stiffness: SLACK * scale / distance }, reach.to_vec()));
+        side.before = Some((Law::Linear { stiffness: SLACK * scale / distance }, PerContact::of_nodes(reach.to_vec())));
         self.workspace.refresh(&mut self.engine, &state)?;
         let unstressed = vec![[[0.0; 6]; 3]; self.engine.elements.len()];
         let slack = self.workspace.linearise(&self.engine, &state, &unstressed, &Drive::default());
@@ -114,7 +115,7 @@ impl Solver {
             let pull = part(&probed.contact_gradient, 6 * node);
             -pull.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
         };
-        let mut works = vec![[0.0; 2]; side.offsets.len()];
+        let mut works = vec![[0.0; 2]; side.offsets.num_nodes()];
         for (segment, &[node, next]) in side.nodes.iter().enumerate() {
             let (first, length) = match side.set.prev(segment) {
                 Some(prev) => (side.nodes[prev][0], side.set.lengths[prev] + side.set.lengths[segment]),
@@ -169,7 +170,7 @@ mod tests {
         // touching strands under offsets of these pressures are under these pressures
         solver.change_law(law, &pressures);
         let side = solver.engine.contact.as_ref().unwrap();
-        for (offset, pressure) in side.offsets.iter().zip(&pressures) {
+        for (offset, pressure) in side.offsets.values.iter().zip(&pressures) {
             assert!((law.response(*offset, 1.0).pressure - pressure).abs() <= 1e-12 * exact);
         }
     }

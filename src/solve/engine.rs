@@ -12,6 +12,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{Body, ElementNodes, Plane, Six, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
+use crate::solve::per_contact::PerContact;
 use crate::solve::state::State;
 
 /// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once more, which a shear strain cannot
@@ -44,10 +45,10 @@ pub struct ContactSide {
     pub broad_phase: BroadPhase,
     /// Pressure against overlap.
     pub law: Law,
-    /// Offsets c per node \[L\] (all rods; zero for a plain penalty).
-    pub offsets: Vec<f64>,
+    /// Offsets c \[L\] (zero for a plain penalty).
+    pub offsets: PerContact,
     /// Law and offsets before they were last changed, until a step has been taken under the new ones: see [`Pressures`].
-    pub(crate) before: Option<(Law, Vec<f64>)>,
+    pub(crate) before: Option<(Law, PerContact)>,
     /// Smallest contact radius \[L\].
     pub min_radius: f64,
     /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for contact), there is
@@ -56,13 +57,13 @@ pub struct ContactSide {
 }
 
 impl ContactSide {
-    /// Offsets at both ends of a segment \[L\].
-    pub fn offset(&self, segment: usize) -> [f64; 2] {
-        self.nodes[segment].map(|n| self.offsets[n])
+    /// Offsets at both ends of a segment towards another one \[L\].
+    pub fn offset(&self, slave: usize, master: usize) -> [f64; 2] {
+        self.nodes[slave].map(|node| self.offsets.at(&self.set, node, master))
     }
 
     /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
-    pub(crate) fn change_law(&mut self, law: Law, offsets: Vec<f64>) {
+    pub(crate) fn change_law(&mut self, law: Law, offsets: PerContact) {
         let old = (std::mem::replace(&mut self.law, law), std::mem::replace(&mut self.offsets, offsets));
         // under a law that no step was taken under there are no pressures
         self.before.get_or_insert(old);
@@ -226,7 +227,7 @@ impl Engine {
         InputError::positive("contact.stiffness", stiffness)?;
         let raised = law_stiffness(stiffness, &self.scales, side.min_radius);
         let offsets = if matches!(law, ContactLaw::Penalty { .. }) {
-            vec![0.0; side.offsets.len()]
+            PerContact::uniform(side.offsets.num_nodes(), 0.0)
         } else {
             side.offsets.clone()
         };
@@ -386,7 +387,7 @@ impl Engine {
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
             law: Law::Linear { stiffness: law_stiffness(dimensionless, &self.scales, min_radius) },
-            offsets: vec![0.0; self.num_nodes()],
+            offsets: PerContact::uniform(self.num_nodes(), 0.0),
             before: None,
             min_radius,
             is_current: false,

@@ -10,6 +10,7 @@ use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
 use crate::solve::engine::ContactSide;
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 
 /// Evaluations of the forces by which d is corrected; the exponent of F in δ is known from the second on.
 const ROUNDS: usize = 3;
@@ -71,7 +72,7 @@ impl Solver {
         Ok(())
     }
 
-    fn set_offsets(&mut self, offsets: Vec<f64>) {
+    fn set_offsets(&mut self, offsets: PerContact) {
         if let Some(side) = &mut self.engine.contact {
             side.offsets = offsets;
         }
@@ -83,7 +84,7 @@ impl Solver {
         let mut felt = vec![Felt::default(); side.set.len()];
         for term in self.engine.residual(&self.engine.state).meetings {
             let here = &mut felt[term.slave];
-            let offset = side.offset(term.slave);
+            let offset = side.offset(term.slave, term.master);
             let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
             let bending = [term.slave, term.master].map(|segment| rod(segment).section.smaller_bending());
             here.shortest_line = shortest_line(1.0, bending);
@@ -129,12 +130,14 @@ struct Felt {
 }
 
 /// Offsets lowered by as much as the strands of each run move apart.
-fn lowered(side: Option<&ContactSide>, own: &[f64], runs: &[Run], left: &[f64]) -> Vec<f64> {
-    let mut offsets = own.to_vec();
+fn lowered(side: Option<&ContactSide>, own: &PerContact, runs: &[Run], left: &[f64]) -> PerContact {
+    let mut offsets = own.clone();
     let Some(side) = side else { return offsets };
     for (run, left) in runs.iter().zip(left) {
         for node in run.segments.iter().flat_map(|&segment| side.nodes[segment]) {
-            offsets[node] = offsets[node].min(own[node] - (run.depth - left));
+            for k in own.of_node(node) {
+                offsets.values[k] = offsets.values[k].min(own.values[k] - (run.depth - left));
+            }
         }
     }
     offsets

@@ -19,6 +19,7 @@ mod multipliers;
 mod neutral;
 pub mod newton;
 pub mod path;
+pub mod per_contact;
 mod predictor;
 mod refine;
 pub mod restart;

@@ -1,10 +1,12 @@
 //! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new law the same.
 
+use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
 use crate::solve::held_open::TOL_HELD_OPEN;
 use crate::solve::path::Solver;
+use crate::solve::per_contact::{self, PerContact};
 use crate::solve::settle::TOL_OPENING;
 
 /// Pressure over that of a core law at which its stiffness is taken.
@@ -17,8 +19,8 @@ const MAX_RELEASES: usize = 10;
 /// How far the contact conditions are from met, by nodes and in all.
 #[derive(Debug, Default)]
 pub(super) struct ContactErrors {
-    /// Smallest gap near each node, see [`Solver::window`] \[L\]; infinite where nothing is in reach.
-    pub(super) gaps: Vec<f64>,
+    /// Smallest gap of each contact near each node, see [`Solver::window`] \[L\]; infinite where nothing is in reach.
+    pub(super) gaps: PerContact,
     /// Worst penetration over the smallest contact radius.
     pub(super) penetration: f64,
     /// Worst gap that an offset holds open over the smallest contact radius.
@@ -32,25 +34,28 @@ pub(super) struct Outstanding {
     pub(super) penetration: f64,
     /// Work of offsets on what they hold open over the elastic energy; none while the contact conditions are not met.
     pub(super) held_open: Option<f64>,
-    /// What offsets are to be raised and lowered by, per node \[L\]; none where all is done.
-    pub(super) gaps: Option<Vec<f64>>,
+    /// What offsets are to be raised and lowered by \[L\]; none where all is done.
+    pub(super) gaps: Option<PerContact>,
 }
 
 impl Solver {
     /// Replaces the law; the pressures of the state at rest become those of strands that just touch.
     pub(super) fn harden_to(&mut self, law: Law) {
         let pressures = self.pressures();
-        self.change_law(law, &pressures);
+        self.change_law_to(law, &pressures);
     }
 
     /// Replaces the law, with offsets that give touching strands these pressures (per node; none if empty).
     pub(super) fn change_law(&mut self, law: Law, pressures: &[f64]) {
+        let mut of_nodes = pressures.to_vec();
+        of_nodes.resize(self.engine.num_nodes(), 0.0);
+        self.change_law_to(law, &PerContact::of_nodes(of_nodes));
+    }
+
+    fn change_law_to(&mut self, law: Law, pressures: &PerContact) {
         let Some(side) = &mut self.engine.contact else { return };
-        let mut offsets = vec![0.0; side.offsets.len()];
-        for (offset, pressure) in offsets.iter_mut().zip(pressures) {
-            *offset = law.overlap(*pressure, 2.0 * side.min_radius);
-        }
-        side.change_law(law, offsets);
+        let distance = 2.0 * side.min_radius;
+        side.change_law(law, pressures.map(|_, pressure| law.overlap(pressure, distance)));
     }
 
     /// Replaces the law like [`Solver::change_law`]; the first step starts from the new law's pressures instead of the old ones.
@@ -74,7 +79,8 @@ impl Solver {
         let (nodes, order) = (gaps.len(), self.engine.model.rods[0].order);
         let Some(side) = &mut self.engine.contact else { return };
         let distance = 2.0 * side.min_radius;
-        let pressure = |i: usize| side.law.response(side.offsets[i] - gaps[i], distance).pressure;
+        let present = side.offsets.per_node(f64::max);
+        let pressure = |i: usize| side.law.response(present[i] - gaps[i], distance).pressure;
         let smooth = |i: usize| {
             // as many nodes as an element has, half of the first and of the last if these are on its joints
             let around = |k: usize| (i + nodes + k - order / 2) % nodes;
@@ -83,16 +89,16 @@ impl Solver {
             let weight = |k: usize| if k == 0 || k == last { ends } else { 1.0 };
             let mean = (0..=last).map(|k| weight(k) * pressure(around(k))).sum::<f64>() / order as f64;
             let touches = (0..=last).all(|k| gaps[around(k)].is_finite() && pressure(around(k)) > 0.0);
-            if touches { side.law.overlap(mean, distance) + gaps[i] } else { side.offsets[i] }
+            if touches { side.law.overlap(mean, distance) + gaps[i] } else { present[i] }
         };
-        let offsets = (0..nodes).map(smooth).collect();
+        let offsets = PerContact::of_nodes((0..nodes).map(smooth).collect());
         side.change_law(side.law, offsets);
     }
 
     /// Gap at each node \[L\]; infinite where nothing touches.
     fn node_gaps(&self) -> Vec<f64> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
-        let mut gaps = vec![f64::INFINITY; side.offsets.len()];
+        let mut gaps = vec![f64::INFINITY; side.offsets.num_nodes()];
         for term in &self.engine.residual(&self.engine.state).meetings {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
             let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
@@ -107,15 +113,15 @@ impl Solver {
         gaps
     }
 
-    /// Pressure near each node \[F/L\], at the smallest gap around it.
-    fn pressures(&self) -> Vec<f64> {
-        let errors = self.contact_errors();
-        let Some(side) = &self.engine.contact else { return Vec::new() };
-        let at = |(offset, gap): (&f64, &f64)| {
-            let pressure = side.law.response(offset - gap, 2.0 * side.min_radius).pressure;
+    /// Pressure of each contact near each node \[F/L\], at the smallest gap around it.
+    fn pressures(&self) -> PerContact {
+        let gaps = self.contact_errors().gaps;
+        let Some(side) = &self.engine.contact else { return PerContact::default() };
+        let offsets = side.offsets.at_places_of(&side.set, &gaps);
+        gaps.map(|k, gap| {
+            let pressure = side.law.response(offsets.values[k] - gap, 2.0 * side.min_radius).pressure;
             if pressure.is_finite() { pressure } else { 0.0 }
-        };
-        side.offsets.iter().zip(&errors.gaps).map(at).collect()
+        })
     }
 
     /// How far the contact conditions are from met.
@@ -129,20 +135,16 @@ impl Solver {
     /// [`Solver::contact_errors`] from the residual of the present state, with zones.
     pub(super) fn contact_errors_of(&self, residual: &Residual) -> ContactErrors {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
-        let mut gaps = vec![f64::INFINITY; side.offsets.len()];
-        let mut touched = vec![false; side.offsets.len()];
+        let window = |slave, master| self.window(side, slave, master);
+        let gaps = per_contact::smallest_gaps(side, residual, &self.engine.state.positions, window);
+        let offsets = side.offsets.at_places_of(&side.set, &gaps);
+        let mut touched = vec![false; gaps.values.len()];
         for term in &residual.meetings {
-            side.nodes[term.slave].iter().for_each(|&node| touched[node] = true);
-            let window = self.window(side, term.slave, term.master);
-            for gap in term.zones.iter().map(|z| z.min_gap) {
-                for forward in [true, false] {
-                    side.spread(term.slave, window, forward, |node| gaps[node] = gaps[node].min(gap));
-                }
-            }
+            side.nodes[term.slave].iter().for_each(|&node| touched[gaps.index(&side.set, node, term.master)] = true);
         }
-        let penetration = gaps.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
-        let held = (0..gaps.len()).filter(|&n| touched[n] && gaps[n].is_finite() && side.offsets[n] > 0.0);
-        let opening = held.map(|n| gaps[n]).fold(0.0, f64::max) / side.min_radius;
+        let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
+        let held = (0..touched.len()).filter(|&k| touched[k] && gaps.values[k].is_finite() && offsets.values[k] > 0.0);
+        let opening = held.map(|k| gaps.values[k]).fold(0.0, f64::max) / side.min_radius;
         ContactErrors { gaps, penetration, opening }
     }
 
@@ -182,29 +184,30 @@ impl Solver {
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider
     /// than it may stay.
-    pub(super) fn augment(&mut self, gaps: &[f64], paces: &mut Paces) {
+    pub(super) fn augment(&mut self, gaps: &PerContact, paces: &mut Paces) {
         let Some(side) = &mut self.engine.contact else { return };
         let open = TOL_OPENING * side.min_radius;
-        paces.adapt(gaps, open);
-        let raised = |node: usize| {
-            let (offset, gap) = (side.offsets[node], gaps[node]);
+        let before = side.offsets.at_places_of(&side.set, gaps);
+        paces.adapt(&side.set, gaps, open);
+        let raised = |k: usize, gap: f64| {
+            let offset = before.values[k];
             // lowered by what may stay, little by little, an offset would keep others from closing their gaps
             let stays = gap > 0.0 && gap <= open;
-            if stays { offset } else { (offset - paces.paces[node] * gap).max(0.0) }
+            if stays { offset } else { (offset - paces.paces.values[k] * gap).max(0.0) }
         };
-        let offsets: Vec<f64> = (0..gaps.len()).map(raised).collect();
-        paces.before = (0..gaps.len()).map(|node| [gaps[node], side.offsets[node] - offsets[node]]).collect();
+        let offsets = gaps.map(raised);
+        paces.before = Some([gaps.clone(), before.map(|k, offset| offset - offsets.values[k])]);
         side.change_law(side.law, offsets);
     }
 }
 
-/// How fast offsets that hold gaps open are lowered, per node: a secant on offset and gap. At the edge of a zone, or between two nodes that
+/// How fast offsets that hold gaps open are lowered: a secant on offset and gap. At the edge of a zone, or between two nodes that
 /// carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for ever to let go.
 #[derive(Debug, Default)]
 pub(super) struct Paces {
-    paces: Vec<f64>,
-    /// Gap at the augmentation before, and by how much it lowered the offset \[L\], per node.
-    before: Vec<[f64; 2]>,
+    paces: PerContact,
+    /// Gap at the augmentation before, and by how much it lowered the offset \[L\].
+    before: Option<[PerContact; 2]>,
     /// How often contacts held open were released.
     releases: usize,
 }
@@ -212,12 +215,17 @@ pub(super) struct Paces {
 impl Paces {
     /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what would have closed it, at most [`FASTER`]
     /// than before.
-    fn adapt(&mut self, gaps: &[f64], open: f64) {
-        self.paces.resize(gaps.len(), 1.0);
-        for ((pace, gap), [before, lowered]) in self.paces.iter_mut().zip(gaps).zip(&self.before) {
-            let stays = *gap > open && *before > open && *lowered > 0.0;
-            let closed = if stays { ((before - gap) / lowered).max(0.0) } else { 1.0 };
-            *pace = (1.0 / closed).clamp(1.0, FASTER * *pace);
-        }
+    fn adapt(&mut self, set: &CurveSet, gaps: &PerContact, open: f64) {
+        let Some(before) = &self.before else {
+            self.paces = gaps.map(|_, _| 1.0);
+            return;
+        };
+        let [before, lowered] = before.each_ref().map(|numbers| numbers.at_places_of(set, gaps).values);
+        let paces = self.paces.at_places_of(set, gaps).values;
+        self.paces = gaps.map(|k, gap| {
+            let stays = gap > open && before[k] > open && lowered[k] > 0.0;
+            let closed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
+            (1.0 / closed).min(FASTER * paces[k]).max(1.0)
+        });
     }
 }

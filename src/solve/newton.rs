@@ -205,6 +205,10 @@ impl Workspace {
             state = state.retract(&step, fraction);
             remaining *= 1.0 - fraction;
             engine.state = state.clone();
+            if let Some(side) = &mut engine.contact {
+                // pressures of the law before hold for the first step under a new one, and no longer
+                side.before = None;
+            }
             if fraction == 1.0 && increment <= options.tol_increment {
                 report.converged = true;
                 break;

@@ -8,6 +8,7 @@ use crate::solve::engine::Engine;
 use crate::solve::neutral::Neutral;
 use crate::solve::newton::relative_residual;
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::settle::StepReport;
 use crate::solve::state::{Drive, State};
 
@@ -60,15 +61,16 @@ impl Solver {
         }
         let remainders = vec![Vec3::zeros(); positions.len()];
         fine.engine.set_state(State { positions, remainders, frames, ..coarse.state.clone() })?;
+        let between = |node: usize| {
+            let rod = fine.engine.rod_of(node);
+            let [first, end] = [coarse.first_node[rod], coarse.first_node[rod + 1]];
+            let k = node - fine.engine.first_node[rod];
+            [first + k / 2, first + k.div_ceil(2) % (end - first)]
+        };
+        let between: Vec<[usize; 2]> = (0..fine.engine.num_nodes()).map(between).collect();
         if let (Some(from), Some(to)) = (&coarse.contact, &mut fine.engine.contact) {
             to.law = from.law;
-            for index in 0..coarse.model.rods.len() {
-                let old = &from.offsets[coarse.first_node[index]..coarse.first_node[index + 1]];
-                let nodes = fine.engine.first_node[index]..fine.engine.first_node[index + 1];
-                for (k, offset) in to.offsets[nodes].iter_mut().enumerate() {
-                    *offset = 0.5 * (old[k / 2] + old[k.div_ceil(2) % old.len()]);
-                }
-            }
+            to.offsets = from.offsets.interleaved(&from.set, &between);
         }
         let fine_node = |node: usize| {
             let rod = coarse.rod_of(node);
@@ -85,7 +87,10 @@ impl Solver {
     pub fn harden_contact(&mut self, factor: f64) {
         let Some(side) = &mut self.engine.contact else { return };
         if let Law::Linear { stiffness } = side.law {
-            side.change_law(Law::Linear { stiffness: stiffness * factor }, vec![0.0; side.offsets.len()]);
+            side.change_law(
+                Law::Linear { stiffness: stiffness * factor },
+                PerContact::uniform(side.offsets.num_nodes(), 0.0),
+            );
         }
     }
 

@@ -15,6 +15,7 @@ use crate::math::Vec3;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::predictor::History;
 use crate::solve::state::State;
 
@@ -61,8 +62,7 @@ pub struct Restart {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct ContactRestart {
     law: Law,
-    /// Per node \[L\].
-    offsets: Vec<f64>,
+    offsets: PerContact,
 }
 
 impl Solver {
@@ -108,7 +108,7 @@ impl Solver {
         self.engine.set_state(state)?;
         match (&mut self.engine.contact, contact) {
             (None, None) => {}
-            (Some(side), Some(saved)) if saved.offsets.len() == side.offsets.len() => {
+            (Some(side), Some(saved)) if saved.offsets.fits(side.offsets.num_nodes(), &side.set) => {
                 side.law = saved.law;
                 side.before = None;
                 side.offsets = saved.offsets;

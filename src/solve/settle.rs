@@ -12,6 +12,7 @@ use crate::scene::ContactLaw;
 use crate::solve::multipliers::Paces;
 use crate::solve::newton::{Iteration, NewtonReport};
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 
@@ -137,7 +138,7 @@ impl StepReport {
 pub(crate) struct Snapshot {
     stages_left: i32,
     state: State,
-    contact: Option<(Law, Vec<f64>)>,
+    contact: Option<(Law, PerContact)>,
 }
 
 impl Solver {
@@ -308,7 +309,11 @@ impl Solver {
     /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
     /// of contact break up into points between nodes.
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        self.harden_to(Law::Linear { stiffness: self.engine.contact_stiffness() / SOFTENING });
+        let asked = self.engine.contact_stiffness();
+        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
+        // not softer than the core, which a soft law's tenth part would be
+        let least = self.engine.pressure_scale() / (DEPTH * 2.0 * radius);
+        self.harden_to(Law::Linear { stiffness: (asked / SOFTENING).max(least).min(asked) });
         self.search_roughly(true, &Drive::default(), report)?;
         if report.status != Status::Converged {
             return Ok(());

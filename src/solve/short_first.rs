@@ -27,6 +27,7 @@ use crate::math::{Mat3, Quat, Vec3};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model};
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::{Drive, State};
 
@@ -155,7 +156,7 @@ fn moved(mut state: State, there: &Vec3) -> State {
 pub(crate) struct Lengthened {
     state: State,
     law: Law,
-    offsets: Vec<f64>,
+    offsets: PerContact,
     stages_left: i32,
     /// Newton iterations on the short rod.
     iterations: usize,
@@ -185,7 +186,7 @@ impl Solver {
         let free = engine.model.supports.is_empty() && engine.state.pressures[0] == 0.0 && !engine.model.planar;
         let unloaded = engine.model.loads.is_empty() && engine.model.line_loads.is_empty();
         let uniform = rod.closed && rod.section.is_isotropic() && rod.natural == Natural::Straight;
-        if !(free && unloaded && uniform && side.offsets.iter().all(|c| *c == 0.0)) {
+        if !(free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)) {
             return None;
         }
         let (p, elements) = (rod.order, rod.num_elements);
@@ -235,7 +236,8 @@ impl Solver {
                 long.twist(0, nodes, TAU * wanted - long.seams[0]);
                 let side = short.engine.contact.as_ref()?;
                 let made = plan(state.positions.len(), p, at, cut as isize, screw.spins);
-                let offsets = made.iter().map(|(node, ..)| side.offsets[*node]).collect();
+                let offsets = side.offsets.per_node(f64::max);
+                let offsets = PerContact::of_nodes(made.iter().map(|(node, ..)| offsets[*node]).collect());
                 let (law, stages_left) = (side.law, short.stages_left);
                 return Some(Lengthened { state: long, law, offsets, stages_left, iterations });
             }

@@ -51,7 +51,7 @@ impl Engine {
             return;
         }
         let ground = detect::Ground::of_set(&side.set);
-        let offset = |segment| side.offset(segment);
+        let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures { law: side.law, offset: &offset, before: None };
         for batch in pairs.chunks(PAIRS) {
             let found = self.install(|| detect::evaluate_ends(&ground, batch, &pressures, Besides::default()));

@@ -38,7 +38,7 @@ fn terms(master: &[Cubic], slave: &[Cubic], closed: bool, want: Want) -> Vec<Pai
     let set = CurveSet::new(vec![input(master, closed), input(slave, false)]).unwrap();
     let count = master.len() as u32;
     let pairs: Vec<[u32; 2]> = (0..count).map(|k| [k, count]).collect();
-    evaluate(&set, &pairs, Law::Linear { stiffness: STIFFNESS }, &|_| [0.0; 2], want)
+    evaluate(&set, &pairs, Law::Linear { stiffness: STIFFNESS }, &|_, _| [0.0; 2], want)
 }
 
 /// ½∫φ ds over one slave by counting strands: φ of all nearest points of a densely sampled master less φ of all farthest.

@@ -22,7 +22,7 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
     assert!(!pieces.is_empty());
-    let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_| [0.0; 2], before: None };
+    let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_, _| [0.0; 2], before: None };
     let local = Local {
         pressures: &pressures,
         contact_distance: 0.05,
@@ -82,7 +82,7 @@ fn derivatives_of_the_cut_integral_match_finite_differences() {
 
 /// A plain penalty.
 fn penalty(stiffness: f64) -> Pressures<'static> {
-    Pressures { law: Law::Linear { stiffness }, offset: &|_| [0.0; 2], before: None }
+    Pressures { law: Law::Linear { stiffness }, offset: &|_, _| [0.0; 2], before: None }
 }
 
 /// Three segments about the origin, and one that passes at about the distance `away`: crossing, parallel, at right angles.
@@ -118,7 +118,7 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
         let pressures = penalty(3.0);
         for (own, foreign) in [(3, 0), (3, 1), (3, 2), (1, 3)] {
             let distance = ground.strands.radius_of(own) + ground.strands.radius_of(foreign);
-            let local = ground.local(own, foreign, pressures.reach(own, distance), distance, &pressures);
+            let local = ground.local(own, foreign, pressures.reach(own, foreign, distance), distance, &pressures);
             let (mut ours, mut general) = (Vec::new(), Vec::new());
             let lines = ground.lines(own, foreign, &local).unwrap();
             lines.pieces(|piece| ours.push(piece));
@@ -336,7 +336,7 @@ fn a_slave_over_a_joint_is_covered_once() {
         };
         let set = CurveSet::new(vec![input(masters), input(slave)]).unwrap();
         let law = Law::Linear { stiffness: 1.0 };
-        let terms = evaluate(&set, &[[0, 2], [1, 2]], law, &|_| [0.0; 2], Want::Gradient);
+        let terms = evaluate(&set, &[[0, 2], [1, 2]], law, &|_, _| [0.0; 2], Want::Gradient);
         let zones = terms.iter().filter(|term| term.slave == 2).flat_map(|term| &term.zones);
         let length = |zone: &ZonePiece| 2.0 * zone.piece.branch.sign * (zone.piece.u[1] - zone.piece.u[0]);
         let covered: f64 = zones.map(length).sum();
@@ -374,7 +374,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
     let (old, new) = ([0.004, 0.01], [0.002, 0.03]);
     let contact_distance = 0.5;
     for (before, law) in laws.iter().flat_map(|b| laws.iter().map(move |l| (*b, *l))).filter(|(b, l)| b != l) {
-        let (old_offset, new_offset) = (|_: usize| old, |_: usize| new);
+        let (old_offset, new_offset) = (|_: usize, _: usize| old, |_: usize, _: usize| new);
         let pressures = Pressures { law, offset: &new_offset, before: Some((before, &old_offset)) };
         let reach = old.map(|c| contact_distance + c);
         let local = Local {

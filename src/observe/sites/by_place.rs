@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Zone, ascending, class, length, period};
+use super::{Zone, ascending, class, length};
 use crate::contact::curve::CurveSet;
 
 /// Zones by strand and partner strand, in buckets of arc length: as many as there are zones, so that zones, which hardly overlap each
@@ -25,7 +25,7 @@ impl ByPlace {
         while let Some(zone) = zones.get(first) {
             let range = class(zones, zone.curve_a, zone.curve_b);
             let count = range.len();
-            let closed = period(set, zone.curve_a).is_some();
+            let closed = set.period(zone.curve_a).is_some();
             let size = length(set, zone.curve_a) / count as f64;
             let mut buckets = Buckets { size, closed, lists: vec![Vec::new(); count] };
             for index in range.clone() {

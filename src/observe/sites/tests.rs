@@ -32,7 +32,7 @@ fn meetings(terms: Vec<PairTerm>) -> Vec<Meeting> {
 }
 
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
-    let terms = evaluate(set, &all_pairs(set), Law::Linear { stiffness }, &|_| [0.0; 2], Want::Gradient);
+    let terms = evaluate(set, &all_pairs(set), Law::Linear { stiffness }, &|_, _| [0.0; 2], Want::Gradient);
     sites(set, &meetings(terms), &[3, 7], &layer(2, stiffness))
 }
 
@@ -80,7 +80,7 @@ fn a_rod_along_itself_is_one_line() {
     let points: Vec<Vec3> = side(0.0, false).chain(side(0.99, true)).collect();
     let set = CurveSet::from_polylines(&[(&points, 0.5, true)]).unwrap();
     let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
-    let terms = evaluate(&set, &facing, Law::Linear { stiffness: 100.0 }, &|_| [0.0; 2], Want::Gradient);
+    let terms = evaluate(&set, &facing, Law::Linear { stiffness: 100.0 }, &|_, _| [0.0; 2], Want::Gradient);
     let sites = sites(&set, &meetings(terms), &[0], &layer(1, 100.0));
     assert_eq!(sites.len(), 1, "{sites:?}");
     let site = &sites[0];
@@ -146,7 +146,7 @@ fn counterparts_are_those_of_brute_force() {
                 let mut arc = |curve: usize| {
                     let start = (random() * 1.2 - 0.1) * length(&set, curve);
                     let width = if random() < 0.03 { 30.0 } else { 0.4 * random() };
-                    if period(&set, curve).is_some() {
+                    if set.period(curve).is_some() {
                         [start, start + width]
                     } else {
                         [start.max(0.0), start.max(0.0) + width]

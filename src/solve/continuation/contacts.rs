@@ -84,7 +84,7 @@ impl Contacts {
         let mut pairs: Vec<[u32; 2]> = self.pairs.iter().filter(|(_, contact)| chosen[*contact]).map(|p| p.0).collect();
         pairs.sort_unstable();
         pairs.dedup();
-        let offset = |segment| side.offset(segment);
+        let offset = |slave, master| side.offset(slave, master);
         let pressures = detect::Pressures { law: side.law, offset: &offset, before: None };
         let ground = detect::Ground::of_set(&side.set);
         for found in
@@ -117,19 +117,13 @@ fn transposed(place: &Place) -> Place {
     Place { curves: [b, a], arcs: [y, x] }
 }
 
-/// Length of a curve \[L\], if it is closed.
-fn period(set: &CurveSet, curve: usize) -> Option<f64> {
-    let info = &set.curves[curve];
-    info.closed.then(|| set.arc_length(info.first + info.count - 1, 1.0))
-}
-
 /// Whether two places come within `reach` of each other on both strands, taken in their order.
 fn near(set: &CurveSet, x: &Place, y: &Place, reach: f64) -> bool {
     let close = |strand: usize| {
         let (a, b) = (x.arcs[strand], y.arcs[strand]);
         // of all shifts by whole turns the one that brings the middles together
         let apart = 0.5 * (a[0] + a[1] - b[0] - b[1]);
-        let apart = period(set, x.curves[strand]).map_or(apart, |p| apart - p * (apart / p).round());
+        let apart = set.period(x.curves[strand]).map_or(apart, |p| apart - p * (apart / p).round());
         apart.abs() <= 0.5 * (a[1] - a[0] + b[1] - b[0]) + reach
     };
     x.curves == y.curves && close(0) && close(1)
@@ -143,7 +137,7 @@ fn groups(set: &CurveSet, places: &[Place], reach: f64) -> Vec<usize> {
     for (index, place) in places.iter().enumerate() {
         for seen in [*place, transposed(place)] {
             along.push((seen, index));
-            if let Some(period) = period(set, seen.curves[0]).filter(|_| seen.arcs[0][0] <= longest) {
+            if let Some(period) = set.period(seen.curves[0]).filter(|_| seen.arcs[0][0] <= longest) {
                 let arcs = [seen.arcs[0].map(|s| s + period), seen.arcs[1]];
                 along.push((Place { arcs, ..seen }, index));
             }

@@ -9,6 +9,7 @@ use crate::solve::continuation::parameter::Parameter;
 use crate::solve::multipliers::Paces;
 use crate::solve::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
 use crate::solve::path::Solver;
+use crate::solve::per_contact::PerContact;
 use crate::solve::state::State;
 
 /// Newton iterations allowed per point; about twice as many as a good step takes.
@@ -49,7 +50,7 @@ impl Motion {
 pub(super) struct Point {
     pub(super) state: State,
     /// Contact offsets (augmented Lagrangian).
-    pub(super) offsets: Vec<f64>,
+    pub(super) offsets: PerContact,
     /// The parameter.
     pub(super) value: f64,
     /// Unit tangent, oriented along the path.
@@ -128,7 +129,7 @@ impl Tracer<'_> {
         let engine = &self.solver.engine;
         Point {
             state: engine.state.clone(),
-            offsets: engine.contact.as_ref().map_or_else(Vec::new, |side| side.offsets.clone()),
+            offsets: engine.contact.as_ref().map_or_else(PerContact::default, |side| side.offsets.clone()),
             value,
             tangent: Motion { field: Vec::new(), parameter: 0.0 },
             num_unstable: 0,
@@ -285,7 +286,8 @@ impl Tracer<'_> {
                 return Ok(false);
             }
         }
-        point.offsets = self.solver.engine.contact.as_ref().map_or_else(Vec::new, |side| side.offsets.clone());
+        point.offsets =
+            self.solver.engine.contact.as_ref().map_or_else(PerContact::default, |side| side.offsets.clone());
         Ok(true)
     }
 

@@ -29,7 +29,7 @@ fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
 #[test]
 fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let set = crossing();
-    let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize| [0.01, -0.01]);
+    let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize, _: usize| [0.01, -0.01]);
     let (ground, pressures) = (Ground::of_set(&set), Pressures { law, offset: &offset, before: None });
     let points = evaluate_within(&ground, &[[0, 1]], &pressures, Want::Hessian);
     let ends = evaluate_ends(&ground, &[[0, 1]], &pressures, Besides { tangent: true, zones: false });
