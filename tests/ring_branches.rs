@@ -152,6 +152,7 @@ fn first_contact_turns_the_path_round() {
             ControlFlow::Continue(())
         });
         assert_eq!(report.unwrap().end, PathEnd::Target);
+        let followed = solver.engine().state().clone();
         let touch = corner.unwrap();
         verify(&case, "Wr at first contact", touch[1], exact.writhe, 1e-6);
         verify(&case, "M3 L/2πB at first contact", touch[2], exact.torque, 1e-6);
@@ -174,10 +175,12 @@ fn first_contact_turns_the_path_round() {
         assert_eq!(report.unwrap().end, PathEnd::Stopped);
         verify(&case, "ΔLk where contact ends, over that where it begins", back.unwrap()[0] / touch[0], 1.0, 1e-6);
 
-        // the state at 1.6 is the one that load steps arrive at, as far as gaps are known: offsets may hold strands 1e-6 radii apart
+        // the state at 1.6 is the one that load steps arrive at, as far as gaps are known: offsets may hold strands 1e-6 radii apart; from where the loop lies on its
+        // mesh, which rounding decides at the branch point: elsewhere on it the ripple of the mesh makes 1e-5 of the force
         let mut stepped = ring_at_the_root(1.5, 1e8, Contact::default(), diameter);
         *stepped.options_mut() = Options::default();
-        for to in [1.2, 1.6] {
+        stepped.engine_mut().set_state(followed).unwrap();
+        for to in [1.7, 1.6] {
             let step = stepped.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
             assert_eq!((step.status, step.num_unstable), (Status::Converged, 0));
         }

@@ -3,7 +3,7 @@
 //! Zones are cut at the joints of segments, of either strand. Pieces belong together where they follow each other along the slave and their feet do on the master.
 
 use super::curve::CurveSet;
-use super::detect::{PairTerm, ZonePiece};
+use super::detect::{Meeting, ZonePiece};
 
 /// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
 const TOL_ARC: f64 = 1e-6;
@@ -21,7 +21,7 @@ pub(crate) struct Link<'a> {
 }
 
 /// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is counted off is left out.
-pub(crate) fn chains<'a>(set: &CurveSet, terms: &'a [PairTerm]) -> Vec<Vec<Link<'a>>> {
+pub(crate) fn chains<'a>(set: &CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Link<'a>>> {
     let links = links(set, terms);
     let next = successors(set, &links);
     let mut follows = vec![false; links.len()];
@@ -45,7 +45,7 @@ pub(crate) fn chains<'a>(set: &CurveSet, terms: &'a [PairTerm]) -> Vec<Vec<Link<
     chains
 }
 
-fn links<'a>(set: &CurveSet, terms: &'a [PairTerm]) -> Vec<Link<'a>> {
+fn links<'a>(set: &CurveSet, terms: &'a [Meeting]) -> Vec<Link<'a>> {
     let mut links = Vec::new();
     for term in terms {
         let segments = [term.slave, term.master];

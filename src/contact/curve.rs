@@ -229,6 +229,8 @@ pub struct CurveSet {
     pub lengths: Vec<f64>,
     /// The curves, in order of their segments.
     pub curves: Vec<CurveInfo>,
+    /// What rounding took from the control points of each segment \[L\]; none if nothing is known of that.
+    pub(crate) remainders: Vec<[Vec3; 4]>,
     owner: Vec<u32>,
     arc_start: Vec<f64>,
     /// Radius of each segment; empty if each curve has one.

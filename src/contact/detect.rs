@@ -12,7 +12,7 @@
 use rayon::prelude::*;
 
 use super::capsule::Capsule;
-use super::curve::CurveSet;
+use super::curve::{Cubic, CurveSet};
 use super::exclusion::Exclusion;
 use super::input::{Shape, Strands};
 use super::law::{Law, Response};
@@ -154,12 +154,14 @@ pub(crate) struct Ground<'a> {
     kinked: Vec<bool>,
     /// Which pairs are left out as neighbours, if the candidates are those that are not.
     exclusion: Option<&'a Exclusion>,
+    /// What rounding took from the control points of each segment \[L\]; none if nothing is known of that.
+    remainders: &'a [[Vec3; 4]],
 }
 
 impl<'a> Ground<'a> {
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self::new(Strands::of_set(set), &set.lengths, None)
+        Self { remainders: &set.remainders, ..Self::new(Strands::of_set(set), &set.lengths, None) }
     }
 
     /// Curves with the reference lengths of their segments \[L\], and the neighbours that are not among the candidates.
@@ -178,7 +180,7 @@ impl<'a> Ground<'a> {
             };
             (0..strands.len()).into_par_iter().with_min_len(256).map(kink).collect_into_vec(&mut kinked);
         }
-        Self { strands, lengths, capsules, kinked, exclusion }
+        Self { strands, lengths, capsules, kinked, exclusion, remainders: &[] }
     }
 }
 
@@ -194,11 +196,31 @@ pub(crate) fn evaluate_within(
     in_chunks(candidates, add).into_iter().flatten().collect()
 }
 
+/// Where one ordered pair (slave, master) is in contact: what is kept of its term once that is summed.
+#[derive(Debug, Clone)]
+pub struct Meeting {
+    /// Slave segment.
+    pub slave: usize,
+    /// Master segment.
+    pub master: usize,
+    /// Zones of this pair; none unless asked for.
+    pub zones: Box<[ZonePiece]>,
+    /// Points in contact; none unless the tangent was asked for.
+    pub(crate) touched: Box<[Touched]>,
+}
+
+impl From<PairTerm> for Meeting {
+    fn from(PairTerm { slave, master, zones, touched, .. }: PairTerm) -> Self {
+        Self { slave, master, zones: zones.into(), touched: touched.into() }
+    }
+}
+
 /// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six coordinates each (displacement,
 /// rotation vector), slave's start and end, master's start and end.
 pub(crate) struct EndTerm {
-    /// Without Hessian, and with zones only if they are asked for.
-    pub(crate) term: PairTerm,
+    pub(crate) meeting: Meeting,
+    /// Energy \[F·L\].
+    pub(crate) energy: f64,
     pub(crate) gradient: [f64; 24],
     /// Second derivative; none unless asked for.
     pub(crate) tangent: Option<Box<Blocks>>,
@@ -320,12 +342,26 @@ impl Ground<'_> {
         }
     }
 
+    /// A segment as seen from a point.
+    fn near(&self, segment: usize, origin: &Vec3) -> Cubic {
+        let mut cubic = self.strands.cubic(segment).relative_to(origin);
+        if let Some(lost) = self.remainders.get(segment) {
+            cubic.b.iter_mut().zip(lost).for_each(|(point, lost)| *point += lost);
+        }
+        cubic
+    }
+
     fn end_term(&self, found: &Found, besides: Besides) -> EndTerm {
-        let coordinates = Coordinates::ends(&self.strands.cubic(found.slave), &self.strands.cubic(found.master));
+        let origin = self.strands.ends(found.slave).0;
+        let coordinates = Coordinates::ends(&self.near(found.slave, &origin), &self.near(found.master, &origin));
         let mut stiffness = besides.tangent.then(|| Stiffness::new(coordinates));
         let term = found.sum(besides, stiffness.as_mut());
-        let gradient = coordinates.pull(&term.gradient);
-        EndTerm { tangent: stiffness.map(|s| s.finish(&term.gradient)), gradient, term }
+        EndTerm {
+            energy: term.energy,
+            gradient: coordinates.pull(&term.gradient),
+            tangent: stiffness.map(|s| s.finish(&term.gradient)),
+            meeting: term.into(),
+        }
     }
 
     /// The sum of [`Ground::terms`] without the terms.
@@ -460,7 +496,7 @@ impl Ground<'_> {
     /// bits there.
     fn with_pair(&self, slave: usize, master: usize, reach: [f64; 2], with: impl FnOnce(&Pair, Option<&Facing>)) {
         let origin = self.strands.ends(slave).0;
-        let near = |k: usize| self.strands.cubic(k).relative_to(&origin);
+        let near = |k: usize| self.near(k, &origin);
         let (own, foreign) = (near(slave), near(master));
         let beyond = [self.strands.prev(master), self.strands.next(master)];
         let goes_on = beyond.map(|k| k.is_some());

@@ -11,6 +11,7 @@ pub mod quaternion;
 #[path = "../../tests/common/random.rs"] // one generator for unit tests and tests of the public interface
 pub(crate) mod random;
 pub mod shape_functions;
+pub(crate) mod two_sum;
 
 /// Vector of ℝ³.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -8,7 +8,7 @@
 
 use crate::contact::chain::{Link, TOL_FOOT, chains, near};
 use crate::contact::curve::{CurveSet, angle};
-use crate::contact::detect::{PairTerm, ZonePiece};
+use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
 
 use super::report::{SiteKind, SiteReport};
@@ -83,7 +83,7 @@ impl Layer {
 }
 
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
-pub(super) fn sites(set: &CurveSet, terms: &[PairTerm], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
+pub(super) fn sites(set: &CurveSet, terms: &[Meeting], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
     let zones = zones(set, terms);
     let mut sites: Vec<SiteReport> =
         views(set, &zones).iter().map(|members| site(set, &zones, members, rods, layer)).collect();
@@ -116,7 +116,7 @@ fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
 }
 
 /// All zones, sorted.
-fn zones(set: &CurveSet, terms: &[PairTerm]) -> Vec<Zone> {
+fn zones(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
     let mut zones: Vec<Zone> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
     zones.sort_by(order);
     zones

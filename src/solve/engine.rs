@@ -7,6 +7,7 @@ use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::quaternion::to_array;
 use crate::math::shape_functions::Table;
+use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{Body, ElementNodes, Plane, Six, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
@@ -157,6 +158,7 @@ impl Engine {
         let master = masters(&model, &first_node, num_nodes);
         let free = free_unknowns(&model, &first_node, &master);
         let state = State {
+            remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
             frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
             seams: model.rods.iter().map(|r| std::f64::consts::TAU * r.start_excess_link).collect(),
@@ -272,6 +274,7 @@ impl Engine {
     /// `InputError::Inconsistent` when the sizes do not match the model.
     pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
         let fits = state.positions.len() == self.state.positions.len()
+            && state.remainders.len() == self.state.remainders.len()
             && state.frames.len() == self.state.frames.len()
             && state.seams.len() == self.state.seams.len()
             && state.pressures.len() == self.state.pressures.len();
@@ -298,13 +301,13 @@ impl Engine {
         self.state.positions.len()
     }
 
-    /// Nodes of an element in a state, signs aligned.
+    /// Nodes of an element in a state, positions from its first node on, signs aligned.
     pub(crate) fn element_nodes(&self, state: &State, element: &Element) -> ElementNodes {
         let count = self.model.rods[element.rod].order + 1;
         let mut nodes = ElementNodes::default();
         for a in 0..count {
             let node = element.nodes[a];
-            nodes.r[a] = state.positions[node].into();
+            nodes.r[a] = state.way(element.nodes[0], node).into();
             let frame =
                 if element.closes && a + 1 == count { state.seam_frame(element.rod, node) } else { state.frames[node] };
             nodes.q[a] = to_array(&frame);
@@ -375,8 +378,10 @@ impl Engine {
             return Ok(None);
         }
         let min_radius = inputs.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
+        let mut set = CurveSet::new(inputs)?;
+        set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
         Ok(Some(ContactSide {
-            set: CurveSet::new(inputs)?,
+            set,
             nodes,
             rods,
             exclusion: Exclusion::new(),
@@ -397,9 +402,19 @@ fn law_stiffness(dimensionless: f64, scales: &Scales, radius: f64) -> f64 {
 
 /// The contact centreline between two neighbouring nodes: the cubic Hermite curve through r_a, r_b with the nodes' own
 /// tangents d3. C¹ along the rod, which the elements' own Lagrange curve is not.
-pub(crate) fn contact_cubic(state: &State, [a, b]: [usize; 2], length: f64) -> Cubic {
-    let d3 = |n: usize| state.frames[n] * Vec3::z();
-    Cubic::from_hermite(state.positions[a], d3(a) * length, state.positions[b], d3(b) * length)
+pub(crate) fn contact_cubic(state: &State, nodes: [usize; 2], length: f64) -> Cubic {
+    contact_cubic_exactly(state, nodes, length).0
+}
+
+/// [`contact_cubic`] and what rounding took from its control points \[L\].
+pub(crate) fn contact_cubic_exactly(state: &State, [a, b]: [usize; 2], length: f64) -> (Cubic, [Vec3; 4]) {
+    let handle = |n: usize| state.frames[n] * Vec3::z() * (length / 3.0);
+    let (start, end) = (state.positions[a], state.positions[b]);
+    let (after, lost_after) = two_sum(&start, &handle(a));
+    let (before, lost_before) = two_sum(&end, &-handle(b));
+    let [lost_start, lost_end] = [state.remainders[a], state.remainders[b]];
+    let lost = [lost_start, lost_start + lost_after, lost_end + lost_before, lost_end];
+    (Cubic { b: [start, after, before, end] }, lost)
 }
 
 fn planes(model: &Model) -> Vec<Option<Plane>> {

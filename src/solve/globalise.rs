@@ -17,9 +17,7 @@ use crate::math::Vec3;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, rounding_of_residual,
-};
+use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::timed;
 use crate::solve::trust::{Outcome, Trust};
@@ -190,10 +188,7 @@ impl Workspace {
                     // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
                     // (large shifts make any step tiny: the residual must have gone too)
                     let unseen = trial.expected.abs() < noise;
-                    let balanced = report.iterations.last().is_some_and(|i| {
-                        let floor = |state| rounding_of_residual(engine, state, &residual);
-                        i.residual <= TOL_SADDLE || unseen && wanders(&report.iterations) && i.residual <= floor(&state)
-                    });
+                    let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
                     if !unseen || indefinite || trial.fraction < 1.0 || remaining > 0.0 {
@@ -400,8 +395,9 @@ impl Workspace {
             let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
-            // the potential cannot tell, and corrections would be made of rounding
-            trial.settled |= trial.expected.abs() < noise(residual);
+            // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
+            let rises = trial.potential - residual.potential.total() > noise(residual);
+            trial.settled |= trial.expected.abs() < noise(residual) && !rises;
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
@@ -471,11 +467,6 @@ impl Workspace {
     }
 }
 
-/// Whether increments have not halved in three steps.
-fn wanders(iterations: &[Iteration]) -> bool {
-    matches!(iterations, [.., before, _, _, last] if last.increment > 0.5 * before.increment)
-}
-
 /// Changes of the potential that rounding makes.
 fn noise(residual: &Residual) -> f64 {
     ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
@@ -494,9 +485,9 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
     let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
     let Some(side) = &engine.contact else { return turn };
-    let sliding = |term: &crate::contact::detect::PairTerm| {
-        let [a, _, b, _] = side.term_nodes(term);
+    let sliding = |term: &crate::contact::detect::Meeting| {
+        let [a, _, b, _] = side.nodes_of(term);
         (part(a, 0) - part(b, 0)).norm() / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
     };
-    residual.terms.iter().map(sliding).fold(turn, f64::max)
+    residual.meetings.iter().map(sliding).fold(turn, f64::max)
 }

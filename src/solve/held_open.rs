@@ -34,7 +34,7 @@ impl Solver {
         let Some(side) = self.engine.contact.as_ref().filter(holds) else { return HeldOpen::default() };
         let (set, offsets) = (&side.set, &side.offsets);
         let open = TOL_OPENING * side.min_radius;
-        let chains = chains(set, &residual.terms);
+        let chains = chains(set, &residual.meetings);
         let gap = |chain: &[Link]| chain.iter().map(|link| link.zone.min_gap).fold(f64::INFINITY, f64::min);
         let places = |chain: &[Link]| -> Vec<usize> {
             let of_link =

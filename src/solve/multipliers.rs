@@ -99,7 +99,7 @@ impl Solver {
     fn node_gaps(&self) -> Vec<f64> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut gaps = vec![f64::INFINITY; side.offsets.num_nodes()];
-        for term in &self.engine.residual(&self.engine.state).terms {
+        for term in &self.engine.residual(&self.engine.state).meetings {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
             let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
             for (zone, k) in term.zones.iter().flat_map(|zone| [(zone, 0), (zone, 1)]) {
@@ -139,7 +139,7 @@ impl Solver {
         let gaps = per_contact::smallest_gaps(side, residual, &self.engine.state.positions, window);
         let offsets = side.offsets.at_places_of(&side.set, &gaps);
         let mut touched = vec![false; gaps.values.len()];
-        for term in &residual.terms {
+        for term in &residual.meetings {
             side.nodes[term.slave].iter().for_each(|&node| touched[gaps.index(&side.set, node, term.master)] = true);
         }
         let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;

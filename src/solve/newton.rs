@@ -430,15 +430,6 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
     })
 }
 
-/// What rounding of the positions makes of [`relative_residual`]: a unit in the last place of the largest is a stretch of the elements.
-pub(crate) fn rounding_of_residual(engine: &Engine, state: &State, residual: &Residual) -> f64 {
-    let coordinate = state.positions.iter().map(|r| r.amax()).fold(0.0, f64::max);
-    let stiffness = engine.material.iter().zip(&engine.model.rods).map(|(moduli, rod)| moduli[2] / rod.spacing());
-    let force = stiffness.fold(0.0, f64::max) * f64::EPSILON * coordinate;
-    let magnitude = residual.magnitude.chunks(6).flat_map(|node| &node[..3]).fold(0.0f64, |a, b| a.max(*b));
-    if magnitude > 0.0 { force / magnitude } else { 0.0 }
-}
-
 /// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node spacing, so that
 /// pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {

@@ -56,7 +56,7 @@ impl History {
         }
         let present = turned(engine, &engine.state, drive);
         let mut predicted = present.clone();
-        predicted.positions.iter_mut().for_each(|r| *r = Vec3::zeros());
+        predicted.positions.iter_mut().chain(&mut predicted.remainders).for_each(|r| *r = Vec3::zeros());
         let mut frames = vec![nalgebra::Vector4::zeros(); present.frames.len()];
         for (index, (_, state)) in self.states.iter().enumerate() {
             let weight = lagrange_weight(self.states.len(), |k| self.states[k].0, index, fraction);

@@ -59,7 +59,8 @@ impl Solver {
             positions.extend(r);
             frames.extend(q);
         }
-        fine.engine.set_state(State { positions, frames, ..coarse.state.clone() })?;
+        let remainders = vec![Vec3::zeros(); positions.len()];
+        fine.engine.set_state(State { positions, remainders, frames, ..coarse.state.clone() })?;
         let between = |node: usize| {
             let rod = fine.engine.rod_of(node);
             let [first, end] = [coarse.first_node[rod], coarse.first_node[rod + 1]];

@@ -41,7 +41,7 @@ impl Place {
     }
 }
 
-/// A run between two steps as plain data: 64 bytes a node for the state, and as much for each of up to three earlier ones.
+/// A run between two steps as plain data: 88 bytes a node for the state, and as much for each of up to three earlier ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Restart {
     /// Where the run stands.
@@ -96,12 +96,13 @@ impl Solver {
         if displaced.iter().any(|(node, _)| *node >= state.positions.len()) {
             return Err(refuse("moves a node that the model has not"));
         }
-        let numbers = state.positions.iter().flatten().chain(state.frames.iter().flat_map(|q| q.coords.iter()));
+        let numbers = state.positions.iter().chain(&state.remainders).flatten();
+        let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
         if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite()) {
             return Err(refuse("has a number that is not finite"));
         }
-        if history.states().any(|s| s.positions.len() != state.positions.len() || s.frames.len() != state.frames.len())
-        {
+        let sizes = |s: &State| [s.positions.len(), s.remainders.len(), s.frames.len()];
+        if history.states().any(|s| sizes(s) != sizes(&state)) {
             return Err(refuse("remembers states of another model"));
         }
         self.engine.set_state(state)?;

@@ -126,8 +126,12 @@ fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> 
 /// A state with elements put in or taken out.
 fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -> State {
     let made = plan(state.positions.len(), p, at, elements, screw.spins);
-    let mut out =
-        State { positions: Vec::with_capacity(made.len()), frames: Vec::with_capacity(made.len()), ..state.clone() };
+    let mut out = State {
+        positions: Vec::with_capacity(made.len()),
+        remainders: vec![Vec3::zeros(); made.len()],
+        frames: Vec::with_capacity(made.len()),
+        ..state.clone()
+    };
     for (from, power, angle) in made {
         let (motion, turn) = screw.power(power);
         out.positions.push(motion(&state.positions[from]));

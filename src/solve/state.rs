@@ -4,13 +4,16 @@ use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
 
 use crate::math::quaternion::{exp, spin};
+use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Node positions \[L\].
+    /// Node positions \[L\], rounded.
     pub positions: Vec<Vec3>,
+    /// What rounding took from the positions \[L\]: nodes are at `positions + remainders`. Far from the origin neighbours are known to each other by it.
+    pub remainders: Vec<Vec3>,
     /// Node frames.
     pub frames: Vec<Quat>,
     /// Per rod: angle by which the frame at s = L is turned about d3 against the frame at s = 0, rad (closed rods).
@@ -65,7 +68,7 @@ impl State {
         let mut next = self.clone();
         for node in 0..self.positions.len() {
             let d = &increment[6 * node..6 * node + 6];
-            next.positions[node] += Vec3::new(d[0], d[1], d[2]) * t;
+            next.displace(node, &(Vec3::new(d[0], d[1], d[2]) * t));
             let turned = exp(&(Vec3::new(d[3], d[4], d[5]) * t)) * self.frames[node];
             // products drift off the unit sphere by rounding only
             next.frames[node] = Unit::new_normalize(turned.into_inner());
@@ -73,11 +76,23 @@ impl State {
         next
     }
 
+    /// Moves a node \[L\].
+    fn displace(&mut self, node: usize, by: &Vec3) {
+        let (sum, lost) = two_sum(&self.positions[node], by);
+        (self.positions[node], self.remainders[node]) = two_sum(&sum, &(self.remainders[node] + lost));
+    }
+
+    /// From one node to another \[L\], right to rounding of the distance however far from the origin they are.
+    pub(crate) fn way(&self, from: usize, to: usize) -> Vec3 {
+        (self.positions[to] - self.positions[from]) + (self.remainders[to] - self.remainders[from])
+    }
+
     /// The increment whose retraction takes `before` to this state: displacements \[L\] and rotation vectors of at most half a turn, rad.
     pub fn increment_since(&self, before: &Self) -> Vec<f64> {
         let mut increment = Vec::with_capacity(6 * self.positions.len());
         for node in 0..self.positions.len() {
-            let displacement = self.positions[node] - before.positions[node];
+            let displacement =
+                (self.positions[node] - before.positions[node]) + (self.remainders[node] - before.remainders[node]);
             let rotation = (self.frames[node] * before.frames[node].inverse()).scaled_axis();
             increment.extend(displacement.iter().chain(rotation.iter()));
         }

@@ -1,14 +1,12 @@
 //! Forces that a step's linear prediction missed: what the rods' strains and the gaps of contact became beyond it, times their stiffness.
 
-use std::borrow::Borrow;
-
 use rayon::prelude::*;
 
 use crate::contact::curve::Cubic;
-use crate::contact::detect::PairTerm;
-use crate::contact::detect::surprise::{gradient_of_ends, stiffness_of_gaps, surprise_of_gaps};
+use crate::contact::detect::surprise::{stiffness_of_gaps, surprise_of_gaps};
+use crate::contact::detect::{self, Besides, Meeting, Pressures};
 use crate::math::Vec3;
-use crate::solve::assembly::Residual;
+use crate::solve::assembly::{PAIRS, Residual};
 use crate::solve::engine::{ContactSide, Engine, contact_cubic};
 use crate::solve::state::State;
 use crate::solve::step_bound::motion;
@@ -17,7 +15,7 @@ use crate::solve::step_bound::motion;
 const BATCH: usize = 8192;
 
 impl Engine {
-    /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contact terms of `residual`, the gradient at `state` with its tangent: e is what gaps became
+    /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its tangent: e is what gaps became
     /// on the way to where contact now is, beyond what `increment` predicted. Strands that were nowhere in contact push with the forces
     /// they have `there`.
     pub(crate) fn add_contact_surprise(
@@ -32,7 +30,7 @@ impl Engine {
         let mut known = vec![false; side.nodes.len()];
         self.add_terms(
             side,
-            &residual.terms,
+            &residual.meetings,
             forces,
             |term| {
                 let (cubics, change) = side.motion_of(term, state, increment);
@@ -40,8 +38,29 @@ impl Engine {
             },
             |term, gone| [term.slave, gone[0], gone[1]].into_iter().for_each(|segment| known[segment] = true),
         );
-        let new: Vec<&PairTerm> = there.terms.iter().filter(|term| !known[term.slave]).collect();
-        self.add_terms(side, &new, forces, |term| (gradient_of_ends(term, &side.set), ()), |_, ()| {});
+        self.add_new(side, there, &known, forces);
+    }
+
+    /// Adds the forces of slaves in contact `there`, where contact now is, that are not known.
+    fn add_new(&self, side: &ContactSide, there: &Residual, known: &[bool], forces: &mut [f64]) {
+        let new = there.meetings.iter().filter(|meeting| !known[meeting.slave]);
+        let mut pairs: Vec<[u32; 2]> =
+            new.map(|m| [m.slave.min(m.master) as u32, m.slave.max(m.master) as u32]).collect();
+        pairs.dedup();
+        if pairs.is_empty() {
+            return;
+        }
+        let ground = detect::Ground::of_set(&side.set);
+        let offset = |slave, master| side.offset(slave, master);
+        let pressures = Pressures { law: side.law, offset: &offset, before: None };
+        for batch in pairs.chunks(PAIRS) {
+            let found = self.install(|| detect::evaluate_ends(&ground, batch, &pressures, Besides::default()));
+            for term in found.into_iter().flatten().filter(|term| !known[term.meeting.slave]) {
+                for (node, force) in side.nodes_of(&term.meeting).into_iter().zip(term.gradient.chunks_exact(6)) {
+                    forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+                }
+            }
+        }
     }
 
     /// Forces (six per node) that the stiffness of contact along its normals makes of a motion from `state`, where the terms of `residual` were evaluated
@@ -49,31 +68,31 @@ impl Engine {
     pub(crate) fn contact_stiffness_force(&self, state: &State, increment: &[f64], residual: &Residual) -> Vec<f64> {
         let mut forces = vec![0.0; increment.len()];
         let Some(side) = &self.contact else { return forces };
-        let gradient = |term: &PairTerm| {
+        let gradient = |term: &Meeting| {
             let (cubics, change) = side.motion_of(term, state, increment);
             (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
         };
-        self.add_terms(side, &residual.terms, &mut forces, gradient, |_, ()| {});
+        self.add_terms(side, &residual.meetings, &mut forces, gradient, |_, ()| {});
         forces
     }
 
-    /// Adds the terms' gradients to nodal forces; what else each tells goes to `told`, in order.
-    fn add_terms<T: Borrow<PairTerm> + Sync, R: Send>(
+    /// Adds what contacts make of themselves to nodal forces; what else each tells goes to `told`, in order.
+    fn add_terms<R: Send>(
         &self,
         side: &ContactSide,
-        terms: &[T],
+        terms: &[Meeting],
         forces: &mut [f64],
-        gradient: impl Fn(&PairTerm) -> ([f64; 24], R) + Sync,
-        mut told: impl FnMut(&PairTerm, R),
+        gradient: impl Fn(&Meeting) -> ([f64; 24], R) + Sync,
+        mut told: impl FnMut(&Meeting, R),
     ) {
         for batch in terms.chunks(BATCH) {
             let found: Vec<([f64; 24], R)> =
-                self.install(|| batch.par_iter().with_min_len(64).map(|term| gradient(term.borrow())).collect());
+                self.install(|| batch.par_iter().with_min_len(64).map(&gradient).collect());
             for (term, (gradient, rest)) in batch.iter().zip(found) {
-                for (node, force) in side.term_nodes(term.borrow()).into_iter().zip(gradient.chunks_exact(6)) {
+                for (node, force) in side.nodes_of(term).into_iter().zip(gradient.chunks_exact(6)) {
                     forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
                 }
-                told(term.borrow(), rest);
+                told(term, rest);
             }
         }
     }
@@ -81,7 +100,7 @@ impl Engine {
 
 impl ContactSide {
     /// Slave and master of a term at a state and the linear motion of their control points.
-    fn motion_of(&self, term: &PairTerm, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
+    fn motion_of(&self, term: &Meeting, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
         let cubic = |segment: usize| contact_cubic(state, self.nodes[segment], self.set.lengths[segment]);
         let linear =
             |segment: usize| motion(state, increment, self.nodes[segment], self.set.lengths[segment] / 3.0).linear;
@@ -127,7 +146,7 @@ mod tests {
         engine.update_contact(&state).unwrap();
         let pattern = engine.build_pattern();
         let residual = engine.linearise(&state, None, &Drive::default(), &pattern, &mut Tangent::default());
-        assert!(!residual.terms.is_empty());
+        assert!(!residual.meetings.is_empty());
         let mut increment = vec![0.0; 6 * engine.num_nodes()];
         for node in engine.first_node[1]..engine.first_node[2] {
             increment[6 * node..6 * node + 3].copy_from_slice(by.as_slice());

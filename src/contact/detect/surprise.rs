@@ -6,7 +6,7 @@
 //! the motion slides them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
 
 use super::stiffness::Coordinates;
-use super::{PairTerm, bernstein_weights};
+use super::{Meeting, bernstein_weights};
 use crate::contact::curve::{Cubic, CurveSet};
 use crate::contact::zone::FootKind;
 use crate::math::Vec3;
@@ -32,7 +32,7 @@ pub(crate) struct Touched {
 /// gradient, six coordinates an end, of a law that went on linearly. `change` is the linear motion of the control points, slave's four and
 /// master's four \[L\]. Also the segments that the first and the last point in contact have gone to.
 pub(crate) fn surprise_of_gaps(
-    term: &PairTerm,
+    term: &Meeting,
     cubics: [&Cubic; 2],
     change: &[Vec3; 8],
     moved: &CurveSet,
@@ -71,7 +71,7 @@ fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
 }
 
 /// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`surprise_of_gaps`]: what the stiffness of contact along its normals makes of a motion.
-pub(crate) fn stiffness_of_gaps(term: &PairTerm, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
+pub(crate) fn stiffness_of_gaps(term: &Meeting, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }
 
@@ -87,7 +87,7 @@ struct Here {
 
 /// Σ W k e ∂gap/∂x.
 fn sum_of_gaps(
-    term: &PairTerm,
+    term: &Meeting,
     [slave, master]: [&Cubic; 2],
     change: &[Vec3; 8],
     mut e: impl FnMut(&Touched, &Here) -> f64,
@@ -110,11 +110,6 @@ fn sum_of_gaps(
         }
     }
     Coordinates::ends(slave, master).pull(&sum)
-}
-
-/// The gradient of a term with respect to the ends of its segments, which are where it was evaluated.
-pub(crate) fn gradient_of_ends(term: &PairTerm, set: &CurveSet) -> [f64; 24] {
-    Coordinates::ends(&set.segments[term.slave], &set.segments[term.master]).pull(&term.gradient)
 }
 
 /// Segment and parameter of a place that is told by a parameter beyond a segment's ends; beyond an end of the curve it stays with the last segment.

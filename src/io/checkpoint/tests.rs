@@ -45,7 +45,7 @@ fn what_is_written_comes_back() {
     assert!(!path.with_extension("new").exists());
     let size = std::fs::metadata(&path).unwrap().len();
     // the state and up to three before it, for predictions
-    assert!(size < 4 * 7 * 64 + 500, "{size} bytes for 7 nodes");
+    assert!(size < 4 * 7 * 88 + 500, "{size} bytes for 7 nodes");
     std::fs::remove_file(&path).unwrap();
     let error = Checkpoint::read(&path).unwrap_err().to_string();
     assert!(error.ends_with("there is no checkpoint to go on from"), "{error}");

@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::detect::{Want, evaluate};
+use crate::contact::detect::{PairTerm, Want, evaluate};
 use crate::contact::law::Law;
 use crate::math::Vec3;
 use crate::math::random::Random;
@@ -27,9 +27,13 @@ fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
         .collect()
 }
 
+fn meetings(terms: Vec<PairTerm>) -> Vec<Meeting> {
+    terms.into_iter().map(Meeting::from).collect()
+}
+
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
     let terms = evaluate(set, &all_pairs(set), Law::Linear { stiffness }, &|_, _| [0.0; 2], Want::Gradient);
-    sites(set, &terms, &[3, 7], &layer(2, stiffness))
+    sites(set, &meetings(terms), &[3, 7], &layer(2, stiffness))
 }
 
 /// Rods crossing at right angles at height 1 − δ: gap(s) = √(h² + s²) − 1 from either strand, so the zone is
@@ -77,7 +81,7 @@ fn a_rod_along_itself_is_one_line() {
     let set = CurveSet::from_polylines(&[(&points, 0.5, true)]).unwrap();
     let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
     let terms = evaluate(&set, &facing, Law::Linear { stiffness: 100.0 }, &|_, _| [0.0; 2], Want::Gradient);
-    let sites = sites(&set, &terms, &[0], &layer(1, 100.0));
+    let sites = sites(&set, &meetings(terms), &[0], &layer(1, 100.0));
     assert_eq!(sites.len(), 1, "{sites:?}");
     let site = &sites[0];
     let expected = [[1.0, 7.0], [9.99, 15.99]];

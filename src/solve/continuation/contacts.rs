@@ -2,7 +2,7 @@
 //! Lagrangian also what lies nearer together than its offsets can tell apart.
 
 use crate::contact::curve::CurveSet;
-use crate::contact::detect::{self, PairTerm};
+use crate::contact::detect::{self, Meeting};
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
 
@@ -34,7 +34,7 @@ impl Contacts {
         if side.broad_phase.pairs().is_empty() {
             return Self::default();
         }
-        let terms = engine.residual(&engine.state).terms;
+        let terms = engine.residual(&engine.state).meetings;
         let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), MEETING * side.min_radius);
         let augments = solver.augments();
         for term in &terms {
@@ -90,7 +90,7 @@ impl Contacts {
         for found in
             detect::evaluate_ends(&ground, &pairs, &pressures, detect::Besides::default()).into_iter().flatten()
         {
-            for (node, force) in side.term_nodes(&found.term).iter().zip(found.gradient.chunks_exact(6)) {
+            for (node, force) in side.nodes_of(&found.meeting).iter().zip(found.gradient.chunks_exact(6)) {
                 (0..6).for_each(|k| out[6 * node + k] += force[k]);
             }
         }
@@ -98,7 +98,7 @@ impl Contacts {
     }
 }
 
-fn pieces<'a>(set: &'a CurveSet, term: &'a PairTerm) -> impl Iterator<Item = Place> + 'a {
+fn pieces<'a>(set: &'a CurveSet, term: &'a Meeting) -> impl Iterator<Item = Place> + 'a {
     let counted = term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off());
     counted.map(|zone| {
         let arc = |segment: usize, ends: [f64; 2]| {

@@ -36,7 +36,7 @@ fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let ends: Vec<_> = ends.into_iter().flatten().collect();
     assert_eq!((points.len(), ends.len()), (2, 2));
     for (by_points, by_ends) in points.iter().zip(&ends) {
-        assert!(by_points.energy > 0.1 && (by_points.energy - by_ends.term.energy).abs() < 1e-14);
+        assert!(by_points.energy > 0.1 && (by_points.energy - by_ends.energy).abs() < 1e-14);
         let cubics = [by_points.slave, by_points.master].map(|k| set.segments[k]);
         let start = moved(&cubics, &[0.0; 24]);
         let hessian = by_points.hessian.as_deref().unwrap();
