@@ -348,7 +348,10 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     verify("parallel beams", "gap left at 0.99 q₁, over that at first", seen.min_gap.unwrap().upper / gap, 0.01, 2e-6);
     let (mut bent, mut factors) = (Vec::new(), Vec::new());
     for factor in [2.2, 2.6, 2.9] {
-        let seen = at(&mut solver, factor, 13);
+        // a tenfold stiffness is as much of the force as frames leave of a gap by rounding
+        let force = at(&mut solver, factor, 12).total_contact_force;
+        solver.engine_mut().set_contact_law(penalty(1e13)).unwrap();
+        let seen = to(&mut solver, &[]);
         assert_eq!(seen.sites.len(), 1);
         let site = &seen.sites[0];
         let point = PointForce { force: -Vec3::y() * site.force, spread: site.spread[0] };
@@ -357,7 +360,7 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         verify(
             "parallel beams",
             &format!("force at the point, {factor} q₁"),
-            site.force,
+            force,
             0.5 * factor * first - 96.0 * gap,
             1e-6 * first,
         );

@@ -105,22 +105,22 @@ fn one_far_finer_than_the_other() {
 }
 
 /// One far thinner than the other, ε_b = 10 to 1e-6 times ε_a. The law goes by the thinner one, κ = κ'B/ε_b⁴, and a force light for it, here 1e-13 B/ε_b² at 1e-4, overlaps the
-/// strands by no more than (.53 F/κ√d)^⅔ = 5e-18, d their contact distance: less than positions tell. Down to 1e-2 force and shape *return*, at 1e-3 the force to 2e-3; at 1e-4 the
-/// shape does, the force is rounding, and the residual says so. A softer law brings it back. At 1e-6 it is *refused* by `MaxIterations`.
+/// strands by no more than (.53 F/κ√d)^⅔ = 5e-18, d their contact distance: less than frames tell. Down to 1e-2 force and shape *return*, at 1e-3 the force to 2e-3; from 1e-4
+/// on it is *refused* by `MaxIterations`. A softer law brings it back.
 #[test]
 fn one_far_thinner_than_the_other() {
     let thin = |decade: i32| Beam { radius: LIKE.radius * 10f64.powi(decade), ..LIKE };
     for decade in [1, -1, -2] {
         assert_returns(&thin(decade), 1e2);
     }
-    for decade in [-3, -4] {
-        let outcome = push(&thin(decade), 1e2);
-        assert_eq!(outcome.status, Status::Converged, "1e{decade}");
-        assert!(outcome.shape.abs() < 1e-4, "1e{decade}: {:e}", outcome.shape);
-        assert!(outcome.error.abs() < 1e-4 + 20.0 * outcome.residual, "1e{decade}: {:e} unannounced", outcome.error);
-        assert!(decade == -4 || outcome.error.abs() < 2e-3, "1e{decade}: {:e}", outcome.error);
-    }
+    let outcome = push(&thin(-3), 1e2);
+    assert_eq!(outcome.status, Status::Converged);
+    assert!(outcome.shape.abs() < 1e-4, "{:e}", outcome.shape);
+    assert!(outcome.error.abs() < 1e-4 + 20.0 * outcome.residual, "{:e} unannounced", outcome.error);
+    assert!(outcome.error.abs() < 2e-3, "{:e}", outcome.error);
     assert_returns(&thin(-3), 1e-2);
     assert_returns(&thin(-4), 1e-6);
-    assert_eq!(push(&thin(-6), 1e2).status, Status::MaxIterations);
+    for decade in [-4, -6] {
+        assert_eq!(push(&thin(decade), 1e2).status, Status::MaxIterations, "1e{decade}");
+    }
 }

@@ -1,8 +1,8 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
 //! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already balance the shape
-//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened by way of a softer one
-//! than asked for, which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened by way of one
+//! half as stiff as asked for in decades, which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
 //! has them. Then the offsets of the augmented Lagrangian are raised until no penetration beyond the tolerance is left.
 //! Unstable equilibria are left along their most negative direction.
 
@@ -22,7 +22,7 @@ const DEPTH: f64 = 0.4;
 const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
-/// Factor between the stiffness on the way and the one asked for, and between those that are tried where the mesh does not carry that; how often.
+/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
 const SOFTENING: f64 = 10.0;
 const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
@@ -311,9 +311,9 @@ impl Solver {
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let asked = self.engine.contact_stiffness();
         let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
-        // not softer than the core, which a soft law's tenth part would be
-        let least = self.engine.pressure_scale() / (DEPTH * 2.0 * radius);
-        self.harden_to(Law::Linear { stiffness: (asked / SOFTENING).max(least).min(asked) });
+        let core = self.engine.pressure_scale() / (DEPTH * 2.0 * radius);
+        // half way in decades; to a law softer than the core at once
+        self.harden_to(Law::Linear { stiffness: asked.min((asked * core).sqrt()) });
         self.search_roughly(true, &Drive::default(), report)?;
         if report.status != Status::Converged {
             return Ok(());
