@@ -43,13 +43,15 @@ impl Solver {
         };
         let mut gaps = offsets.map(|_, _| f64::INFINITY);
         for chain in &chains {
-            places(chain).into_iter().for_each(|k| gaps.values[k] = gaps.values[k].min(gap(chain)));
+            let least = gap(chain);
+            places(chain).into_iter().for_each(|k| gaps.values[k] = gaps.values[k].min(least));
         }
         let gaps = gaps.map(|k, gap| if gap.is_finite() && gap > open && offsets.values[k] > 0.0 { gap } else { 0.0 });
         let energy: f64 = residual.potential.elastic.iter().sum();
         let work = |chain: &Vec<Link>| {
             let half_force: f64 = chain.iter().map(|link| link.zone.half_force).sum();
-            if energy > 0.0 && gap(chain) > open { half_force * gap(chain) / energy } else { 0.0 }
+            let gap = gap(chain);
+            if energy > 0.0 && gap > open { half_force * gap / energy } else { 0.0 }
         };
         let own = |chain: &&Vec<Link>| places(chain).iter().any(|&k| gaps.values[k] > 0.0);
         let releasable = chains.iter().filter(own).map(work).fold(0.0, |a, b| a + b);
