@@ -384,9 +384,8 @@ impl Engine {
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |slave, master| side.offset(slave, master);
             let earlier = side.before.as_ref().filter(|_| tangent.is_some());
-            let offset_before = |slave: usize, master: usize| {
-                side.nodes[slave].map(|n| earlier.map_or(0.0, |(_, offsets)| offsets.at(&side.set, n, master)))
-            };
+            let offset_before =
+                |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
             let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
             let pressures = detect::Pressures { law: side.law, offset: &offset, before };
             for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {

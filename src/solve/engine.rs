@@ -59,7 +59,12 @@ pub struct ContactSide {
 impl ContactSide {
     /// Offsets at both ends of a segment towards another one \[L\].
     pub fn offset(&self, slave: usize, master: usize) -> [f64; 2] {
-        self.nodes[slave].map(|node| self.offsets.at(&self.set, node, master))
+        self.at_ends(&self.offsets, slave, master)
+    }
+
+    /// Numbers at both ends of a segment for its contact with another one.
+    pub(crate) fn at_ends(&self, numbers: &PerContact, slave: usize, master: usize) -> [f64; 2] {
+        self.nodes[slave].map(|node| numbers.at(&self.set, node, master))
     }
 
     /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
