@@ -258,14 +258,13 @@ impl Solver {
     fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
-        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
         let core = Law::Core { pressure, depth: DEPTH };
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
         let too_deep = 0.8 * 2.0 * DEPTH;
         let mut pressures = Vec::new();
         if overlap >= too_deep {
             // strands deep inside each other come apart under a law without a core first
-            self.start_under(Law::Linear { stiffness: pressure / (DEPTH * 2.0 * radius) }, &[]);
+            self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
             self.search_roughly(true, &Drive::default(), report)?;
             report.penetration = self.contact_errors().penetration;
             if report.status == Status::Converged && report.penetration >= too_deep {
@@ -281,6 +280,12 @@ impl Solver {
         }
         self.start_under(core, &pressures);
         Ok(())
+    }
+
+    /// Pressure of the core law over its depth \[F/L²\].
+    fn core_stiffness(&self) -> f64 {
+        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
+        self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
     }
 
     /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
@@ -310,10 +315,8 @@ impl Solver {
     /// of contact break up into points between nodes.
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let asked = self.engine.contact_stiffness();
-        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
-        let core = self.engine.pressure_scale() / (DEPTH * 2.0 * radius);
         // half way in decades; to a law softer than the core at once
-        self.harden_to(Law::Linear { stiffness: asked.min((asked * core).sqrt()) });
+        self.harden_to(Law::Linear { stiffness: asked.min((asked * self.core_stiffness()).sqrt()) });
         self.search_roughly(true, &Drive::default(), report)?;
         if report.status != Status::Converged {
             return Ok(());
