@@ -187,11 +187,10 @@ impl Workspace {
                     engine.state = state.clone();
                     // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
                     // (large shifts make any step tiny: the residual must have gone too)
-                    let unseen = trial.expected.abs() < noise;
                     let balanced = report.iterations.last().is_some_and(|i| i.residual <= TOL_SADDLE);
                     at_saddle = if tiny && indefinite && balanced { at_saddle + 1 } else { 0 };
                     // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
-                    if !unseen || indefinite || trial.fraction < 1.0 || remaining > 0.0 {
+                    if trial.expected.abs() >= noise || indefinite || trial.fraction < 1.0 || remaining > 0.0 {
                         decrements.clear();
                     } else {
                         decrements.push(trial.expected.abs());
@@ -396,8 +395,8 @@ impl Workspace {
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
             // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
-            let rises = trial.potential - residual.potential.total() > noise(residual);
-            trial.settled |= trial.expected.abs() < noise(residual) && !rises;
+            let (noise, gain) = (noise(residual), residual.potential.total() - trial.potential);
+            trial.settled |= trial.expected.abs() < noise && gain >= -noise;
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
@@ -418,7 +417,7 @@ impl Workspace {
             // under a new law of contact the potential hardly tells strands that touch from strands just apart, of which a next step would know nothing:
             // there the state with the least left to correct is the best of those that lie low enough
             let tight = engine.contact.as_ref().is_some_and(|side| side.before.is_some());
-            let falls = residual.potential.total() - trial.potential >= ENOUGH * trial.expected - noise(residual);
+            let falls = gain >= ENOUGH * trial.expected - noise;
             let better = |(b, least): &(Trial, f64)| {
                 if tight && falls { size < *least } else { trial.potential < b.potential }
             };
