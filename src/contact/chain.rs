@@ -2,6 +2,7 @@
 //!
 //! Zones are cut at the joints of segments, of either strand. Pieces belong together where they follow each other along the slave and their feet do on the master.
 
+use super::arc::near;
 use super::curve::CurveSet;
 use super::detect::{Meeting, ZonePiece};
 
@@ -21,7 +22,7 @@ pub(crate) struct Link<'a> {
 }
 
 /// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is counted off is left out.
-pub(crate) fn chains<'a>(set: &CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Link<'a>>> {
+pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Link<'a>>> {
     let links = links(set, terms);
     let next = successors(set, &links);
     let mut follows = vec![false; links.len()];
@@ -45,16 +46,18 @@ pub(crate) fn chains<'a>(set: &CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Link<'
     chains
 }
 
-fn links<'a>(set: &CurveSet, terms: &'a [Meeting]) -> Vec<Link<'a>> {
-    let mut links = Vec::new();
-    for term in terms {
-        let segments = [term.slave, term.master];
-        for zone in term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()) {
-            let arcs = [(term.slave, zone.piece.u), (term.master, zone.piece.v)];
-            let arcs = arcs.map(|(segment, ends)| ends.map(|u| set.arc_length(segment, u)));
-            links.push(Link { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone });
-        }
-    }
+/// The pieces of one pair, but what is counted off.
+pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a Meeting) -> impl Iterator<Item = Link<'a>> {
+    let segments = [term.slave, term.master];
+    term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()).map(move |zone| {
+        let arcs = [(term.slave, zone.piece.u), (term.master, zone.piece.v)];
+        let arcs = arcs.map(|(segment, ends)| ends.map(|u| set.arc_length(segment, u)));
+        Link { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone }
+    })
+}
+
+fn links<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Link<'a>> {
+    let mut links: Vec<Link> = terms.iter().flat_map(|term| pieces(set, term)).collect();
     let place = |x: &Link| [x.arcs[0][0], x.arcs[1][0]];
     links.sort_by(|x, y| {
         let ([a, b], [c, d]) = (place(x), place(y));
@@ -94,9 +97,4 @@ fn successors(set: &CurveSet, links: &[Link]) -> Vec<Option<usize>> {
         first += same.len();
     }
     successors
-}
-
-/// `x` shifted by periods to be as near to `target` as it can.
-pub(crate) fn near(x: f64, target: f64, period: Option<f64>) -> f64 {
-    period.map_or(x, |p| x + p * ((target - x) / p).round())
 }

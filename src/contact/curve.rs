@@ -345,11 +345,17 @@ impl CurveSet {
         self.arc_start[segment] + u * self.lengths[segment]
     }
 
+    /// Reference length \[L\] of a curve.
+    #[must_use]
+    pub fn length_of(&self, curve: usize) -> f64 {
+        let info = &self.curves[curve];
+        self.arc_length(info.first + info.count - 1, 1.0)
+    }
+
     /// Reference length \[L\] of a curve if it is closed.
     #[must_use]
     pub fn period(&self, curve: usize) -> Option<f64> {
-        let info = &self.curves[curve];
-        info.closed.then(|| self.arc_length(info.first + info.count - 1, 1.0))
+        self.curves[curve].closed.then(|| self.length_of(curve))
     }
 
     /// Segment and parameter at a reference arc length \[L\] from the start of a curve; beyond its ends, on closed curves whole turns aside, the end.

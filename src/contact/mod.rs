@@ -14,6 +14,7 @@
 //! reach, with exact ends) → [`law`] (pressure) → [`mod@detect`] (energy, gradient, Hessian per pair). Beside it, and
 //! independent of zones, [`clearance`] certifies the smallest gap.
 
+pub(crate) mod arc;
 mod boxes;
 pub mod broad_phase;
 pub mod capsule;

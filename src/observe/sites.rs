@@ -6,7 +6,8 @@
 //!    is the sum over all its zones, because each view carries half of it.
 //! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
-use crate::contact::chain::{Link, TOL_FOOT, chains, near};
+use crate::contact::arc::{self, ascending, near};
+use crate::contact::chain::{Link, TOL_FOOT, chains};
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
@@ -92,12 +93,6 @@ pub(super) fn sites(set: &CurveSet, terms: &[Meeting], rods: &[usize], layer: &L
         key(x).cmp(&key(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
     });
     sites
-}
-
-/// Length of a curve \[L\].
-fn length(set: &CurveSet, curve: usize) -> f64 {
-    let info = &set.curves[curve];
-    set.arc_length(info.first + info.count - 1, 1.0)
 }
 
 fn contact_distance(set: &CurveSet, zone: &Zone) -> f64 {
@@ -210,29 +205,13 @@ fn pad(set: &CurveSet, zone: &Zone) -> f64 {
 
 /// Whether two zones, each on the other's partner strand, overlap on both strands.
 fn sees(set: &CurveSet, zone: &Zone, other: &Zone, pad: f64) -> bool {
-    overlap(zone.arc_b, other.arc_a, pad, set.period(zone.curve_b))
-        && overlap(zone.arc_a, other.arc_b, pad, set.period(zone.curve_a))
-}
-
-fn ascending(arc: [f64; 2]) -> [f64; 2] {
-    [arc[0].min(arc[1]), arc[0].max(arc[1])]
-}
-
-/// Whether two arcs of one curve come within `pad` of each other, on closed curves whole periods aside.
-fn overlap(x: [f64; 2], y: [f64; 2], pad: f64, period: Option<f64>) -> bool {
-    let (x, y) = (ascending(x), ascending(y));
-    let middle = |arc: [f64; 2]| 0.5 * (arc[0] + arc[1]);
-    // of all shifts the one that brings the middles together has the best chance
-    let distance = (near(middle(y), middle(x), period) - middle(x)).abs();
-    distance <= 0.5 * (x[1] - x[0] + y[1] - y[0]) + pad
+    let meet = |curve: usize, x, y| arc::apart(ascending(x), ascending(y), set.period(curve)) <= pad;
+    meet(zone.curve_b, zone.arc_b, other.arc_a) && meet(zone.curve_a, zone.arc_a, other.arc_b)
 }
 
 /// The smallest arc over all `arcs` (the first decides the period), or the whole of a closed curve, within [0, length\].
 fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2], f64) {
-    let all = arcs.map(ascending).reduce(|sum, arc| {
-        let shift = near(0.5 * (arc[0] + arc[1]), 0.5 * (sum[0] + sum[1]), period) - 0.5 * (arc[0] + arc[1]);
-        [sum[0].min(arc[0] + shift), sum[1].max(arc[1] + shift)]
-    });
+    let all = arcs.map(ascending).reduce(|sum, arc| arc::joined(sum, arc, period));
     let arc = all.unwrap_or_default();
     let width = arc[1] - arc[0];
     match period {

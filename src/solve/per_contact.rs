@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
 use crate::contact::detect::ZonePiece;
 use crate::math::Vec3;
@@ -30,16 +31,12 @@ struct Entry {
 impl Entry {
     /// How far a place on its curve is from it along that \[L\].
     fn distance(&self, set: &CurveSet, arc: [f64; 2]) -> f64 {
-        let apart = 0.5 * (arc[0] + arc[1] - self.arc[0] - self.arc[1]);
-        let apart = set.period(self.curve as usize).map_or(apart, |p| apart - p * (apart / p).round());
-        (apart.abs() - 0.5 * (arc[1] - arc[0] + self.arc[1] - self.arc[0])).max(0.0)
+        arc::apart(self.arc, arc, set.period(self.curve as usize)).max(0.0)
     }
 
     /// Takes in a place that is near.
     fn extend(&mut self, set: &CurveSet, arc: [f64; 2]) {
-        let apart = 0.5 * (arc[0] + arc[1] - self.arc[0] - self.arc[1]);
-        let shift = set.period(self.curve as usize).map_or(0.0, |p| -p * (apart / p).round());
-        self.arc = [self.arc[0].min(arc[0] + shift), self.arc[1].max(arc[1] + shift)];
+        self.arc = arc::joined(self.arc, arc, set.period(self.curve as usize));
     }
 }
 
@@ -203,8 +200,8 @@ fn seen<'a>(
         let window = window(slave, master);
         let apart = (2.0 * window).max(side.set.radius_of(slave) + side.set.radius_of(master));
         term.zones.iter().map(move |zone| {
-            let [x, y] = zone.piece.v.map(|v| side.set.arc_length(master, v));
-            let place = Entry { node: 0, curve: side.set.curve_of(master) as u32, arc: [x.min(y), x.max(y)] };
+            let arc = ascending(zone.piece.v.map(|v| side.set.arc_length(master, v)));
+            let place = Entry { node: 0, curve: side.set.curve_of(master) as u32, arc };
             Seen { slave, master, zone, window, apart, place }
         })
     })

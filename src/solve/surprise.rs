@@ -38,27 +38,28 @@ impl Engine {
             },
             |term, gone| [term.slave, gone[0], gone[1]].into_iter().for_each(|segment| known[segment] = true),
         );
-        self.add_new(side, there, &known, forces);
+        self.add_new(there, &known, forces);
     }
 
     /// Adds the forces of slaves in contact `there`, where contact now is, that are not known.
-    fn add_new(&self, side: &ContactSide, there: &Residual, known: &[bool], forces: &mut [f64]) {
+    fn add_new(&self, there: &Residual, known: &[bool], forces: &mut [f64]) {
         let new = there.meetings.iter().filter(|meeting| !known[meeting.slave]);
         let mut pairs: Vec<[u32; 2]> =
             new.map(|m| [m.slave.min(m.master) as u32, m.slave.max(m.master) as u32]).collect();
         pairs.dedup();
-        if pairs.is_empty() {
-            return;
-        }
+        self.add_contact_of(&pairs, |meeting| !known[meeting.slave], forces);
+    }
+
+    /// Adds to `forces` (six per node) the gradient of the contact potential, of these candidate pairs as far as they are `wanted`, where contact now is.
+    pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&Meeting) -> bool, forces: &mut [f64]) {
+        let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
         let ground = detect::Ground::of_set(&side.set);
         let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures { law: side.law, offset: &offset, before: None };
         for batch in pairs.chunks(PAIRS) {
             let found = self.install(|| detect::evaluate_ends(&ground, batch, &pressures, Besides::default()));
-            for term in found.into_iter().flatten().filter(|term| !known[term.meeting.slave]) {
-                for (node, force) in side.nodes_of(&term.meeting).into_iter().zip(term.gradient.chunks_exact(6)) {
-                    forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
-                }
+            for term in found.into_iter().flatten().filter(|term| wanted(&term.meeting)) {
+                side.scatter(&term.meeting, &term.gradient, forces);
             }
         }
     }
@@ -89,9 +90,7 @@ impl Engine {
             let found: Vec<([f64; 24], R)> =
                 self.install(|| batch.par_iter().with_min_len(64).map(&gradient).collect());
             for (term, (gradient, rest)) in batch.iter().zip(found) {
-                for (node, force) in side.nodes_of(term).into_iter().zip(gradient.chunks_exact(6)) {
-                    forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
-                }
+                side.scatter(term, &gradient, forces);
                 told(term, rest);
             }
         }
@@ -99,6 +98,13 @@ impl Engine {
 }
 
 impl ContactSide {
+    /// Adds what a contact makes of both ends of both segments to nodal forces.
+    fn scatter(&self, meeting: &Meeting, gradient: &[f64; 24], forces: &mut [f64]) {
+        for (node, force) in self.nodes_of(meeting).into_iter().zip(gradient.chunks_exact(6)) {
+            forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+        }
+    }
+
     /// Slave and master of a term at a state and the linear motion of their control points.
     fn motion_of(&self, term: &Meeting, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
         let cubic = |segment: usize| contact_cubic(state, self.nodes[segment], self.set.lengths[segment]);

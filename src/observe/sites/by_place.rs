@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Zone, ascending, class, length};
+use super::{Zone, class};
+use crate::contact::arc::ascending;
 use crate::contact::curve::CurveSet;
 
 /// Zones by strand and partner strand, in buckets of arc length: as many as there are zones, so that zones, which hardly overlap each
@@ -26,7 +27,7 @@ impl ByPlace {
             let range = class(zones, zone.curve_a, zone.curve_b);
             let count = range.len();
             let closed = set.period(zone.curve_a).is_some();
-            let size = length(set, zone.curve_a) / count as f64;
+            let size = set.length_of(zone.curve_a) / count as f64;
             let mut buckets = Buckets { size, closed, lists: vec![Vec::new(); count] };
             for index in range.clone() {
                 for bucket in buckets.range(zones[index].arc_a, 0.0) {

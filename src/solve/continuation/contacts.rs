@@ -1,8 +1,9 @@
 //! Which contacts a state has: strands touch in pieces, segment by segment and seen from both strands. Those that meet are one contact; under an augmented
 //! Lagrangian also what lies nearer together than its offsets can tell apart.
 
+use crate::contact::arc::{self, ascending};
+use crate::contact::chain::{Link, pieces};
 use crate::contact::curve::CurveSet;
-use crate::contact::detect::{self, Meeting};
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
 
@@ -42,8 +43,8 @@ impl Contacts {
                 reach = reach.max(solver.window(side, term.slave, term.master));
             }
             let ends = [term.slave as u32, term.master as u32];
-            for place in pieces(&side.set, term) {
-                places.push(place);
+            for Link { curves, arcs, .. } in pieces(&side.set, term) {
+                places.push(Place { curves, arcs: arcs.map(ascending) });
                 pairs.push([ends[0].min(ends[1]), ends[0].max(ends[1])]);
             }
         }
@@ -80,36 +81,12 @@ impl Contacts {
     /// Gradient of the contact potential, of the chosen contacts only, in the state that these are of.
     pub(super) fn gradient(&self, engine: &Engine, chosen: &[bool]) -> Vec<f64> {
         let mut out = vec![0.0; 6 * engine.num_nodes()];
-        let Some(side) = &engine.contact else { return out };
         let mut pairs: Vec<[u32; 2]> = self.pairs.iter().filter(|(_, contact)| chosen[*contact]).map(|p| p.0).collect();
         pairs.sort_unstable();
         pairs.dedup();
-        let offset = |slave, master| side.offset(slave, master);
-        let pressures = detect::Pressures { law: side.law, offset: &offset, before: None };
-        let ground = detect::Ground::of_set(&side.set);
-        for found in
-            detect::evaluate_ends(&ground, &pairs, &pressures, detect::Besides::default()).into_iter().flatten()
-        {
-            for (node, force) in side.nodes_of(&found.meeting).iter().zip(found.gradient.chunks_exact(6)) {
-                (0..6).for_each(|k| out[6 * node + k] += force[k]);
-            }
-        }
+        engine.add_contact_of(&pairs, |_| true, &mut out);
         out
     }
-}
-
-fn pieces<'a>(set: &'a CurveSet, term: &'a Meeting) -> impl Iterator<Item = Place> + 'a {
-    let counted = term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off());
-    counted.map(|zone| {
-        let arc = |segment: usize, ends: [f64; 2]| {
-            let [x, y] = ends.map(|u| set.arc_length(segment, u));
-            [x.min(y), x.max(y)]
-        };
-        Place {
-            curves: [set.curve_of(term.slave), set.curve_of(term.master)],
-            arcs: [arc(term.slave, zone.piece.u), arc(term.master, zone.piece.v)],
-        }
-    })
 }
 
 fn transposed(place: &Place) -> Place {
@@ -119,13 +96,7 @@ fn transposed(place: &Place) -> Place {
 
 /// Whether two places come within `reach` of each other on both strands, taken in their order.
 fn near(set: &CurveSet, x: &Place, y: &Place, reach: f64) -> bool {
-    let close = |strand: usize| {
-        let (a, b) = (x.arcs[strand], y.arcs[strand]);
-        // of all shifts by whole turns the one that brings the middles together
-        let apart = 0.5 * (a[0] + a[1] - b[0] - b[1]);
-        let apart = set.period(x.curves[strand]).map_or(apart, |p| apart - p * (apart / p).round());
-        apart.abs() <= 0.5 * (a[1] - a[0] + b[1] - b[0]) + reach
-    };
+    let close = |k: usize| arc::apart(x.arcs[k], y.arcs[k], set.period(x.curves[k])) <= reach;
     x.curves == y.curves && close(0) && close(1)
 }
 
