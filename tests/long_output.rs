@@ -38,6 +38,7 @@ fn report() -> StepReport {
         held_open: 0.0,
         softening: 1.0,
         short_iterations: 0,
+        coarse_iterations: 0,
         predicted: false,
         error: None,
         history: Vec::new(),

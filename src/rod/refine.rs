@@ -1,4 +1,4 @@
-//! Nodes between nodes: the same rod, or the same state of it, on a mesh of twice the elements.
+//! The same rod, or the same state of it, on a mesh of twice the elements, or of fewer.
 
 use crate::error::InputError;
 use crate::math::quaternion::spin;
@@ -29,6 +29,17 @@ impl Rod {
         }
         let fine = Self { num_elements, positions, frames, ..self.clone() };
         fine.check().map(|()| fine)
+    }
+
+    /// The same rod on every `factor`-th node; `None` where elements cannot be counted off or turn too far.
+    pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
+        let coarse = Self {
+            num_elements: self.num_elements / factor,
+            positions: self.positions.iter().step_by(factor).copied().collect(),
+            frames: self.frames.iter().step_by(factor).copied().collect(),
+            ..self.clone()
+        };
+        (self.num_elements.is_multiple_of(factor) && coarse.check().is_ok()).then_some(coarse)
     }
 
     /// Nodes of a state of this rod with one more in the middle of every segment; `seam` \[rad\] turns the frame at s = L against that at 0.

@@ -198,6 +198,7 @@ impl Reporter<'_> {
             held_open: point.held_open,
             softening: 1.0,
             short_iterations: 0,
+            coarse_iterations: 0,
             predicted: false,
             error: None,
             history: Vec::new(),

@@ -3,7 +3,8 @@
 use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::scene::{Joint, LineLoad, Model, NodeLoad, NodeRef, Support};
+use crate::rod::Rod;
+use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
 use crate::solve::engine::Engine;
 use crate::solve::neutral::Neutral;
 use crate::solve::newton::relative_residual;
@@ -12,25 +13,35 @@ use crate::solve::per_contact::PerContact;
 use crate::solve::settle::StepReport;
 use crate::solve::state::{Drive, State};
 
-fn doubled(node: NodeRef) -> NodeRef {
-    NodeRef { node: 2 * node.node, ..node }
-}
-
 impl Model {
     /// The same problem on twice the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).
     ///
     /// # Errors
     /// As there.
     pub fn refined(&self) -> Result<Self, InputError> {
-        Ok(Self {
-            rods: self.rods.iter().map(|rod| rod.refined()).collect::<Result<_, _>>()?,
-            supports: self.supports.iter().map(|s| Support { node: doubled(s.node), ..*s }).collect(),
-            joints: self.joints.iter().map(|j| Joint { a: doubled(j.a), b: doubled(j.b) }).collect(),
-            loads: self.loads.iter().map(|load| NodeLoad { node: doubled(load.node), ..*load }).collect(),
-            line_loads: self.line_loads.iter().map(|load| LineLoad { ..*load }).collect(),
+        let rods = self.rods.iter().map(|rod| rod.refined()).collect::<Result<_, _>>()?;
+        Ok(self.with_rods(rods, |node| NodeRef { node: 2 * node.node, ..node }))
+    }
+
+    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and what is held, joined or loaded is among these nodes.
+    pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
+        let rods = self.rods.iter().map(|rod| rod.coarsened(factor)).collect::<Option<_>>()?;
+        let at = self.supports.iter().map(|s| s.node).chain(self.joints.iter().flat_map(|j| [j.a, j.b]));
+        let all_there = at.chain(self.loads.iter().map(|load| load.node)).all(|at| at.node % factor == 0);
+        all_there.then(|| self.with_rods(rods, |node| NodeRef { node: node.node / factor, ..node }))
+    }
+
+    /// The same problem on other meshes.
+    fn with_rods(&self, rods: Vec<Rod>, node: impl Fn(NodeRef) -> NodeRef) -> Self {
+        Self {
+            rods,
+            supports: self.supports.iter().map(|s| Support { node: node(s.node), ..*s }).collect(),
+            joints: self.joints.iter().map(|j| Joint { a: node(j.a), b: node(j.b) }).collect(),
+            loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
+            line_loads: self.line_loads.clone(),
             contact: self.contact,
             planar: self.planar,
-        })
+        }
     }
 }
 

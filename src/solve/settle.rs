@@ -19,7 +19,7 @@ use crate::solve::state::{Drive, State};
 /// Depth of the core law that a load step with contact begins under, over the contact distance.
 const DEPTH: f64 = 0.4;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
-const AT_REST: f64 = 1e-2;
+pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
@@ -27,12 +27,12 @@ const SOFTENING: f64 = 10.0;
 const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
 /// once would buckle into its tenth mode.
-const TURNS_AT_ONCE: f64 = 1.0;
+pub(super) const TURNS_AT_ONCE: f64 = 1.0;
 /// Iterations spent on a predicted state, and the largest rotation of a node for which the prediction is trusted, rad.
 const PREDICTED_ITERATIONS: usize = 20;
 const LARGEST_PREDICTED_TURN: f64 = 0.3;
 /// Iterations spent on one hardening stage before it is given up.
-const HARDENING_ITERATIONS: usize = 100;
+pub(super) const HARDENING_ITERATIONS: usize = 100;
 /// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
 pub(super) const TOL_OPENING: f64 = 1e-6;
 
@@ -94,6 +94,8 @@ pub struct StepReport {
     pub softening: f64,
     /// Newton iterations on a shorter rod, from whose equilibrium the start of a long plectoneme was made; not among the others.
     pub short_iterations: usize,
+    /// Newton iterations on a coarser mesh, on which a step of several turns was made first; not among the others.
+    pub coarse_iterations: usize,
     /// The step settled at once from the state extrapolated from the steps before.
     pub predicted: bool,
     /// What broke down, if anything did.
@@ -115,6 +117,7 @@ impl StepReport {
             held_open: 0.0,
             softening: 1.0,
             short_iterations: 0,
+            coarse_iterations: 0,
             predicted: false,
             error: None,
             history: Vec::new(),
@@ -127,7 +130,7 @@ impl StepReport {
     }
 
     /// Another attempt from where the last one began: iterations stay counted.
-    fn start_again(&mut self) {
+    pub(super) fn start_again(&mut self) {
         (self.status, self.num_unstable) = (Status::Converged, 0);
         (self.augmentations, self.departures, self.softening) = (0, 0, 1.0);
     }
@@ -153,13 +156,18 @@ impl Solver {
         if let Err(error) = self.foresee_hardening() {
             return StepReport::refused(error);
         }
-        let settled = match predicted {
-            Some(increment) => self.settle_predicted(drive, increment, &mut report),
+        let foreseen = match predicted {
+            Some(increment) => self.settle_predicted(drive, increment, PREDICTED_ITERATIONS, &mut report),
             None => self.settle_from_short(drive, &mut report),
         };
-        let outcome = settled.and_then(|done| {
-            if done { Ok(()) } else { self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report)) }
-        });
+        let outcome = foreseen
+            .and_then(|done| if done { Ok(true) } else { self.settle_from_coarse(drive, &mut report) })
+            .and_then(|done| {
+                if done {
+                    return Ok(());
+                }
+                self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report))
+            });
         if let Err(error) = outcome {
             report.error = Some(error);
             report.status = Status::BrokeDown;
@@ -173,10 +181,11 @@ impl Solver {
     }
 
     /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back where it was.
-    fn settle_predicted(
+    pub(super) fn settle_predicted(
         &mut self,
         drive: &Drive,
         increment: Vec<f64>,
+        iterations: usize,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
         let largest = increment.chunks(6).flat_map(|node| &node[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
@@ -184,7 +193,7 @@ impl Solver {
             return Ok(false);
         }
         let before = self.snapshot();
-        let patience = self.be_patient_for(PREDICTED_ITERATIONS);
+        let patience = self.be_patient_for(iterations);
         let outcome = self.search_predicted(drive, &increment, report);
         self.options.newton.max_iterations = patience;
         if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
@@ -205,7 +214,8 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled = self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], report);
+        let settled =
+            self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], PREDICTED_ITERATIONS, report);
         report.predicted = false;
         if settled == Ok(false) {
             self.restore(start)?;
@@ -361,7 +371,7 @@ impl Solver {
         matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
     }
 
-    fn is_near_contact(&mut self) -> Result<bool, SolveError> {
+    pub(super) fn is_near_contact(&mut self) -> Result<bool, SolveError> {
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
         Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
