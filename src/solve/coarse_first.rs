@@ -1,8 +1,8 @@
 //! Large turns are made on a coarse mesh first.
 //!
 //! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations are spent on these. What a mesh is fine for are
-//! lines of contact and digits at the end of the way, not the way: strands coil as wide as they are thick or wider. So the step is made on every eighth, fourth or second
-//! node, as far as that is as fine as a draft would be ([`Fidelity::Draft`]). The nodes between are interpolated in what comes of it, with contact law and
+//! lines of contact and digits at the end of the way, not the way: strands coil as wide as they are thick or wider. So the step is made on every second to eighth
+//! node, as few as are as fine as a draft would be ([`Fidelity::Draft`]). The nodes between are interpolated in what comes of it, with contact law and
 //! offsets, and this settles on the whole mesh like any other state: it ends in equilibrium, or the step is made the long way.
 //!
 //! No strand passes another when meshes are changed: strands in contact are two radii ε apart, and centrelines on the two meshes, both
@@ -20,8 +20,8 @@ use crate::solve::path::Solver;
 use crate::solve::settle::{AT_REST, HARDENING_ITERATIONS, Status, StepReport, TURNS_AT_ONCE};
 use crate::solve::state::{Drive, State};
 
-/// How many times fewer elements a coarse mesh has, tried in this order.
-const FACTORS: [usize; 3] = [8, 4, 2];
+/// How many times fewer elements a coarse mesh may have.
+const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
 /// How far centrelines on two meshes may be from each other, contact radii.
 const SAME: f64 = 0.1;
 
@@ -34,7 +34,7 @@ impl Solver {
         if self.is_near_contact()? && self.contact_errors().penetration > AT_REST {
             return Ok(false);
         }
-        let Some((factor, coarse)) = FACTORS.iter().find_map(|&factor| Some((factor, self.coarse(factor, drive)?)))
+        let Some((factor, coarse)) = FACTORS.rev().find_map(|factor| Some((factor, self.coarse(factor, drive)?)))
         else {
             return Ok(false);
         };
@@ -60,13 +60,13 @@ impl Solver {
         };
         let nodes = drive.nodes.iter().map(|&(fine, by, turn)| (node(fine), by, turn)).collect();
         let made = coarse.settle(&Drive { nodes, seams: drive.seams.clone() });
-        report.coarse_iterations += made.iterations;
+        report.iterations_elsewhere += made.iterations;
+        self.workspace.timings += coarse.workspace.timings;
         self.workspace.interrupted |= made.status == Status::Stopped;
         if made.status != Status::Converged || coarse.engine.check_turning().is_err() {
             return Ok(false);
         }
-        let again = |fine| (1..factor.ilog2()).try_fold(fine, |fine: Self, _| fine.refined());
-        let Ok(fine) = coarse.refined().and_then(again) else { return Ok(false) };
+        let Ok(fine) = coarse.refined(factor) else { return Ok(false) };
         if !self.is_same(&fine.engine.state, &coarse.engine, factor) {
             return Ok(false);
         }
@@ -114,6 +114,9 @@ impl Solver {
         let tangents: Vec<Vec3> = engine.frames(rod).iter().map(|frame| frame * Vec3::z()).collect();
         let bent = tangents.windows(2).map(|pair| pair[0].angle(&pair[1])).sum::<f64>() / TAU;
         let turns = bent.max(1.0 + link + natural);
+        if !body.can_be_coarsened(engine.frames(rod), engine.state.seams[rod], factor) {
+            return false;
+        }
         let needed = Fidelity::ORDER * Fidelity::Draft.elements(body.length, turns, body.section.contact_radius);
         body.num_segments() >= factor * needed
     }
@@ -139,5 +142,93 @@ impl Solver {
         side.rods
             .iter()
             .all(|&rod| (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SAME * side.min_radius))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Rod, Section, Shape};
+    use crate::scene::{Model, NodeRef, Support};
+
+    /// A flat ring of 64 elements, D/L = .02.
+    fn ring(supports: Vec<Support>) -> Solver {
+        let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
+        let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+        let rod = Rod::new("ring", &shape, true, section, 64, 3, Natural::Straight).unwrap();
+        Solver::new(Model { rods: vec![rod], supports, ..Model::default() }, Options::default()).unwrap()
+    }
+
+    fn turns(turns: f64) -> Drive {
+        Drive { seams: vec![turns * TAU], ..Drive::default() }
+    }
+
+    fn energy(solver: &Solver) -> f64 {
+        solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
+    }
+
+    /// The state is the one that the long way leads to: on a mesh that carries its lines of contact by what the augmented Lagrangian leaves open there. One node is held, so that
+    /// supports are found on the coarse mesh, too.
+    #[test]
+    fn large_turns_end_where_the_long_way_does() {
+        let held = Support { node: NodeRef { rod: 0, node: 64 }, position: [true; 3], rotation: [false; 3] };
+        let [mut quick, mut slow] = [(); 2].map(|()| ring(vec![held]));
+        let (drive, at) = (turns(-3.0), quick.engine.state.positions[64]);
+        let short = quick.settle(&drive);
+        let mut long = StepReport::settled();
+        slow.foresee_hardening().unwrap();
+        slow.approach(&drive, &mut long).unwrap();
+        slow.enforce_gaps(&mut long).unwrap();
+        for report in [&short, &long] {
+            assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
+            assert!(report.penetration <= 1e-8, "{}", report.penetration);
+        }
+        assert!(short.iterations_elsewhere > 0 && long.iterations_elsewhere == 0);
+        assert!(2 * short.iterations < long.iterations, "{} {}", short.iterations, long.iterations);
+        assert!((energy(&quick) / energy(&slow) - 1.0).abs() < 1e-4, "{} {}", energy(&quick), energy(&slow));
+        assert_eq!(quick.engine.state.seams, slow.engine.state.seams);
+        assert!((quick.engine.state.positions[64] - at).norm() < 1e-12);
+    }
+
+    /// What a coarse mesh does not see is not lost on it: a bend or a turn of frames between its nodes, supports there, more turns than it can bear. Steps of one turn are
+    /// not worth it.
+    #[test]
+    fn what_a_coarse_mesh_does_not_see_is_left_alone() {
+        let drive = turns(3.0);
+        let factor = |solver: &Solver, drive: &Drive| FACTORS.rev().find(|&f| solver.coarse(f, drive).is_some());
+        assert_eq!(factor(&ring(vec![]), &drive), Some(4));
+        assert_eq!(factor(&ring(vec![]), &turns(7.0)), Some(2));
+        assert_eq!(factor(&ring(vec![]), &turns(20.0)), None);
+        let held = |node: usize| Support { node: NodeRef { rod: 0, node }, position: [true; 3], rotation: [false; 3] };
+        assert_eq!(factor(&ring(vec![held(66)]), &drive), Some(2));
+        assert_eq!(factor(&ring(vec![held(67)]), &drive), None);
+        for (by, found) in [(0.5, Some(4)), (1.5, None)] {
+            let mut bent = ring(vec![]);
+            bent.engine.state.positions[101].z += by * SAME * 0.01;
+            assert_eq!(factor(&bent, &drive), found);
+        }
+        for (by, found) in [(0.15, Some(4)), (0.25, Some(2)), (0.45, None)] {
+            let mut twisted = ring(vec![]);
+            for k in 0..4 {
+                let turn = crate::math::quaternion::spin(TAU * by * (1.0 - (k as f64 - 2.0).abs() / 2.0));
+                let frame = &mut twisted.engine.state.frames[100 + k];
+                *frame *= turn;
+            }
+            assert_eq!(factor(&twisted, &drive), found);
+        }
+        let report = ring(vec![]).settle(&turns(0.9));
+        assert_eq!((report.status, report.iterations_elsewhere), (Status::Converged, 0));
+    }
+
+    /// A wish to stop is heeded on the coarse mesh.
+    #[test]
+    fn large_turns_are_interrupted() {
+        let mut solver = ring(vec![]);
+        solver.options.newton.interrupt.raise();
+        let before = solver.engine.state.positions.clone();
+        let report = solver.settle(&turns(3.0));
+        assert_eq!(report.status, Status::Stopped);
+        assert!(report.iterations_elsewhere <= 1 && report.iterations <= 1, "{report:?}");
+        assert_eq!(solver.engine.state.positions, before);
     }
 }

@@ -14,13 +14,13 @@ use crate::solve::settle::StepReport;
 use crate::solve::state::{Drive, State};
 
 impl Model {
-    /// The same problem on twice the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).
+    /// The same problem on `factor` times the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).
     ///
     /// # Errors
     /// As there.
-    pub fn refined(&self) -> Result<Self, InputError> {
-        let rods = self.rods.iter().map(|rod| rod.refined()).collect::<Result<_, _>>()?;
-        Ok(self.with_rods(rods, |node| NodeRef { node: 2 * node.node, ..node }))
+    pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
+        let rods = self.rods.iter().map(|rod| rod.refined(factor)).collect::<Result<_, _>>()?;
+        Ok(self.with_rods(rods, |node| NodeRef { node: factor * node.node, ..node }))
     }
 
     /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and what is held, joined or loaded is among these nodes.
@@ -56,17 +56,18 @@ impl Engine {
 }
 
 impl Solver {
-    /// A solver for the same problem on twice the elements, in this solver's state interpolated, with its contact law and offsets;
+    /// A solver for the same problem on `factor` times the elements, in this solver's state interpolated, with its contact law and offsets;
     /// [`Solver::resettle`] brings it to rest.
     ///
     /// # Errors
     /// A rod that cannot be refined.
-    pub fn refined(&self) -> Result<Self, InputError> {
-        let (coarse, model) = (&self.engine, self.engine.model.refined()?);
+    pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
+        let (coarse, model) = (&self.engine, self.engine.model.refined(factor)?);
         let mut fine = Self::new(model, self.options.clone())?;
         let (mut positions, mut frames): (Vec<Vec3>, Vec<Quat>) = (Vec::new(), Vec::new());
         for (index, rod) in coarse.model.rods.iter().enumerate() {
-            let (r, q) = rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state.seams[index]);
+            let (r, q) =
+                rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state.seams[index], factor);
             positions.extend(r);
             frames.extend(q);
         }
@@ -76,16 +77,17 @@ impl Solver {
             let rod = fine.engine.rod_of(node);
             let [first, end] = [coarse.first_node[rod], coarse.first_node[rod + 1]];
             let k = node - fine.engine.first_node[rod];
-            [first + k / 2, first + k.div_ceil(2) % (end - first)]
+            let ends = [first + k / factor, first + k.div_ceil(factor) % (end - first)];
+            (ends, (k % factor) as f64 / factor as f64)
         };
-        let between: Vec<[usize; 2]> = (0..fine.engine.num_nodes()).map(between).collect();
+        let between: Vec<([usize; 2], f64)> = (0..fine.engine.num_nodes()).map(between).collect();
         if let (Some(from), Some(to)) = (&coarse.contact, &mut fine.engine.contact) {
             to.law = from.law;
             to.offsets = from.offsets.interleaved(&from.set, &between);
         }
         let fine_node = |node: usize| {
             let rod = coarse.rod_of(node);
-            fine.engine.first_node[rod] + 2 * (node - coarse.first_node[rod])
+            fine.engine.first_node[rod] + factor * (node - coarse.first_node[rod])
         };
         fine.turned = self.turned.iter().map(|(&node, &turns)| (fine_node(node), turns)).collect();
         fine.displaced = self.displaced.iter().map(|(&node, &by)| (fine_node(node), by)).collect();

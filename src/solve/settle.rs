@@ -92,10 +92,9 @@ pub struct StepReport {
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
     /// all the same; a point contact is spread wider by the cube root of it.
     pub softening: f64,
-    /// Newton iterations on a shorter rod, from whose equilibrium the start of a long plectoneme was made; not among the others.
-    pub short_iterations: usize,
-    /// Newton iterations on a coarser mesh, on which a step of several turns was made first; not among the others.
-    pub coarse_iterations: usize,
+    /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long plectoneme was made, or on a
+    /// coarser mesh, on which a step of several turns was made first.
+    pub iterations_elsewhere: usize,
     /// The step settled at once from the state extrapolated from the steps before.
     pub predicted: bool,
     /// What broke down, if anything did.
@@ -116,8 +115,7 @@ impl StepReport {
             penetration: 0.0,
             held_open: 0.0,
             softening: 1.0,
-            short_iterations: 0,
-            coarse_iterations: 0,
+            iterations_elsewhere: 0,
             predicted: false,
             error: None,
             history: Vec::new(),
@@ -239,7 +237,7 @@ impl Solver {
     }
 
     /// Applies the drive under the deepest core law and hardens it.
-    fn approach(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+    pub(super) fn approach(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         if self.augments() {
             self.soften(report)?;
         }
@@ -299,7 +297,7 @@ impl Solver {
     }
 
     /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
-    fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+    pub(super) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
             report.penetration = self.contact_errors().penetration;
             return Ok(());
