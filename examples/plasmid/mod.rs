@@ -17,6 +17,10 @@ pub struct Summary {
     pub status: Status,
     pub steps: usize,
     pub iterations: usize,
+    /// Iterations on a shorter rod or a coarser mesh beforehand.
+    pub iterations_elsewhere: usize,
+    /// Largest residual over its largest contribution.
+    pub residual: f64,
     pub seconds: f64,
     pub excess_link: f64,
     /// Wr/ΔLk.
@@ -47,9 +51,10 @@ fn angle_of_moment(moment: f64, bending: f64, radius: f64) -> f64 {
 pub fn run(file: &str) -> Result<Summary, RunError> {
     let scene = Scene::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(file))?;
     let (rod, started) = (scene.model.rods[0].clone(), Instant::now());
-    let mut last = None;
+    let (mut last, mut iterations_elsewhere) = (None, 0);
     let solution = solve::run(scene.model, &scene.stages, &solve::Options::default(), &mut |progress| {
         last = Some(observe(progress));
+        iterations_elsewhere += progress.report.iterations_elsewhere;
         ControlFlow::Continue(())
     })?;
     let state = last.unwrap_or_else(|| unreachable!("the start state is observed"));
@@ -77,6 +82,8 @@ pub fn run(file: &str) -> Result<Summary, RunError> {
         status: solution.status,
         steps: solution.num_steps,
         iterations: solution.iterations,
+        iterations_elsewhere,
+        residual: engine.relative_residual(),
         seconds: started.elapsed().as_secs_f64(),
         excess_link: link.excess_link,
         writhe_share: link.writhe / link.excess_link,

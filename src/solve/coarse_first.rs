@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::Natural;
-use crate::scene::Fidelity;
+use crate::scene::{ContactLaw, Fidelity};
 use crate::solve::Options;
 use crate::solve::engine::{Engine, contact_cubic};
 use crate::solve::path::Solver;
@@ -86,9 +86,17 @@ impl Solver {
         if !(0..self.engine.model.rods.len()).all(|rod| self.is_fine_enough(rod, factor, drive)) {
             return None;
         }
-        let model = self.engine.model.coarsened(factor)?;
+        let mut model = self.engine.model.coarsened(factor)?;
+        // digits beyond a draft's are for the whole mesh
+        if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut model.contact.law
+            && let ContactLaw::AugmentedLagrangian { tol_penetration: enough, .. } = Fidelity::Draft.contact().law
+        {
+            *tol_penetration = tol_penetration.max(enough);
+        }
         // threads are those of this solver already
-        let mut coarse = Self::new(model, Options { threads: None, ..self.options.clone() }).ok()?;
+        let mut options = Options { threads: None, ..self.options.clone() };
+        options.newton.tol_increment = options.newton.tol_increment.max(Fidelity::Draft.tol_increment());
+        let mut coarse = Self::new(model, options).ok()?;
         let nodes = || (0..self.engine.model.rods.len()).flat_map(|rod| self.engine.nodes(rod).step_by(factor));
         let all = &self.engine.state;
         let state = State {
