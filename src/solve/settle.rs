@@ -4,7 +4,8 @@
 //! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened by way of one
 //! half as stiff as asked for in decades, which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
 //! has them. Then the offsets of the augmented Lagrangian are raised until no penetration beyond the tolerance is left.
-//! Unstable equilibria are left along their most negative direction.
+//! Unstable equilibria are left along their most negative direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
+//! (`short_first`, `coarse_first`), if these come to rest.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
