@@ -72,6 +72,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "ring_topology",
             "path_corners",
             "two_ply",
+            "plectoneme_under_tension",
             "clamped_pop",
             "elastic_knots",
             "ropelength",
