@@ -76,6 +76,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "clamped_pop",
             "elastic_knots",
             "ropelength",
+            "free_rods",
         ],
     ),
     ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders", "held_motions"]),
