@@ -70,6 +70,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "twisted_ring",
             "ring_events",
             "ring_topology",
+            "ring_thickness",
             "path_corners",
             "two_ply",
             "plectoneme_under_tension",
