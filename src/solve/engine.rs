@@ -49,7 +49,7 @@ pub struct ContactSide {
     pub law: Law,
     /// Offsets c \[L\] (zero for a plain penalty).
     pub offsets: PerContact,
-    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see [`Pressures`].
+    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see [`Pressures`](crate::contact::detect::Pressures).
     pub(crate) before: Option<(Law, PerContact)>,
     /// Smallest contact radius \[L\].
     pub min_radius: f64,

@@ -9,18 +9,22 @@
 //! following it would move the whole rod by up to half an element for nothing. So sliding is held by a constraint on the
 //! increment, and the ripple's force, the residual along the sliding motion, is no part of the residual.
 //!
-//! Supports leave combinations of these motions where they hold less than there are: see [`Supports`].
+//! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods: see [`Several`].
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
+use crate::contact::detect::Meeting;
 use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
 use crate::sparse::Pattern;
+use several::Several;
 
-/// Rods with other free rods around them have rigid motions that contact may resist: their springs are only this strong,
-/// a proximal term that shortens steps a little.
+mod several;
+
+/// Rods that touch other free rods have rigid motions that contact may resist: but for one of them, their springs are only this strong, a proximal term that
+/// shortens steps a little.
 const SHARED: f64 = 1e-9;
 /// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by turning.
 const DEPENDENT: f64 = 1e-3;
@@ -73,6 +77,8 @@ pub(crate) struct Neutral {
     weights: [f64; 2],
     /// The rod is held, and these are what its supports let pass.
     held: bool,
+    /// Of models of several rods.
+    several: Several,
 }
 
 /// Rigid motions of the first rod and its spin, and its sliding along itself, where these cost nothing.
@@ -165,9 +171,18 @@ impl Supports {
 }
 
 impl Neutral {
+    /// The neutral motions of a model whose strands touch as in `meetings`.
+    pub(crate) fn at(engine: &Engine, state: &State, meetings: &[Meeting]) -> Self {
+        let model = &engine.model;
+        if model.rods.len() == 1 || !(model.loads.is_empty() && model.line_loads.is_empty()) {
+            return Self::of(engine, state);
+        }
+        let several = Several::of(engine, state, meetings, weights(engine));
+        Self { several, ..Self::default() }
+    }
+
     /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere and bears no loads, those that its supports let
-    /// pass (a closed rod clamped at one node travels along its own shape through the clamp, and swings about the tangent there). None otherwise:
-    /// several rods may resist each other.
+    /// pass (a closed rod clamped at one node travels along its own shape through the clamp, and swings about the tangent there). None otherwise.
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
         let model = &engine.model;
         let bare = model.joints.is_empty() && model.loads.is_empty() && model.line_loads.is_empty();
@@ -179,9 +194,7 @@ impl Neutral {
         if !free && (!bare || clamped) {
             return Self::default();
         }
-        // displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second order
-        let lever = 1e-3 * engine.scales.length;
-        let mut neutral = Self { weights: [1.0, lever * lever], ..Self::default() };
+        let mut neutral = Self { weights: weights(engine), ..Self::default() };
         let (mut motions, mut sliding) = motions_of_the_first_rod(engine, state);
         if !free {
             let supports = Supports::of(engine);
@@ -199,7 +212,7 @@ impl Neutral {
     }
 
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).enumerate().map(|(i, (x, y))| self.weights[usize::from(i % 6 >= 3)] * x * y).sum()
+        weighted(self.weights, a, b)
     }
 
     /// Orthonormalises a motion against those there; false if it depends on them.
@@ -227,6 +240,7 @@ impl Neutral {
             let part = self.dot(step, motion);
             subtract(step, motion, part);
         }
+        self.several.remove(step);
     }
 
     /// The linear constraint c·Δ = 0 that keeps an increment from sliding: c = W v.
@@ -251,7 +265,8 @@ impl Neutral {
             self.pin_held(engine, pattern, values);
         }
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
-            let factor = if engine.model.rods.len() == 1 { 1.0 } else { SHARED };
+            let alone = engine.model.rods.len() == 1 || self.several.anchors.binary_search(&index).is_ok();
+            let factor = if alone { 1.0 } else { SHARED };
             let spacing = rod.spacing();
             let spring = rod.section.bending[0] / spacing.powi(3);
             let turning = rod.section.twisting / spacing;
@@ -306,6 +321,17 @@ fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     let frame_before = if local == 0 { state.frames[before] * seam.inverse() } else { state.frames[before] };
     let turn = (frame_after * frame_before.inverse()).scaled_axis();
     ((state.positions[after] - state.positions[before]) / reach, turn / reach)
+}
+
+/// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second
+/// order.
+fn weights(engine: &Engine) -> [f64; 2] {
+    let lever = 1e-3 * engine.scales.length;
+    [1.0, lever * lever]
+}
+
+fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).enumerate().map(|(i, (x, y))| weights[usize::from(i % 6 >= 3)] * x * y).sum()
 }
 
 fn subtract(x: &mut [f64], direction: &[f64], amount: f64) {

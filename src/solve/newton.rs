@@ -260,7 +260,7 @@ impl Workspace {
         let tangent = &mut self.tangent;
         let mut residual =
             timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, pattern, tangent));
-        self.neutral = Neutral::of(engine, state);
+        self.neutral = Neutral::at(engine, state, &residual.meetings);
         self.neutral.add_pins(engine, state, pattern, &mut self.tangent.values);
         self.neutral.remove_sliding_force(&mut residual.gradient);
         residual

@@ -2,6 +2,8 @@
 
 use super::super::curve::{Cubic, CurveInput};
 use super::*;
+use crate::contact::zone::FootKind;
+use crate::math::Mat3;
 use crate::math::random::Random;
 
 const STIFFNESS: f64 = 3.0;

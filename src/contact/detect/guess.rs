@@ -1,6 +1,6 @@
 //! Guesses of feet along a piece of contact, from those found so far: projections start near their end.
 
-use super::POINTS_PER_PIECE;
+use super::integral::POINTS_PER_PIECE;
 
 /// Both ends of a piece and all points of its rule.
 const MAX_PLACES: usize = POINTS_PER_PIECE + 2;

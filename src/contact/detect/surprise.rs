@@ -5,8 +5,9 @@
 //! push along the strands as their normals turn. Gaps are compared where the points in contact have gone: along either strand, by as much as
 //! the motion slides them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
 
+use super::integral::bernstein_weights;
 use super::stiffness::Coordinates;
-use super::{Meeting, bernstein_weights};
+use super::term::Meeting;
 use crate::contact::curve::{Cubic, CurveSet};
 use crate::contact::zone::FootKind;
 use crate::math::Vec3;

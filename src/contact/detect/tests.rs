@@ -2,7 +2,10 @@
 
 use super::super::curve::{Cubic, CurveInput};
 use super::super::input::Curve;
+use super::guess::Interpolation;
 use super::*;
+use crate::contact::zone::Branch;
+use crate::math::Mat3;
 use crate::math::random::Random;
 
 /// Moves the control points of both cubics.

@@ -9,8 +9,9 @@
 
 use std::collections::VecDeque;
 
+use super::branch::falling_root;
 use super::facing::convexity;
-use super::{Branch, FootKind, NARROW, Pair, Piece, Sample, Side, falling_root};
+use super::{Branch, FootKind, NARROW, Pair, Piece, Sample, Side};
 use crate::contact::capsule;
 use crate::contact::curve::Cubic;
 use crate::contact::projection::stationarity;

@@ -1,0 +1,115 @@
+//! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but nothing else, and the spin of each free isotropic
+//! closed rod about its centreline, which contact without friction does not feel. Sliding of closed rods along themselves is left to the mesh's ripple.
+
+use super::{is_free, spins, subtract, tangent_of};
+use crate::contact::detect::Meeting;
+use crate::math::Vec3;
+use crate::solve::engine::Engine;
+use crate::solve::state::State;
+
+/// Six numbers for each node of some rods, rod by rod; with the rod.
+type Motion = Vec<(usize, Vec<f64>)>;
+
+/// The motions at one state.
+#[derive(Debug, Default)]
+pub(super) struct Several {
+    /// Orthonormal in the product with these weights of displacements and rotations.
+    motions: Vec<Motion>,
+    weights: [f64; 2],
+    first_node: Vec<usize>,
+    /// One rod of each group that moves freely.
+    pub(super) anchors: Vec<usize>,
+}
+
+impl Several {
+    /// Of a model without loads, where strands touch as in `meetings`.
+    pub(super) fn of(engine: &Engine, state: &State, meetings: &[Meeting], weights: [f64; 2]) -> Self {
+        let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
+        for group in groups(engine, meetings) {
+            let start = several.motions.len();
+            for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
+                several.add(start, several.motion(&[rod], &|n| (Vec3::zeros(), tangent_of(state, n))));
+            }
+            if !group.iter().all(|rod| is_free(engine, *rod)) {
+                continue;
+            }
+            several.anchors.push(group[0]);
+            let nodes = || group.iter().flat_map(|rod| engine.first_node[*rod]..engine.first_node[rod + 1]);
+            let centre = nodes().map(|n| state.positions[n]).sum::<Vec3>() / nodes().count() as f64;
+            let planar = engine.model.planar;
+            for k in 0..if planar { 2 } else { 3 } {
+                several.add(start, several.motion(&group, &|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
+            }
+            for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
+                let turning = |n: usize| (axis.cross(&(state.positions[n] - centre)), axis);
+                several.add(start, several.motion(&group, &turning));
+            }
+        }
+        several
+    }
+
+    /// Takes the neutral part out of an increment.
+    pub(super) fn remove(&self, step: &mut [f64]) {
+        for motion in &self.motions {
+            let part: f64 = motion.iter().map(|(rod, values)| self.dot(&step[self.range(*rod)], values)).sum();
+            motion.iter().for_each(|(rod, values)| subtract(&mut step[self.range(*rod)], values, part));
+        }
+    }
+
+    /// Displacement and rotation vector of each node of some rods.
+    fn motion(&self, rods: &[usize], of_node: &dyn Fn(usize) -> (Vec3, Vec3)) -> Motion {
+        let six = |n: usize| {
+            let (d, r) = of_node(n);
+            [d.x, d.y, d.z, r.x, r.y, r.z]
+        };
+        let values = |rod: usize| (self.first_node[rod]..self.first_node[rod + 1]).flat_map(six).collect();
+        rods.iter().map(|&rod| (rod, values(rod))).collect()
+    }
+
+    fn range(&self, rod: usize) -> std::ops::Range<usize> {
+        6 * self.first_node[rod]..6 * self.first_node[rod + 1]
+    }
+
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        super::weighted(self.weights, a, b)
+    }
+
+    /// Normalises a motion after what it has of those from `start` on, which its rods may share, has been taken out.
+    fn add(&mut self, start: usize, mut motion: Motion) {
+        // twice is enough
+        for _ in 0..2 {
+            for earlier in &self.motions[start..] {
+                let place = |rod: usize| motion.binary_search_by_key(&rod, |piece| piece.0).ok();
+                let shared: Vec<(usize, &[f64])> =
+                    earlier.iter().filter_map(|(rod, values)| Some((place(*rod)?, &values[..]))).collect();
+                let part: f64 = shared.iter().map(|(at, values)| self.dot(&motion[*at].1, values)).sum();
+                shared.into_iter().for_each(|(at, values)| subtract(&mut motion[at].1, values, part));
+            }
+        }
+        let norm = motion.iter().map(|(_, values)| self.dot(values, values)).sum::<f64>().sqrt();
+        motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
+        self.motions.push(motion);
+    }
+}
+
+/// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
+fn groups(engine: &Engine, meetings: &[Meeting]) -> Vec<Vec<usize>> {
+    let mut leader: Vec<usize> = (0..engine.model.rods.len()).collect();
+    let find = |leader: &[usize], mut rod: usize| {
+        while leader[rod] != rod {
+            rod = leader[rod];
+        }
+        rod
+    };
+    if let Some(side) = &engine.contact {
+        for meeting in meetings {
+            let [a, _, b, _] = side.nodes_of(meeting).map(|node| engine.rod_of(node));
+            let (a, b) = (find(&leader, a), find(&leader, b));
+            leader[a.max(b)] = a.min(b);
+        }
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); leader.len()];
+    (0..leader.len()).for_each(|rod| groups[find(&leader, rod)].push(rod));
+    groups.retain(|group| !group.is_empty());
+    groups
+}
