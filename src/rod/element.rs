@@ -20,7 +20,7 @@
 
 use crate::math::shape_functions::Table;
 use crate::rod::Section;
-use hessian::{Curvature, Hessian};
+use hessian::{Curvature, Hessian, turned};
 use kinematics::{InPlane, Point, Slopes, Space, inner};
 
 mod hessian;
@@ -94,7 +94,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
     fn curvature(p: &Point<R, Z>, stress: &[f64; S]) -> Curvature<R, Z>;
 
     /// The directions in which the quaternion moves when the node turns: ½ e_k q.
-    fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
+    fn rotations(q: &[f64; Z]) -> [[f64; T]; Z];
 
     /// Strains (reference values not subtracted) and their first derivatives ∇f = (∇P − f ∇|z|²)/|z|².
     #[inline(always)]
@@ -132,12 +132,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
         let mut change = Nodes::default();
         for a in 0..NODES {
             change.r[a].copy_from_slice(&increment[6 * a..6 * a + R]);
-            for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
-                let turn = increment[6 * a + Self::FIRST_ROTATION + k];
-                for l in 0..Z {
-                    change.q[a][l] += turn * way[l];
-                }
-            }
+            let turn: [f64; T] = std::array::from_fn(|k| increment[6 * a + Self::FIRST_ROTATION + k]);
+            change.q[a] = Self::rotations(&nodes.q[a]).map(|way| inner(&way, &turn));
         }
         change
     }
@@ -202,12 +198,10 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
 
     /// A derivative by positions and quaternions of the nodes as one by displacements and rotations.
     #[inline(always)]
-    fn unknowns<const NODES: usize>(by: &Nodes<R, Z>, ways: &[[[f64; Z]; T]; 4], out: &mut [f64; MAX_DOF]) {
+    fn unknowns<const NODES: usize>(by: &Nodes<R, Z>, ways: &[[[f64; T]; Z]; 4], out: &mut [f64; MAX_DOF]) {
         for a in 0..NODES {
             out[6 * a..6 * a + R].copy_from_slice(&by.r[a]);
-            for k in 0..T {
-                out[6 * a + Self::FIRST_ROTATION + k] = inner(&ways[a][k], &by.q[a]);
-            }
+            out[6 * a + Self::FIRST_ROTATION..6 * a + 6].copy_from_slice(&turned(&by.q[a], &ways[a]));
         }
     }
 

@@ -97,45 +97,51 @@ pub(super) fn write<const R: usize, const Z: usize, const T: usize, const POINTS
     n: &[[f64; 4]; POINTS],
     d: &[[f64; 4]; POINTS],
     [a, c]: [usize; 2],
-    ways: [&[[f64; Z]; T]; 2],
+    ways: [&[[f64; T]; Z]; 2],
     first_rotation: usize,
     tangent: &mut ElementTangent,
 ) {
     let (row, column) = (6 * a, 6 * c);
+    let (turn_a, turn_c) = (row + first_rotation, column + first_rotation);
     for k in 0..R {
-        let mut sum = [0.0; R];
+        let (mut rr, mut rq, mut qr) = ([0.0; R], [0.0; Z], [0.0; Z]);
         for g in 0..POINTS {
-            add(&mut sum, d[g][a] * d[g][c], &at[g].rr[k]);
+            add(&mut rr, d[g][a] * d[g][c], &at[g].rr[k]);
+            add(&mut rq, d[g][a] * n[g][c], &at[g].rz[k]);
+            add(&mut qr, n[g][a] * d[g][c], &at[g].rz[k]);
         }
-        tangent[row + k][column..column + R].copy_from_slice(&sum);
-        let (mut above, mut below) = ([0.0; Z], [0.0; Z]);
-        for g in 0..POINTS {
-            add(&mut above, d[g][a] * n[g][c], &at[g].rz[k]);
-            add(&mut below, n[g][a] * d[g][c], &at[g].rz[k]);
-        }
-        for l in 0..T {
-            tangent[row + k][column + first_rotation + l] = inner(&above, &ways[1][l]);
-            tangent[row + first_rotation + l][column + k] = inner(&below, &ways[0][l]);
+        tangent[row + k][column..column + R].copy_from_slice(&rr);
+        tangent[row + k][turn_c..turn_c + T].copy_from_slice(&turned(&rq, ways[1]));
+        for (l, value) in turned(&qr, ways[0]).into_iter().enumerate() {
+            tangent[turn_a + l][column + k] = value;
         }
     }
-    let mut turned = [[0.0; Z]; T];
+    let mut half = [[0.0; Z]; T];
     for m in 0..Z {
-        let mut sum = [0.0; Z];
+        let mut qq = [0.0; Z];
         for g in 0..POINTS {
-            add(&mut sum, n[g][a] * n[g][c], &at[g].zz[m]);
-            add(&mut sum, n[g][a] * d[g][c], &at[g].zd[m]);
-            add(&mut sum, d[g][a] * n[g][c], &at[g].dz[m]);
-            add(&mut sum, d[g][a] * d[g][c], &at[g].dd[m]);
+            add(&mut qq, n[g][a] * n[g][c], &at[g].zz[m]);
+            add(&mut qq, n[g][a] * d[g][c], &at[g].zd[m]);
+            add(&mut qq, d[g][a] * n[g][c], &at[g].dz[m]);
+            add(&mut qq, d[g][a] * d[g][c], &at[g].dd[m]);
         }
         for k in 0..T {
-            add(&mut turned[k], ways[0][k][m], &sum);
+            add(&mut half[k], ways[0][m][k], &qq);
         }
     }
     for k in 0..T {
-        for l in 0..T {
-            tangent[row + first_rotation + k][column + first_rotation + l] = inner(&turned[k], &ways[1][l]);
-        }
+        tangent[turn_a + k][turn_c..turn_c + T].copy_from_slice(&turned(&half[k], ways[1]));
     }
+}
+
+/// A derivative by a quaternion as one by rotations.
+#[inline(always)]
+pub(super) fn turned<const Z: usize, const T: usize>(by: &[f64; Z], ways: &[[f64; T]; Z]) -> [f64; T] {
+    let mut out = ways[0].map(|way| by[0] * way);
+    for m in 1..Z {
+        add(&mut out, by[m], &ways[m]);
+    }
+    out
 }
 
 /// sum += factor · row.

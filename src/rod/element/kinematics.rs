@@ -176,12 +176,9 @@ impl Kinematics<3, 4, 6, 3> for Space {
     }
 
     #[inline(always)]
-    fn rotations(q: &Q) -> [Q; 3] {
-        [
-            [-0.5 * q[1], 0.5 * q[0], -0.5 * q[3], 0.5 * q[2]],
-            [-0.5 * q[2], 0.5 * q[3], 0.5 * q[0], -0.5 * q[1]],
-            [-0.5 * q[3], -0.5 * q[2], 0.5 * q[1], 0.5 * q[0]],
-        ]
+    fn rotations(q: &Q) -> [[f64; 3]; 4] {
+        let [w, x, y, z] = q.map(|component| 0.5 * component);
+        [[-x, -y, -z], [w, z, -y], [-z, w, x], [y, -x, w]]
     }
 }
 
@@ -214,8 +211,8 @@ impl Kinematics<2, 2, 3, 1> for InPlane {
     }
 
     #[inline(always)]
-    fn rotations(q: &[f64; 2]) -> [[f64; 2]; 1] {
-        [[-0.5 * q[1], 0.5 * q[0]]]
+    fn rotations(q: &[f64; 2]) -> [[f64; 1]; 2] {
+        [[-0.5 * q[1]], [0.5 * q[0]]]
     }
 }
 
