@@ -7,7 +7,7 @@
 //! K_i = 2 ⟨z e_i, z'⟩ / |z|²        K − K_ref          bending (1, 2), twist (3)
 //! ```
 //!
-//! depend on the eleven numbers y = (r', z, z') as quadratic forms over |z|², which makes exact first and second
+//! depend on the eleven numbers y = (r', z, z'), V on r' and z, K on z and z', as quadratic forms P over |z|², which makes exact first and second
 //! derivatives short: with f = P/|z|², ∇²f = (∇²P − f ∇²|z|² − ∇f⊗∇|z|² − ∇|z|²⊗∇f)/|z|².
 //! Left multiplication of all q_a by one unit quaternion commutes with the interpolation, so the strains are objective;
 //! nothing incremental is interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
@@ -63,13 +63,20 @@ pub fn stiffness(section: &Section) -> Six {
     ]
 }
 
+/// The kernel for elements of an order, whose loops have fixed ends.
+macro_rules! of_order {
+    ($order:expr, $kinematics:ident::$kernel:ident) => {
+        match $order {
+            1 => $kinematics::$kernel::<2>,
+            2 => $kinematics::$kernel::<3>,
+            _ => $kinematics::$kernel::<4>,
+        }
+    };
+}
+
 /// Raw strains (V, K) at the integration points of an element of reference length `length` \[L\].
 pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3] {
-    match table.order {
-        1 => Space::strains::<2>(table, nodes, length),
-        2 => Space::strains::<3>(table, nodes, length),
-        _ => Space::strains::<4>(table, nodes, length),
-    }
+    of_order!(table.order, Space::strains)(table, nodes, length)
 }
 
 impl Body<'_> {
@@ -93,7 +100,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
     /// Σ S_i ∇²P_i.
     fn curvature(p: &Point<R, Z>, stress: &[f64; S]) -> Curvature<R, Z>;
 
-    /// The directions in which the quaternion moves when the node turns: ½ e_k q.
+    /// The directions in which the quaternion moves when the node turns, ½ e_k q, as columns.
     fn rotations(q: &[f64; Z]) -> [[f64; T]; Z];
 
     /// Strains (reference values not subtracted) and their first derivatives ∇f = (∇P − f ∇|z|²)/|z|².
@@ -205,7 +212,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
         }
     }
 
-    fn evaluate<const NODES: usize, const POINTS: usize>(
+    fn evaluate<const NODES: usize>(
         body: &Body,
         nodes: &Nodes<R, Z>,
         material: &[f64; S],
@@ -214,18 +221,15 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
         tangent: Option<&mut ElementTangent>,
         out: &mut ElementOutput,
     ) {
-        let table = body.table;
+        let (n, inv_length) = (&body.table.n, 1.0 / body.length);
+        let d = body.table.d.map(|slopes| slopes.map(|x| x * inv_length));
         *out = ElementOutput::default();
-        let mut force = Nodes::default();
-        let mut geometric = Nodes::default();
-        let mut at = [Hessian::default(); POINTS];
-        let n: [[f64; 4]; POINTS] = std::array::from_fn(|g| table.n[g]);
-        let inv_length = 1.0 / body.length;
-        let d: [[f64; 4]; POINTS] = std::array::from_fn(|g| table.d[g].map(|x| x * inv_length));
-        for g in 0..POINTS {
+        let (mut force, mut predicted_force) = (Nodes::default(), Nodes::default());
+        let mut hessians = [Hessian::default(); 3];
+        for g in 0..NODES - 1 {
             let p = Point::new::<NODES>(nodes, &n[g], &d[g]);
-            let (raw, b) = Self::strain(&p);
-            let weight = table.rule.weights[g] * body.length;
+            let (raw, slopes) = Self::strain(&p);
+            let weight = body.table.rule.weights[g] * body.length;
             let stiffness = material.map(|c| weight * c);
             let mut stress = [0.0; S];
             for i in 0..S {
@@ -233,22 +237,21 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
                 stress[i] = stiffness[i] * strain;
                 out.energy[Self::KIND[i]] += 0.5 * stress[i] * strain;
             }
-            force.add::<NODES>(&b.gradient(&stress), &n[g], &d[g]);
-            if tangent.is_none() {
-                continue;
+            force.add::<NODES>(&slopes.gradient(&stress), &n[g], &d[g]);
+            if tangent.is_some() {
+                let stress = predicted.map_or(stress, |s| s[g].map(|s| weight * s));
+                predicted_force.add::<NODES>(&slopes.gradient(&stress), &n[g], &d[g]);
+                hessians[g] = Hessian::new::<S, T, Self>(&p, &slopes, &raw, &stress, &stiffness);
             }
-            let stress = predicted.map_or(stress, |s| s[g].map(|s| weight * s));
-            geometric.add::<NODES>(&b.gradient(&stress), &n[g], &d[g]);
-            at[g] = Hessian::new::<S, T, Self>(&p, &b, &raw, &stress, &stiffness);
         }
         let ways = nodes.q.each_ref().map(Self::rotations);
         Self::unknowns::<NODES>(&force, &ways, &mut out.residual);
         let Some(tangent) = tangent else { return };
         for a in 0..NODES {
             for c in a..NODES {
-                hessian::write(&at, &n, &d, [a, c], [&ways[a], &ways[c]], Self::FIRST_ROTATION, tangent);
+                hessian::write::<R, Z, T, NODES>(&hessians, n, &d, [a, c], [&ways[a], &ways[c]], tangent);
             }
-            let correction = -0.25 * inner(&geometric.q[a], &nodes.q[a]);
+            let correction = -0.25 * inner(&predicted_force.q[a], &nodes.q[a]);
             for k in 6 * a + Self::FIRST_ROTATION..6 * a + 6 {
                 tangent[k][k] += correction;
             }
@@ -267,19 +270,11 @@ pub fn predicted_stress(
     match body.flat(nodes) {
         Some((plane, flat)) => {
             let (material, reference) = (plane.material(body.material), reference.map(|six| plane.part(&six)));
-            let predict = match body.table.order {
-                1 => InPlane::predict::<2>,
-                2 => InPlane::predict::<3>,
-                _ => InPlane::predict::<4>,
-            };
+            let predict = of_order!(body.table.order, InPlane::predict);
             predict(body, &flat, &material, &reference, increment).map(|s| plane.six(&s))
         }
         None => {
-            let predict = match body.table.order {
-                1 => Space::predict::<2>,
-                2 => Space::predict::<3>,
-                _ => Space::predict::<4>,
-            };
+            let predict = of_order!(body.table.order, Space::predict);
             predict(body, nodes, body.material, reference, increment)
         }
     }
@@ -296,20 +291,12 @@ pub fn surprise_force(
     match (body.flat(nodes), body.flat(moved)) {
         (Some((plane, flat)), Some((_, moved))) => {
             let material = plane.material(body.material);
-            let surprise = match body.table.order {
-                1 => InPlane::surprise::<2>,
-                2 => InPlane::surprise::<3>,
-                _ => InPlane::surprise::<4>,
-            };
+            let surprise = of_order!(body.table.order, InPlane::surprise);
             let (stress, force) = surprise(body, &flat, &moved, &material, increment);
             (stress.map(|s| plane.six(&s)), force)
         }
         _ => {
-            let surprise = match body.table.order {
-                1 => Space::surprise::<2>,
-                2 => Space::surprise::<3>,
-                _ => Space::surprise::<4>,
-            };
+            let surprise = of_order!(body.table.order, Space::surprise);
             surprise(body, nodes, moved, body.material, increment)
         }
     }
@@ -344,19 +331,11 @@ pub fn evaluate(
             let (material, reference) = (plane.material(body.material), reference.map(|six| plane.part(&six)));
             let predicted = predicted.map(|stress| stress.map(|six| plane.part(&six)));
             let predicted = predicted.as_ref();
-            let evaluate = match body.table.order {
-                1 => InPlane::evaluate::<2, 1>,
-                2 => InPlane::evaluate::<3, 2>,
-                _ => InPlane::evaluate::<4, 3>,
-            };
+            let evaluate = of_order!(body.table.order, InPlane::evaluate);
             evaluate(body, &flat, &material, &reference, predicted, tangent, out);
         }
         None => {
-            let evaluate = match body.table.order {
-                1 => Space::evaluate::<2, 1>,
-                2 => Space::evaluate::<3, 2>,
-                _ => Space::evaluate::<4, 3>,
-            };
+            let evaluate = of_order!(body.table.order, Space::evaluate);
             evaluate(body, nodes, body.material, reference, predicted, tangent, out);
         }
     }

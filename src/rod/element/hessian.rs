@@ -89,26 +89,25 @@ impl<const R: usize, const Z: usize> Hessian<R, Z> {
     }
 }
 
-/// Writes the block of nodes a ≤ c (and, of a < c, none below the diagonal) into the tangent: `a` at the points, shape functions `n` and their slopes `d` there,
-/// `ways` in which the quaternions of the nodes move when they turn.
+/// Writes the block of nodes a ≤ c of an element of `NODES` nodes into its tangent, from the second derivatives at the points, shape functions `n` and
+/// their slopes by arc length `d` there, and the `ways` in which the quaternions of the two nodes move when they turn.
 #[inline(always)]
-pub(super) fn write<const R: usize, const Z: usize, const T: usize, const POINTS: usize>(
-    at: &[Hessian<R, Z>; POINTS],
-    n: &[[f64; 4]; POINTS],
-    d: &[[f64; 4]; POINTS],
+pub(super) fn write<const R: usize, const Z: usize, const T: usize, const NODES: usize>(
+    hessians: &[Hessian<R, Z>; 3],
+    n: &[[f64; 4]; 3],
+    d: &[[f64; 4]; 3],
     [a, c]: [usize; 2],
     ways: [&[[f64; T]; Z]; 2],
-    first_rotation: usize,
     tangent: &mut ElementTangent,
 ) {
     let (row, column) = (6 * a, 6 * c);
-    let (turn_a, turn_c) = (row + first_rotation, column + first_rotation);
+    let (turn_a, turn_c) = (row + 6 - T, column + 6 - T);
     for k in 0..R {
         let (mut rr, mut rq, mut qr) = ([0.0; R], [0.0; Z], [0.0; Z]);
-        for g in 0..POINTS {
-            add(&mut rr, d[g][a] * d[g][c], &at[g].rr[k]);
-            add(&mut rq, d[g][a] * n[g][c], &at[g].rz[k]);
-            add(&mut qr, n[g][a] * d[g][c], &at[g].rz[k]);
+        for g in 0..NODES - 1 {
+            add(&mut rr, d[g][a] * d[g][c], &hessians[g].rr[k]);
+            add(&mut rq, d[g][a] * n[g][c], &hessians[g].rz[k]);
+            add(&mut qr, n[g][a] * d[g][c], &hessians[g].rz[k]);
         }
         tangent[row + k][column..column + R].copy_from_slice(&rr);
         tangent[row + k][turn_c..turn_c + T].copy_from_slice(&turned(&rq, ways[1]));
@@ -119,11 +118,11 @@ pub(super) fn write<const R: usize, const Z: usize, const T: usize, const POINTS
     let mut half = [[0.0; Z]; T];
     for m in 0..Z {
         let mut qq = [0.0; Z];
-        for g in 0..POINTS {
-            add(&mut qq, n[g][a] * n[g][c], &at[g].zz[m]);
-            add(&mut qq, n[g][a] * d[g][c], &at[g].zd[m]);
-            add(&mut qq, d[g][a] * n[g][c], &at[g].dz[m]);
-            add(&mut qq, d[g][a] * d[g][c], &at[g].dd[m]);
+        for g in 0..NODES - 1 {
+            add(&mut qq, n[g][a] * n[g][c], &hessians[g].zz[m]);
+            add(&mut qq, n[g][a] * d[g][c], &hessians[g].zd[m]);
+            add(&mut qq, d[g][a] * n[g][c], &hessians[g].dz[m]);
+            add(&mut qq, d[g][a] * d[g][c], &hessians[g].dd[m]);
         }
         for k in 0..T {
             add(&mut half[k], ways[0][m][k], &qq);
