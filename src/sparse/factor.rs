@@ -43,7 +43,8 @@ impl std::fmt::Debug for Factor {
 /// As [`Factor::analyse`].
 pub fn ordered(pattern: Pattern) -> Result<Pattern, SolveError> {
     let n = pattern.num_equations();
-    let matrix = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
+    let (col_ptr, row_idx) = pattern.upper();
+    let matrix = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
     let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
     let scratch = amd::order_maybe_unsorted_scratch::<u32>(n, pattern.num_entries());
     let mut scratch = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?;
