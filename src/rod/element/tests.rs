@@ -127,6 +127,68 @@ fn tangent_is_the_symmetric_second_derivative_of_the_energy_along_the_update() {
     }
 }
 
+/// The kernel's blocks against the formula as it stands: Σ w (Bᵀ C B + Σ_i S_i ∂²ε_i) with B and ∂² from differences of the strains along the update, and any
+/// stress S in the geometric part; C (ε + B δ) with the same B.
+#[test]
+fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_strains() {
+    for order in 1..=3 {
+        let (case, table, dofs) = (case(order), Table::new(order), 6 * (order + 1));
+        let predicted: [Six; 3] =
+            std::array::from_fn(|g| std::array::from_fn(|i| 2.0 * (1.0 + 3.0 * g as f64 + 1.7 * i as f64).sin()));
+        // strains after a turn of every node by its part of `by`
+        let strains = |by: &[f64; MAX_DOF]| {
+            let mut case = Case { r: case.r.clone(), q: case.q.clone(), ..case };
+            for a in 0..=order {
+                case.r[a] += Vec3::from_column_slice(&by[6 * a..6 * a + 3]);
+                case.q[a] = exp(&Vec3::from_column_slice(&by[6 * a + 3..6 * a + 6])) * case.q[a];
+            }
+            raw_strains(&table, &nodes_of(&case), case.length)
+        };
+        let along = |steps: &[(usize, f64)]| {
+            let mut by = [0.0; MAX_DOF];
+            steps.iter().for_each(|&(dof, step)| by[dof] += step);
+            strains(&by)
+        };
+        let minus = |a: [Six; 3], b: [Six; 3], factor: f64| -> [Six; 3] {
+            std::array::from_fn(|g| std::array::from_fn(|i| (a[g][i] - b[g][i]) * factor))
+        };
+        let b: Vec<[Six; 3]> = (0..dofs)
+            .map(|i| {
+                let [near, far] = [1e-3, 2e-3].map(|h| minus(along(&[(i, h)]), along(&[(i, -h)]), 0.5 / h));
+                std::array::from_fn(|g| std::array::from_fn(|s| (4.0 * near[g][s] - far[g][s]) / 3.0))
+            })
+            .collect();
+        let bend = |i: usize, j: usize| {
+            let h = 1e-3;
+            let rising = minus(along(&[(i, h), (j, h)]), along(&[(i, h), (j, -h)]), 0.25 / (h * h));
+            let falling = minus(along(&[(i, -h), (j, h)]), along(&[(i, -h), (j, -h)]), 0.25 / (h * h));
+            minus(rising, falling, 1.0)
+        };
+        let body = Body { table: &table, length: case.length, material: &case.material, plane: None };
+        let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
+        evaluate(&body, &nodes_of(&case), &case.reference, Some(&predicted), Some(&mut tangent), &mut out);
+        for (i, j) in (0..dofs).flat_map(|i| (i / 6 * 6..dofs).map(move |j| (i, j))) {
+            let second = bend(i, j);
+            let mut slow = 0.0;
+            for g in 0..order {
+                let at_point: f64 =
+                    (0..6).map(|s| case.material[s] * b[i][g][s] * b[j][g][s] + predicted[g][s] * second[g][s]).sum();
+                slow += table.rule.weights[g] * case.length * at_point;
+            }
+            assert!((tangent[i][j] - slow).abs() < 1e-4, "order {order} ({i}, {j}): {} {slow}", tangent[i][j]);
+        }
+        let step: [f64; MAX_DOF] =
+            std::array::from_fn(|k| if k < dofs { 0.3 * (1.0 + 2.0 * k as f64).cos() } else { 0.0 });
+        let (start, ours) =
+            (strains(&[0.0; MAX_DOF]), predicted_stress(&body, &nodes_of(&case), &case.reference, &step));
+        for (g, i) in (0..order).flat_map(|g| (0..6).map(move |i| (g, i))) {
+            let change: f64 = (0..dofs).map(|k| b[k][g][i] * step[k]).sum();
+            let slow = case.material[i] * (start[g][i] - case.reference[g][i] + change);
+            assert!((ours[g][i] - slow).abs() < 1e-8, "order {order} point {g}: {} {slow}", ours[g][i]);
+        }
+    }
+}
+
 #[test]
 fn strains_do_not_change_under_rigid_motion() {
     let case = case(3);
