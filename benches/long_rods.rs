@@ -112,7 +112,7 @@ fn main() {
             report.status,
             report.iterations,
             report.history.len(),
-            report.short_iterations,
+            report.iterations_elsewhere,
             report.penetration
         );
         assert_eq!(report.status, Status::Converged);

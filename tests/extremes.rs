@@ -157,13 +157,14 @@ fn the_stiffness_holds_no_bending_at_slenderness_1e7() {
     assert!(plain < 1e-4 && fine < 0.1 && lost > 0.3, "{plain:e} {fine:e} {lost:e}");
 }
 
-/// *Returns* for ratios of stiffnesses from 1e-8 to 1e8 with the error of the mesh; twist against bending from 1e-6 on, where it
-/// depends on the order of additions already: below, the eigenvalues of twist drown in the rounding of the others, and the search *refuses* by `MaxIterations`.
+/// *Returns* for ratios of stiffnesses from 1e-8 to 1e8 with the error of the mesh, in two load steps; twist against bending from 1e-6 on: below, the eigenvalues of twist
+/// drown in the rounding of the others, and the search *refuses* by `MaxIterations`. (In one step the order of additions decides at 1e-6 already, in two at 1e-7: Newton's first steps move the tip by
+/// sixty node spacings, and what rounding adds out of the plane is a million times as soft.)
 #[test]
 fn ratios_of_stiffnesses() {
     let case = |name: &str, section: Section, force: Vec3, exact: Vec3| {
         let mut solver = cantilever(section, 16, 3, force, Vec3::zeros());
-        let report = load(&mut solver, 1);
+        let report = load(&mut solver, 2);
         let error = (tip(&solver) - exact).norm();
         assert!(report.status == Status::Converged && report.num_unstable == 0, "{name}: {}", report.status);
         assert!(error < 1e-9, "{name}: {error:e}");
@@ -191,7 +192,7 @@ fn ratios_of_stiffnesses() {
     }
     let mut solver = cantilever(Section::isotropic(1.0, 1e-8, 1e4, 1e4, 0.0), 16, 3, Vec3::y() * 4.0, Vec3::zeros());
     solver.options_mut().newton.max_iterations = 60;
-    let status = load(&mut solver, 1).status;
+    let status = load(&mut solver, 2).status;
     assert_eq!(status, Status::MaxIterations, "C/B = 1e-8");
 }
 

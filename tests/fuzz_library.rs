@@ -130,7 +130,7 @@ fn rods(cases: u32) -> BTreeMap<&'static str, usize> {
                     Ok(rod) => {
                         prop_assert!(rod.start_excess_link.is_finite());
                         prop_assert_eq!(rod.check(), Ok(()));
-                        if let Ok(fine) = rod.refined() {
+                        if let Ok(fine) = rod.refined(2) {
                             prop_assert_eq!(fine.num_elements, 2 * rod.num_elements);
                         }
                         "taken"

@@ -225,10 +225,9 @@ fn ring(kappa: f64, options: Options) -> Solver {
 /// ΔLk, writhe, M₃L/2πB and contact force of a state.
 type Numbers = [f64; 4];
 
-/// Follows the ring through the links in turn; corners, numbers at the links and the state at the first.
-fn follow_ring(solver: &mut Solver, start: Start, links: &[f64]) -> (Vec<Numbers>, Vec<Numbers>, State) {
-    let (mut corners, mut states) = (Vec::new(), Vec::new());
-    let mut first = None;
+/// Follows the ring through the links in turn; corners, numbers and states at the links.
+fn follow_ring(solver: &mut Solver, start: Start, links: &[f64]) -> (Vec<Numbers>, Vec<Numbers>, Vec<State>) {
+    let (mut corners, mut numbers_there, mut states) = (Vec::new(), Vec::new(), Vec::new());
     for (leg, &to) in links.iter().enumerate() {
         let start = if leg == 0 { start } else { Start::Towards };
         let report = solver.follow(
@@ -242,8 +241,8 @@ fn follow_ring(solver: &mut Solver, start: Start, links: &[f64]) -> (Vec<Numbers
                 match point.kind {
                     PointKind::Corner => corners.push(numbers),
                     PointKind::Target => {
-                        first.get_or_insert_with(|| point.progress.engine.state().clone());
-                        states.push(numbers);
+                        numbers_there.push(numbers);
+                        states.push(point.progress.engine.state().clone());
                     }
                     _ => {}
                 }
@@ -252,7 +251,7 @@ fn follow_ring(solver: &mut Solver, start: Start, links: &[f64]) -> (Vec<Numbers
         );
         assert_eq!(report.unwrap().end, PathEnd::Target);
     }
-    (corners, states, first.unwrap())
+    (corners, numbers_there, states)
 }
 
 #[test]
@@ -262,11 +261,11 @@ fn ring_from_no_contact_to_three_and_back() {
     for kappa in [1e10, 1e11] {
         let mut solver = ring(kappa, any_equilibrium());
         to_branch_point(&mut solver, &Ramp::ExcessLink { rod: 0, to: 2.0 });
-        let (there, states, first) = follow_ring(&mut solver, Start::Branch { forwards: true }, &links);
+        let (there, numbers_there, states) = follow_ring(&mut solver, Start::Branch { forwards: true }, &links);
         let way_back: Vec<f64> = links[..4].iter().rev().copied().collect();
-        let (mut back, mut states_back, _) = follow_ring(&mut solver, Start::Towards, &way_back);
+        let (mut back, mut numbers_back, _) = follow_ring(&mut solver, Start::Towards, &way_back);
         back.reverse();
-        states_back.reverse();
+        numbers_back.reverse();
         let case = format!("twisted ring, D/L = {RING}, κ = {kappa:.0e}");
         assert_eq!((there.len(), back.len()), (3, 2), "{there:?} {back:?}");
         let exact = [Event::FirstContact, Event::TwoToThree].map(|event| event_of(event, RING));
@@ -276,20 +275,20 @@ fn ring_from_no_contact_to_three_and_back() {
         for (k, name) in [(1, "one → two"), (2, "two → three")] {
             verify(&case, &format!("ΔLk at {name}, back over there"), back[k - 1][0] / there[k][0], 1.0, 1e-6);
         }
-        for (k, numbers) in states_back.iter().enumerate() {
+        for (k, numbers) in numbers_back.iter().enumerate() {
             verify(
                 &case,
                 &format!("contact force at ΔLk = {}, back over there", links[k]),
-                numbers[3] / states[k][3],
+                numbers[3] / numbers_there[k][3],
                 1.0,
                 1e-8,
             );
         }
-        // From where the loop of the path lies on its mesh, which rounding decides at the branch point: a twentieth of an element further the ripple of the mesh makes
-        // 1e-6 to 3e-6 of the writhe at ΔLk = 1.97, near where one point becomes two.
-        let mut stepped = ring(kappa, Options::default());
-        stepped.engine_mut().set_state(first).unwrap();
+        // Each step from where the loop of the path lay on its mesh, which rounding decides at the branch point and steps shift: a twentieth of an element further the ripple of the
+        // mesh makes 1e-6 to 3e-6 of the writhe at ΔLk = 1.97, near where one point becomes two.
         for (k, to) in links.into_iter().enumerate() {
+            let mut stepped = ring(kappa, Options::default());
+            stepped.engine_mut().set_state(states[k.saturating_sub(1)].clone()).unwrap();
             let report = stepped.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", common::history(&report));
             let seen = common::observed(&stepped, &report);
@@ -297,14 +296,14 @@ fn ring_from_no_contact_to_three_and_back() {
             verify(
                 &case,
                 &format!("contact force at ΔLk = {to}, path over load steps"),
-                states[k][3] / seen.total_contact_force,
+                numbers_there[k][3] / seen.total_contact_force,
                 1.0,
                 1e-6,
             );
             verify(
                 &case,
                 &format!("writhe at ΔLk = {to}, path over load steps"),
-                states[k][1] / seen.links[0].writhe,
+                numbers_there[k][1] / seen.links[0].writhe,
                 1.0,
                 1e-6,
             );

@@ -117,12 +117,12 @@ impl Ring {
     /// The state at an excess link on the finest mesh, as hard contact has it: Richardson's rule on the last two laws.
     fn hard(&mut self, excess_link: f64, indicator: Indicator) -> Numbers {
         self.go_to(excess_link);
-        let mut fine = self.solver.refined().unwrap();
+        let mut fine = self.solver.refined(2).unwrap();
         let Fineness { refinements, soft, .. } = self.fineness;
         for level in 1..refinements {
             fine.engine_mut().set_contact_law(penalty(soft + level, self.diameter)).unwrap();
             assert_eq!(fine.resettle().status, Status::Converged);
-            fine = fine.refined().unwrap();
+            fine = fine.refined(2).unwrap();
         }
         let mut last = [[0.0; 5]; 2];
         for decade in soft + refinements..=HARD {

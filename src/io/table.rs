@@ -38,7 +38,7 @@ fn columns(units: &Units) -> [(&'static str, String, usize); 13] {
         ("sites", none(), 6),
         ("contact", units.force.clone(), 11),
         ("unst.", none(), 6),
-        ("iter.", none(), 6),
+        ("iter.", none(), 9),
     ]
 }
 
@@ -63,7 +63,11 @@ impl StepTable<'_> {
         line += &[link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)].map(turns).concat();
         line += &[e.bend, e.twist, e.stretch, e.shear].map(number).concat();
         line += &format!("{gap}{:>6}{}", step.num_sites, number(step.total_contact_force));
-        line += &format!("{:>6}{:>6}", step.num_unstable, step.iterations);
+        let iterations = match step.iterations_elsewhere {
+            0 => step.iterations.to_string(),
+            elsewhere => format!("{}+{elsewhere}", step.iterations),
+        };
+        line += &format!("{:>6}{iterations:>9}", step.num_unstable);
         if step.status != CONVERGED {
             line += &format!("  {}", step.status);
         }
@@ -87,7 +91,7 @@ impl fmt::Display for StepTable<'_> {
 }
 
 /// Writes the steps as CSV: step, stage, fraction, link numbers of each closed rod, energies, smallest gap (lower bound),
-/// sites, contact force, unstable directions, iterations, seconds, status. Units as in the scene, links in turns.
+/// sites, contact force, unstable directions, iterations (and those on shorter rods or coarser meshes), seconds, status. Units as in the scene, links in turns.
 ///
 /// `rods` are the names of all rods; where several are closed their columns carry the name.
 ///
@@ -106,7 +110,8 @@ pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Resul
     }
     let rest = ["stretch", "shear", "bend", "twist_energy", "contact", "total", "min_gap", "num_sites"];
     header.extend(rest.map(str::to_owned));
-    header.extend(["total_contact_force", "num_unstable", "iterations", "seconds", "status"].map(str::to_owned));
+    header.extend(["total_contact_force", "num_unstable", "iterations"].map(str::to_owned));
+    header.extend(["iterations_elsewhere", "seconds", "status"].map(str::to_owned));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     write_table(path, &header, steps.iter().map(cells))
 }
@@ -122,7 +127,8 @@ fn cells(step: &Observation) -> Vec<Cell> {
     cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.total].map(Cell::from));
     cells.push(step.min_gap.map_or_else(|| Cell::from(""), |gap| gap.lower.into()));
     cells.extend([step.num_sites.into(), step.total_contact_force.into(), step.num_unstable.into()]);
-    cells.extend([step.iterations.into(), step.seconds.into(), step.status.as_str().into()]);
+    cells.extend([step.iterations.into(), step.iterations_elsewhere.into()]);
+    cells.extend([step.seconds.into(), step.status.as_str().into()]);
     cells
 }
 
@@ -181,6 +187,7 @@ pub(super) mod tests {
             reactions: Vec::new(),
             num_unstable: 2,
             iterations: 7,
+            iterations_elsewhere: 12,
             seconds: 0.25,
         }
     }

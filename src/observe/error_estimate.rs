@@ -137,7 +137,7 @@ impl std::fmt::Display for ErrorEstimate {
 /// A rod that cannot be refined. What does not come to rest is told in the estimate.
 pub fn estimate_error(solver: &Solver) -> Result<ErrorEstimate, InputError> {
     let coarse = seen(solver, None);
-    let mut fine = solver.refined()?;
+    let mut fine = solver.refined(2)?;
     let report = fine.resettle();
     let on_finer_mesh = seen(&fine, Some(&report));
     let stride = 2;

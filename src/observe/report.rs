@@ -160,6 +160,8 @@ pub struct Observation {
     pub num_unstable: usize,
     /// Newton iterations spent on this step (all outer loops).
     pub iterations: usize,
+    /// Newton iterations on a shorter rod or a coarser mesh that prepared this step.
+    pub iterations_elsewhere: usize,
     /// Wall time spent on this step \[s\].
     pub seconds: f64,
 }

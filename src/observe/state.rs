@@ -42,6 +42,7 @@ pub fn observe(progress: &Progress) -> Observation {
         reactions: reactions(engine, &residual),
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
+        iterations_elsewhere: progress.report.iterations_elsewhere,
         seconds: progress.seconds,
     }
 }

@@ -1,27 +1,32 @@
-//! Nodes between nodes: the same rod, or the same state of it, on a mesh of twice the elements.
+//! The same rod, or the same state of it, on a mesh of several times the elements, or of fewer.
 
 use crate::error::InputError;
 use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
+use crate::rod::body::MAX_TURN;
 
 /// Nodes an intermediate one is interpolated from, where there are so many: degree 7, beyond the sixth order of the best elements.
 const STENCIL: usize = 8;
 
 impl Rod {
-    /// The same rod with twice the elements; node k becomes node 2k.
+    /// The same rod with `factor` times the elements; node k becomes node `factor` k.
     ///
     /// New nodes are interpolated between the eight next old ones, which for a smooth start shape is of higher order than the elements.
     /// It matters only where the start shape is the natural one ([`Natural::AsShaped`](crate::rod::Natural)) and has corners between
     /// its nodes: these cannot be known.
     ///
     /// # Errors
-    /// See [`Rod::check`]; more nodes than a rod may have.
-    pub fn refined(&self) -> Result<Self, InputError> {
+    /// A factor of 0; see [`Rod::check`]; more nodes than a rod may have.
+    pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
+        if factor == 0 {
+            let field = format!("rods.{}.refined", self.name);
+            return Err(InputError::Count { field, value: factor, allowed: "a factor of at least 1" });
+        }
         let seam = std::f64::consts::TAU * self.start_excess_link;
-        let (positions, frames) = self.interleave(&self.positions, &self.frames, seam);
-        let num_elements = 2 * self.num_elements;
+        let (positions, frames) = self.interleave(&self.positions, &self.frames, seam, factor);
+        let num_elements = self.num_elements.saturating_mul(factor);
         if num_elements.saturating_mul(self.order) > super::shape::MAX_SEGMENTS {
             let allowed = "such that the rod has at most ten million nodes";
             let field = format!("rods.{}.elements", self.name);
@@ -31,33 +36,65 @@ impl Rod {
         fine.check().map(|()| fine)
     }
 
-    /// Nodes of a state of this rod with one more in the middle of every segment; `seam` \[rad\] turns the frame at s = L against that at 0.
-    pub(crate) fn interleave(&self, positions: &[Vec3], frames: &[Quat], seam: f64) -> (Vec<Vec3>, Vec<Quat>) {
+    /// The same rod on every `factor`-th node; `None` where elements cannot be counted off or turn too far.
+    pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
+        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let coarse = Self {
+            num_elements: self.num_elements / factor,
+            positions: self.positions.iter().step_by(factor).copied().collect(),
+            frames: self.frames.iter().step_by(factor).copied().collect(),
+            ..self.clone()
+        };
+        (self.can_be_coarsened(&self.frames, seam, factor) && coarse.check().is_ok()).then_some(coarse)
+    }
+
+    /// Whether every `factor`-th node of a state of this rod tells how frames turn between them: a whole turn would not be seen. `seam` as for
+    /// [`Rod::interleave`].
+    pub(crate) fn can_be_coarsened(&self, frames: &[Quat], seam: f64, factor: usize) -> bool {
+        let turn = |segment: usize| match frames.get(segment + 1) {
+            Some(next) => frames[segment].angle_to(next),
+            None => frames[segment].angle_to(&(frames[0] * spin(seam))),
+        };
+        let turns = |first: usize| (first..first + factor).map(turn).sum::<f64>() / std::f64::consts::TAU;
+        self.num_elements.is_multiple_of(factor)
+            && (0..self.num_segments()).step_by(factor).all(|first| turns(first) <= MAX_TURN)
+    }
+
+    /// Nodes of a state of this rod with every segment cut in `factor` equal parts; `seam` \[rad\] turns the frame at s = L against that at 0.
+    pub(crate) fn interleave(
+        &self,
+        positions: &[Vec3],
+        frames: &[Quat],
+        seam: f64,
+        factor: usize,
+    ) -> (Vec<Vec3>, Vec<Quat>) {
         let count = positions.len();
         let stencil = STENCIL.min(count);
-        let (mut r, mut q) = (Vec::with_capacity(2 * count), Vec::with_capacity(2 * count));
+        let (mut r, mut q) = (Vec::with_capacity(factor * count), Vec::with_capacity(factor * count));
         for segment in 0..self.num_segments() {
             r.push(positions[segment]);
             q.push(frames[segment]);
             // the first of the nodes interpolated from; beyond the seam on closed rods
             let centred = segment as isize + 1 - (stencil as isize + 1) / 2;
             let first = if self.closed { centred } else { centred.clamp(0, (count - stencil) as isize) };
-            let at = (segment as isize - first) as f64 + 0.5;
-            let (mut point, mut sum) = (Vec3::zeros(), nalgebra::Vector4::zeros());
-            let mut before = frames[segment].coords;
-            for k in 0..stencil {
-                let index = first + k as isize;
-                let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
-                let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
-                // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
-                let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
-                let weight = lagrange_weight(stencil, |j| j as f64, k, at);
-                point += (positions[node] - positions[segment]) * weight;
-                sum += aligned * weight;
-                before = aligned;
+            for part in 1..factor {
+                let at = (segment as isize - first) as f64 + part as f64 / factor as f64;
+                let (mut point, mut sum) = (Vec3::zeros(), nalgebra::Vector4::zeros());
+                let mut before = frames[segment].coords;
+                for k in 0..stencil {
+                    let index = first + k as isize;
+                    let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
+                    let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
+                    // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
+                    let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
+                    let weight = lagrange_weight(stencil, |j| j as f64, k, at);
+                    point += (positions[node] - positions[segment]) * weight;
+                    sum += aligned * weight;
+                    before = aligned;
+                }
+                r.push(positions[segment] + point);
+                q.push(Quat::new_normalize(nalgebra::Quaternion::from(sum)));
             }
-            r.push(positions[segment] + point);
-            q.push(Quat::new_normalize(nalgebra::Quaternion::from(sum)));
         }
         if !self.closed {
             r.push(positions[count - 1]);
@@ -72,20 +109,26 @@ mod tests {
     use super::*;
     use crate::rod::{Natural, Section, Shape};
 
-    /// The refined rod is the one placed with twice the elements, to the eighth order of the spacing; and carries its link.
+    /// The refined rod is the one placed with so many more elements, to the eighth order of the spacing; and carries its link.
     #[test]
-    fn refining_is_placing_with_twice_the_elements() {
+    fn refining_is_placing_with_more_elements() {
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
         let axis = Vec3::new(1.0, 2.0, -0.5);
         let helix = Shape::Helix { center: Vec3::x(), axis, radius: 0.7, pitch: 0.9, turns: 1.2 };
         let circle = Shape::Circle { length: 5.0, center: Vec3::y(), normal: axis };
-        for (shape, closed, turns) in [(&helix, false, 0.0), (&circle, true, 0.0), (&circle, true, 2.3)] {
+        for (shape, closed, turns, factor) in [
+            (&helix, false, 0.0, 2),
+            (&circle, true, 0.0, 2),
+            (&circle, true, 2.3, 2),
+            (&helix, false, 0.0, 5),
+            (&circle, true, 2.3, 3),
+        ] {
             let place = |elements: usize| {
                 let rod = Rod::new("r", shape, closed, section, elements, 3, Natural::AsShaped).unwrap();
                 if turns == 0.0 { rod } else { rod.with_excess_link(turns).unwrap() }
             };
             let errors = [10, 20].map(|elements| {
-                let (fine, exact) = (place(elements).refined().unwrap(), place(2 * elements));
+                let (fine, exact) = (place(elements).refined(factor).unwrap(), place(factor * elements));
                 assert_eq!((fine.num_elements, fine.num_nodes()), (exact.num_elements, exact.num_nodes()));
                 let apart = |(a, b): (&Vec3, &Vec3)| (a - b).norm();
                 let turned = |(a, b): (&Quat, &Quat)| a.angle_to(b);
@@ -96,13 +139,30 @@ mod tests {
         }
     }
 
+    /// Every second node of the refined rod is the rod; elements that cannot be counted off, or that would turn too far, are left as they are.
+    #[test]
+    fn coarsening_takes_back_refining() {
+        let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
+        let shape = Shape::Circle { length: 5.0, center: Vec3::y(), normal: Vec3::x() };
+        for order in 1..=3 {
+            let rod = Rod::new("r", &shape, true, section, 15, order, Natural::Straight).unwrap();
+            let rod = rod.with_excess_link(2.3).unwrap();
+            let same = rod.refined(4).unwrap().coarsened(4).unwrap();
+            assert_eq!((same.num_elements, same.start_excess_link), (15, 2.3));
+            assert!(same.positions == rod.positions && same.frames == rod.frames);
+            assert!(rod.coarsened(2).is_none());
+        }
+        let twisted = Rod::new("r", &shape, true, section, 12, 1, Natural::Straight).unwrap();
+        assert!(twisted.with_excess_link(4.0).unwrap().coarsened(3).is_none());
+    }
+
     /// Too few nodes for the whole stencil.
     #[test]
     fn short_rods_are_refined() {
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
         for order in 1..=3 {
-            let rod = Rod::new("r", &line, false, section, 1, order, Natural::Straight).unwrap().refined().unwrap();
+            let rod = Rod::new("r", &line, false, section, 1, order, Natural::Straight).unwrap().refined(2).unwrap();
             assert_eq!(rod.num_nodes(), 2 * order + 1);
             for (node, position) in rod.positions.iter().enumerate() {
                 assert!((position - Vec3::x() * rod.arc_of_node(node)).norm() < 1e-15);

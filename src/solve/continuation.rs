@@ -197,7 +197,7 @@ impl Reporter<'_> {
             penetration: point.penetration,
             held_open: point.held_open,
             softening: 1.0,
-            short_iterations: 0,
+            iterations_elsewhere: 0,
             predicted: false,
             error: None,
             history: Vec::new(),

@@ -1,5 +1,7 @@
 //! The assembled problem: elements, contact curves, supports, state and buffers. Built once from a model.
 
+use std::ops::Range;
+
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::curve::{Cubic, CurveInput, CurveSet};
 use crate::contact::exclusion::Exclusion;
@@ -254,6 +256,11 @@ impl Engine {
         self.first_node.partition_point(|&first| first <= node) - 1
     }
 
+    /// Nodes of a rod among all.
+    pub(crate) fn nodes(&self, rod: usize) -> Range<usize> {
+        self.first_node[rod]..self.first_node[rod + 1]
+    }
+
     /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.
     pub(crate) fn pressure_scale(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
@@ -295,12 +302,12 @@ impl Engine {
 
     /// Node positions of a rod \[L\].
     pub fn positions(&self, rod: usize) -> &[Vec3] {
-        &self.state.positions[self.first_node[rod]..self.first_node[rod + 1]]
+        &self.state.positions[self.nodes(rod)]
     }
 
     /// Node frames of a rod.
     pub fn frames(&self, rod: usize) -> &[Quat] {
-        &self.state.frames[self.first_node[rod]..self.first_node[rod + 1]]
+        &self.state.frames[self.nodes(rod)]
     }
 
     /// Number of nodes of all rods.

@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::solve::engine::Engine;
-use crate::sparse::Factor;
+use crate::sparse::{Factor, factor::ordered};
 
 /// Sizes of a problem in its present state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Footprint {
     pub nodes: usize,
     /// Unknowns that are solved for: six a free node, three in a planar model.
     pub unknowns: usize,
-    /// Stored entries of the tangent (upper triangle), 12 bytes each.
+    /// Stored entries of the tangent (one triangle), 12 bytes each.
     pub tangent_entries: usize,
     /// Stored entries of its factor, 8 bytes each.
     pub factor_entries: usize,
@@ -31,7 +31,7 @@ impl Engine {
     pub fn footprint(&mut self) -> Result<Footprint, SolveError> {
         let state = self.state.clone();
         self.update_contact(&state)?;
-        let pattern = self.build_pattern();
+        let pattern = ordered(self.build_pattern())?;
         let factor = Factor::analyse(&pattern)?;
         let side = self.contact.as_ref();
         Ok(Footprint {

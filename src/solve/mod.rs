@@ -1,11 +1,12 @@
 //! Finds equilibria, from the outside in: [`path`] (load stepping), `predictor` (where it is heading), [`settle`] (one state brought to rest: contact enforced,
-//! unstable states left), `short_first` (long plectonemes from short ones), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), `surprise` (what a step's linear prediction missed), [`step_bound`]
+//! unstable states left), `short_first` (long plectonemes from short ones), `coarse_first` (large turns on a coarse mesh), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), `surprise` (what a step's linear prediction missed), [`step_bound`]
 //! (no strand passes another), `turning` (no frame takes the other way round), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of
 //! unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem assembled), [`state`] (the configuration and how
 //! it moves), [`restart`] (what a run needs to go on later), `refine` (the same state on a finer mesh or under a harder law), [`fields`] (what it looks like along the rods), [`footprint`] (what it takes).
 
 pub mod assembly;
 mod balance;
+mod coarse_first;
 pub mod continuation;
 pub mod engine;
 pub mod fields;

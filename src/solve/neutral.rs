@@ -32,10 +32,7 @@ const PASSES: f64 = 1e-24;
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
     let joined = engine.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod);
-    !joined
-        && engine.free[engine.first_node[rod]..engine.first_node[rod + 1]]
-            .iter()
-            .all(|f| f.iter().filter(|x| **x).count() == wanted)
+    !joined && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
 }
 
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs nothing.
@@ -61,7 +58,7 @@ fn tangent_of(state: &State, node: usize) -> Vec3 {
 
 /// The node whose tangent is farthest from the first one's: there spin and sliding differ most from rigid motions.
 fn opposite(engine: &Engine, state: &State, rod: usize) -> usize {
-    let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
+    let nodes = engine.nodes(rod);
     let axis = tangent_of(state, nodes.start);
     let along = |n: usize| tangent_of(state, n).dot(&axis);
     nodes.clone().min_by(|&a, &b| along(a).total_cmp(&along(b))).unwrap_or(nodes.start)

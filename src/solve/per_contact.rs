@@ -121,10 +121,12 @@ impl PerContact {
         values
     }
 
-    /// These numbers on a finer mesh of the same strands, each of whose nodes lies between two of this one's.
-    pub(crate) fn interleaved(&self, set: &CurveSet, between: &[[usize; 2]]) -> Self {
-        let mut fine = Self::of_nodes(between.iter().map(|ends| mean(ends.map(|n| self.values[n]))).collect());
-        for (node, ends) in between.iter().enumerate().filter(|_| !self.entries.is_empty()) {
+    /// These numbers on a finer mesh of the same strands, each of whose nodes lies between two of this one's, nearer to the second by the fraction given.
+    pub(crate) fn interleaved(&self, set: &CurveSet, between: &[([usize; 2], f64)]) -> Self {
+        let mix = |[a, b]: [f64; 2], part: f64| if part == 0.0 { a } else { a + part * (b - a) };
+        let mut fine =
+            Self::of_nodes(between.iter().map(|(ends, part)| mix(ends.map(|n| self.values[n]), *part)).collect());
+        for (node, (ends, part)) in between.iter().enumerate().filter(|_| !self.entries.is_empty()) {
             let [first, second] = ends.map(|n| &self.entries[self.entries_of(n)]);
             let here = |e: &Entry| Entry { node: node as u32, ..*e };
             let mut own: Vec<Entry> = first.iter().map(here).collect();
@@ -136,7 +138,7 @@ impl PerContact {
             }
             for e in &own {
                 let at = |n: usize| self.values[self.index_of_arc(set, n, e.curve as usize, e.arc)];
-                fine.values.push(mean(ends.map(at)));
+                fine.values.push(mix(ends.map(at), *part));
             }
             fine.entries.extend(own);
         }
@@ -154,10 +156,6 @@ impl PerContact {
         values.extend(other.entries.iter().map(of_entry));
         Self { num_nodes: self.num_nodes, values, entries: other.entries.clone() }
     }
-}
-
-fn mean([a, b]: [f64; 2]) -> f64 {
-    0.5 * (a + b)
 }
 
 /// Nodes by what touches near them: the place on the other strand as long as that is one and the same.

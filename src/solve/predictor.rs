@@ -62,7 +62,7 @@ impl History {
             let weight = lagrange_weight(self.states.len(), |k| self.states[k].0, index, fraction);
             let mut state = state.clone();
             for rod in 0..state.seams.len() {
-                let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
+                let nodes = engine.nodes(rod);
                 state.twist(rod, nodes, present.seams[rod] - state.seams[rod]);
             }
             for (node, sum) in frames.iter_mut().enumerate() {
@@ -90,7 +90,7 @@ impl History {
 pub(crate) fn turned(engine: &Engine, state: &State, drive: &Drive) -> State {
     let mut state = state.clone();
     for (rod, &angle) in drive.seams.iter().enumerate() {
-        state.twist(rod, engine.first_node[rod]..engine.first_node[rod + 1], angle);
+        state.twist(rod, engine.nodes(rod), angle);
     }
     state
 }

@@ -3,7 +3,8 @@
 use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::scene::{Joint, LineLoad, Model, NodeLoad, NodeRef, Support};
+use crate::rod::Rod;
+use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
 use crate::solve::engine::Engine;
 use crate::solve::neutral::Neutral;
 use crate::solve::newton::relative_residual;
@@ -12,25 +13,35 @@ use crate::solve::per_contact::PerContact;
 use crate::solve::settle::StepReport;
 use crate::solve::state::{Drive, State};
 
-fn doubled(node: NodeRef) -> NodeRef {
-    NodeRef { node: 2 * node.node, ..node }
-}
-
 impl Model {
-    /// The same problem on twice the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).
+    /// The same problem on `factor` times the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).
     ///
     /// # Errors
     /// As there.
-    pub fn refined(&self) -> Result<Self, InputError> {
-        Ok(Self {
-            rods: self.rods.iter().map(|rod| rod.refined()).collect::<Result<_, _>>()?,
-            supports: self.supports.iter().map(|s| Support { node: doubled(s.node), ..*s }).collect(),
-            joints: self.joints.iter().map(|j| Joint { a: doubled(j.a), b: doubled(j.b) }).collect(),
-            loads: self.loads.iter().map(|load| NodeLoad { node: doubled(load.node), ..*load }).collect(),
-            line_loads: self.line_loads.iter().map(|load| LineLoad { ..*load }).collect(),
+    pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
+        let rods = self.rods.iter().map(|rod| rod.refined(factor)).collect::<Result<_, _>>()?;
+        Ok(self.with_rods(rods, |node| NodeRef { node: factor * node.node, ..node }))
+    }
+
+    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and what is held, joined or loaded is among these nodes.
+    pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
+        let rods = self.rods.iter().map(|rod| rod.coarsened(factor)).collect::<Option<_>>()?;
+        let at = self.supports.iter().map(|s| s.node).chain(self.joints.iter().flat_map(|j| [j.a, j.b]));
+        let all_there = at.chain(self.loads.iter().map(|load| load.node)).all(|at| at.node % factor == 0);
+        all_there.then(|| self.with_rods(rods, |node| NodeRef { node: node.node / factor, ..node }))
+    }
+
+    /// The same problem on other meshes.
+    fn with_rods(&self, rods: Vec<Rod>, node: impl Fn(NodeRef) -> NodeRef) -> Self {
+        Self {
+            rods,
+            supports: self.supports.iter().map(|s| Support { node: node(s.node), ..*s }).collect(),
+            joints: self.joints.iter().map(|j| Joint { a: node(j.a), b: node(j.b) }).collect(),
+            loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
+            line_loads: self.line_loads.clone(),
             contact: self.contact,
             planar: self.planar,
-        })
+        }
     }
 }
 
@@ -45,17 +56,18 @@ impl Engine {
 }
 
 impl Solver {
-    /// A solver for the same problem on twice the elements, in this solver's state interpolated, with its contact law and offsets;
+    /// A solver for the same problem on `factor` times the elements, in this solver's state interpolated, with its contact law and offsets;
     /// [`Solver::resettle`] brings it to rest.
     ///
     /// # Errors
     /// A rod that cannot be refined.
-    pub fn refined(&self) -> Result<Self, InputError> {
-        let (coarse, model) = (&self.engine, self.engine.model.refined()?);
+    pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
+        let (coarse, model) = (&self.engine, self.engine.model.refined(factor)?);
         let mut fine = Self::new(model, self.options.clone())?;
         let (mut positions, mut frames): (Vec<Vec3>, Vec<Quat>) = (Vec::new(), Vec::new());
         for (index, rod) in coarse.model.rods.iter().enumerate() {
-            let (r, q) = rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state.seams[index]);
+            let (r, q) =
+                rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state.seams[index], factor);
             positions.extend(r);
             frames.extend(q);
         }
@@ -65,16 +77,17 @@ impl Solver {
             let rod = fine.engine.rod_of(node);
             let [first, end] = [coarse.first_node[rod], coarse.first_node[rod + 1]];
             let k = node - fine.engine.first_node[rod];
-            [first + k / 2, first + k.div_ceil(2) % (end - first)]
+            let ends = [first + k / factor, first + k.div_ceil(factor) % (end - first)];
+            (ends, (k % factor) as f64 / factor as f64)
         };
-        let between: Vec<[usize; 2]> = (0..fine.engine.num_nodes()).map(between).collect();
+        let between: Vec<([usize; 2], f64)> = (0..fine.engine.num_nodes()).map(between).collect();
         if let (Some(from), Some(to)) = (&coarse.contact, &mut fine.engine.contact) {
             to.law = from.law;
             to.offsets = from.offsets.interleaved(&from.set, &between);
         }
         let fine_node = |node: usize| {
             let rod = coarse.rod_of(node);
-            fine.engine.first_node[rod] + 2 * (node - coarse.first_node[rod])
+            fine.engine.first_node[rod] + factor * (node - coarse.first_node[rod])
         };
         fine.turned = self.turned.iter().map(|(&node, &turns)| (fine_node(node), turns)).collect();
         fine.displaced = self.displaced.iter().map(|(&node, &by)| (fine_node(node), by)).collect();

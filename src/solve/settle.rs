@@ -19,7 +19,7 @@ use crate::solve::state::{Drive, State};
 /// Depth of the core law that a load step with contact begins under, over the contact distance.
 const DEPTH: f64 = 0.4;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
-const AT_REST: f64 = 1e-2;
+pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
@@ -27,12 +27,12 @@ const SOFTENING: f64 = 10.0;
 const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
 /// once would buckle into its tenth mode.
-const TURNS_AT_ONCE: f64 = 1.0;
+pub(super) const TURNS_AT_ONCE: f64 = 1.0;
 /// Iterations spent on a predicted state, and the largest rotation of a node for which the prediction is trusted, rad.
 const PREDICTED_ITERATIONS: usize = 20;
 const LARGEST_PREDICTED_TURN: f64 = 0.3;
 /// Iterations spent on one hardening stage before it is given up.
-const HARDENING_ITERATIONS: usize = 100;
+pub(super) const HARDENING_ITERATIONS: usize = 100;
 /// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
 pub(super) const TOL_OPENING: f64 = 1e-6;
 
@@ -92,8 +92,9 @@ pub struct StepReport {
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
     /// all the same; a point contact is spread wider by the cube root of it.
     pub softening: f64,
-    /// Newton iterations on a shorter rod, from whose equilibrium the start of a long plectoneme was made; not among the others.
-    pub short_iterations: usize,
+    /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long plectoneme was made, or on a
+    /// coarser mesh, on which a step of several turns was made first.
+    pub iterations_elsewhere: usize,
     /// The step settled at once from the state extrapolated from the steps before.
     pub predicted: bool,
     /// What broke down, if anything did.
@@ -114,7 +115,7 @@ impl StepReport {
             penetration: 0.0,
             held_open: 0.0,
             softening: 1.0,
-            short_iterations: 0,
+            iterations_elsewhere: 0,
             predicted: false,
             error: None,
             history: Vec::new(),
@@ -127,7 +128,7 @@ impl StepReport {
     }
 
     /// Another attempt from where the last one began: iterations stay counted.
-    fn start_again(&mut self) {
+    pub(super) fn start_again(&mut self) {
         (self.status, self.num_unstable) = (Status::Converged, 0);
         (self.augmentations, self.departures, self.softening) = (0, 0, 1.0);
     }
@@ -153,13 +154,18 @@ impl Solver {
         if let Err(error) = self.foresee_hardening() {
             return StepReport::refused(error);
         }
-        let settled = match predicted {
-            Some(increment) => self.settle_predicted(drive, increment, &mut report),
+        let foreseen = match predicted {
+            Some(increment) => self.settle_predicted(drive, increment, PREDICTED_ITERATIONS, &mut report),
             None => self.settle_from_short(drive, &mut report),
         };
-        let outcome = settled.and_then(|done| {
-            if done { Ok(()) } else { self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report)) }
-        });
+        let outcome = foreseen
+            .and_then(|done| if done { Ok(true) } else { self.settle_from_coarse(drive, &mut report) })
+            .and_then(|done| {
+                if done {
+                    return Ok(());
+                }
+                self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report))
+            });
         if let Err(error) = outcome {
             report.error = Some(error);
             report.status = Status::BrokeDown;
@@ -173,10 +179,11 @@ impl Solver {
     }
 
     /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back where it was.
-    fn settle_predicted(
+    pub(super) fn settle_predicted(
         &mut self,
         drive: &Drive,
         increment: Vec<f64>,
+        iterations: usize,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
         let largest = increment.chunks(6).flat_map(|node| &node[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
@@ -184,7 +191,7 @@ impl Solver {
             return Ok(false);
         }
         let before = self.snapshot();
-        let patience = self.be_patient_for(PREDICTED_ITERATIONS);
+        let patience = self.be_patient_for(iterations);
         let outcome = self.search_predicted(drive, &increment, report);
         self.options.newton.max_iterations = patience;
         if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
@@ -205,7 +212,8 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled = self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], report);
+        let settled =
+            self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], PREDICTED_ITERATIONS, report);
         report.predicted = false;
         if settled == Ok(false) {
             self.restore(start)?;
@@ -229,7 +237,7 @@ impl Solver {
     }
 
     /// Applies the drive under the deepest core law and hardens it.
-    fn approach(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+    pub(super) fn approach(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         if self.augments() {
             self.soften(report)?;
         }
@@ -289,7 +297,7 @@ impl Solver {
     }
 
     /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
-    fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+    pub(super) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
             report.penetration = self.contact_errors().penetration;
             return Ok(());
@@ -361,7 +369,7 @@ impl Solver {
         matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
     }
 
-    fn is_near_contact(&mut self) -> Result<bool, SolveError> {
+    pub(super) fn is_near_contact(&mut self) -> Result<bool, SolveError> {
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
         Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))

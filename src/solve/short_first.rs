@@ -176,7 +176,7 @@ impl Solver {
         }
         self.stages_left = lengthened.stages_left;
         self.engine.state = lengthened.state;
-        report.short_iterations += lengthened.iterations;
+        report.iterations_elsewhere += lengthened.iterations;
     }
 
     fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
@@ -369,7 +369,7 @@ mod tests {
     fn lengthened_rods_rest_where_they_do_alone() {
         let [mut quick, mut slow] = [0.0, 0.02].map(dna);
         let [short, usual] = [&mut quick, &mut slow].map(|solver| solver.settle(&Drive::default()));
-        assert!(short.short_iterations > 0 && usual.short_iterations == 0);
+        assert!(short.iterations_elsewhere > 0 && usual.iterations_elsewhere == 0);
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
         let energy =
             |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
@@ -391,9 +391,9 @@ mod tests {
         let report = solver.settle(&Drive::default());
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
         assert!(
-            report.short_iterations > 0 && report.iterations <= 10,
+            report.iterations_elsewhere > 0 && report.iterations <= 10,
             "{} {}",
-            report.short_iterations,
+            report.iterations_elsewhere,
             report.iterations
         );
         assert!((centre(&solver.engine.state) - before - far).norm() < 1.0);

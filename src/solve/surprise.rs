@@ -163,7 +163,7 @@ mod tests {
         let mut forces = vec![0.0; 6 * engine.num_nodes()];
         engine.add_contact_surprise(&state, &increment, &residual, &after, &mut forces);
         [0, 1].map(|rod| {
-            let nodes = engine.first_node[rod]..engine.first_node[rod + 1];
+            let nodes = engine.nodes(rod);
             let sum: Vec3 = nodes.map(|n| Vec3::new(forces[6 * n], forces[6 * n + 1], forces[6 * n + 2])).sum();
             sum / engine.contact_stiffness()
         })

@@ -25,6 +25,16 @@ impl Timings {
     }
 }
 
+impl std::ops::AddAssign for Timings {
+    fn add_assign(&mut self, other: Self) {
+        self.detection += other.detection;
+        self.assembly += other.assembly;
+        self.symbolic += other.symbolic;
+        self.factor += other.factor;
+        self.solve += other.solve;
+    }
+}
+
 /// Runs and adds the time it took.
 pub(crate) fn timed<R>(sum: &mut Duration, work: impl FnOnce() -> R) -> R {
     let started = Instant::now();

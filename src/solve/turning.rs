@@ -58,7 +58,7 @@ impl Engine {
     fn segments_to_held(&self, rod: usize, node: usize) -> usize {
         let held = |other: &usize| *other != node && self.free[*other][3..] != [true; 3];
         let distance = |other: usize| other.abs_diff(node);
-        let nearest = (self.first_node[rod]..self.first_node[rod + 1]).filter(held).map(distance).min();
+        let nearest = self.nodes(rod).filter(held).map(distance).min();
         nearest.unwrap_or(self.model.rods[rod].num_segments())
     }
 

@@ -6,11 +6,11 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
 };
+use faer::sparse::linalg::{SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -37,21 +37,45 @@ impl std::fmt::Debug for Factor {
     }
 }
 
+/// A pattern in the order of elimination that approximate minimum degree chooses for its equations, node by node.
+///
+/// # Errors
+/// As [`Factor::analyse`].
+pub fn ordered(pattern: Pattern) -> Result<Pattern, SolveError> {
+    let n = pattern.num_equations();
+    let (col_ptr, row_idx) = pattern.upper();
+    let matrix = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
+    let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+    let scratch = amd::order_maybe_unsorted_scratch::<u32>(n, pattern.num_entries());
+    let mut scratch = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?;
+    let stack = MemStack::new(&mut scratch);
+    amd::order_maybe_unsorted(&mut order, &mut inverse, matrix, Default::default(), stack)
+        .map_err(|e| failed(format!("{e:?}")))?;
+    drop((inverse, scratch));
+    let order = pattern.nodes_of(&order);
+    Ok(pattern.reordered(order))
+}
+
+fn failed(reason: String) -> SolveError {
+    SolveError::Symbolic { reason }
+}
+
 impl Factor {
-    /// Orders (approximate minimum degree) and analyses a pattern.
+    /// Analyses a pattern, to be eliminated in its own order; see [`ordered`].
     ///
     /// # Errors
     /// `SolveError::Symbolic` when memory or the 32-bit index range does not suffice.
     pub fn analyse(pattern: &Pattern) -> Result<Self, SolveError> {
-        let failed = |reason: String| SolveError::Symbolic { reason };
         let n = pattern.num_equations();
-        let matrix = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
+        let (col_ptr, row_idx) = pattern.upper();
+        let matrix = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let symbolic = factorize_symbolic_cholesky(matrix, Side::Upper, SymmetricOrdering::Amd, params)
+        let symbolic = factorize_symbolic_cholesky(matrix, Side::Upper, SymmetricOrdering::Identity, params)
             .map_err(|e| failed(format!("{e:?}")))?;
+        drop((col_ptr, row_idx));
         let scratch = symbolic
             .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
@@ -65,21 +89,21 @@ impl Factor {
         self.values.len()
     }
 
-    /// Factorises the matrix with the given upper values; `None` when a pivot vanishes.
-    pub fn factorise(&mut self, pattern: &Pattern, upper: &[f64]) -> Option<Inertia> {
+    /// Factorises the matrix with the given values; `None` when a pivot vanishes.
+    pub fn factorise(&mut self, pattern: &Pattern, lower: &[f64]) -> Option<Inertia> {
         let n = pattern.num_equations();
         if n == 0 {
             // every unknown is supported: nothing to solve for, and nothing wrong with it
             return Some(Inertia { num_negative: 0 });
         }
         let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
-        let matrix = SparseColMatRef::new(symbolic, upper);
+        let matrix = SparseColMatRef::new(symbolic, lower);
         let stack = MemStack::new(&mut self.scratch);
         self.symbolic
             .factorize_numeric_ldlt(
                 &mut self.values,
                 matrix,
-                Side::Upper,
+                Side::Lower,
                 LdltRegularization::default(),
                 Par::Seq,
                 stack,

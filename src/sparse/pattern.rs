@@ -1,15 +1,20 @@
-//! Sparsity pattern of the tangent: upper triangle, compressed columns, grouped by nodes.
+//! Sparsity pattern of the tangent: lower triangle, compressed columns, grouped by nodes.
 //!
 //! A node has up to six unknowns (three positions, three rotations); supported and out-of-plane ones are eliminated
-//! here, once, so that nothing further down knows of them.
+//! here, once, so that nothing further down knows of them. Equations are numbered in the order in which nodes are to be eliminated
+//! ([`Pattern::reordered`]), so that the factorisation takes the matrix as it is assembled.
 
 /// Marks an eliminated unknown.
 const NONE: u8 = u8::MAX;
 
-/// Upper triangle pattern over node blocks.
+/// Lower triangle pattern over node blocks.
 #[derive(Debug, Clone, Default)]
 pub struct Pattern {
-    /// First equation of each node; one more entry than nodes.
+    /// Nodes in the order of elimination.
+    order: Vec<u32>,
+    /// Where each node is in it.
+    place: Vec<u32>,
+    /// First equation of each node.
     first: Vec<u32>,
     /// Per node: local unknown → position among its free unknowns, or `NONE`.
     local: Vec<[u8; 6]>,
@@ -17,9 +22,9 @@ pub struct Pattern {
     master: Vec<u32>,
     col_ptr: Vec<u32>,
     row_idx: Vec<u32>,
-    /// Per node b: range in `neighbours`.
+    /// Per place: range in `neighbours`.
     neighbour_ptr: Vec<u32>,
-    /// (node a ≤ b, row offset of its block inside the columns of b), ascending in a.
+    /// (place of a node at or after this one, row offset of its block inside the first column of this one), ascending.
     neighbours: Vec<(u32, u32)>,
 }
 
@@ -35,56 +40,75 @@ impl Pattern {
     /// joined nodes only the master's `free` counts; equations and blocks of the others are the master's.
     pub fn joined(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let num_nodes = free.len();
-        let mut first = Vec::with_capacity(num_nodes + 1);
         let mut local = Vec::with_capacity(num_nodes);
-        let mut count = 0u32;
         for (node, flags) in free.iter().enumerate() {
-            first.push(count);
-            if master[node] != node {
-                local.push([NONE; 6]);
-                continue;
-            }
             let mut map = [NONE; 6];
-            let mut here = 0u8;
-            for (slot, _) in map.iter_mut().zip(flags).filter(|(_, is_free)| **is_free) {
-                *slot = here;
-                here += 1;
-            }
-            count += u32::from(here);
+            let free = (0..6).filter(|&k| flags[k] && master[node] == node);
+            free.zip(0..).for_each(|(k, here)| map[k] = here);
             local.push(map);
         }
-        first.push(count);
         let mut blocks: Vec<(u32, u32)> =
-            pairs.map(|(a, b)| (master[a], master[b])).map(|(a, b)| (a.max(b) as u32, a.min(b) as u32)).collect();
+            pairs.map(|(a, b)| (master[a] as u32, master[b] as u32)).map(|(a, b)| (a.min(b), a.max(b))).collect();
         blocks.extend((0..num_nodes as u32).map(|a| (a, a)));
         blocks.sort_unstable();
         blocks.dedup();
         let master = master.iter().map(|&m| m as u32).collect();
-        let mut pattern = Self { first, local, master, ..Self::default() };
-        pattern.fill(num_nodes, &blocks);
+        Self::of_blocks((0..num_nodes as u32).collect(), local, master, &blocks)
+    }
+
+    /// The same matrix with its nodes in another order.
+    #[must_use]
+    pub fn reordered(self, order: Vec<u32>) -> Self {
+        let Self { order: old, local, master, neighbour_ptr, neighbours, .. } = self;
+        let mut place = vec![0; order.len()];
+        order.iter().zip(0u32..).for_each(|(&node, at)| place[node as usize] = at);
+        let mut blocks = Vec::with_capacity(neighbours.len());
+        for (at, &node) in old.iter().enumerate() {
+            let here = place[node as usize];
+            let range = neighbour_ptr[at] as usize..neighbour_ptr[at + 1] as usize;
+            let others = neighbours[range].iter().map(|&(other, _)| place[old[other as usize] as usize]);
+            blocks.extend(others.map(|there| (here.min(there), here.max(there))));
+        }
+        drop(neighbours);
+        blocks.sort_unstable();
+        Self::of_blocks(order, local, master, &blocks)
+    }
+
+    /// `blocks`: pairs of places, the earlier first, ascending.
+    fn of_blocks(order: Vec<u32>, local: Vec<[u8; 6]>, master: Vec<u32>, blocks: &[(u32, u32)]) -> Self {
+        let num_nodes = order.len();
+        let mut pattern =
+            Self { place: vec![0; num_nodes], first: vec![0; num_nodes], local, master, ..Self::default() };
+        let mut count = 0;
+        for (&node, at) in order.iter().zip(0u32..) {
+            pattern.place[node as usize] = at;
+            pattern.first[node as usize] = count;
+            count += pattern.num_free(node);
+        }
+        pattern.order = order;
+        pattern.fill(blocks);
         pattern
     }
 
-    fn fill(&mut self, num_nodes: usize, blocks: &[(u32, u32)]) {
+    fn fill(&mut self, blocks: &[(u32, u32)]) {
         self.col_ptr.push(0);
         self.neighbour_ptr.push(0);
-        let mut position = 0;
-        for b in 0..num_nodes as u32 {
-            let start = position;
-            while position < blocks.len() && blocks[position].0 == b {
-                position += 1;
-            }
+        let mut blocks = blocks;
+        for (&node, at) in self.order.iter().zip(0u32..) {
+            let (here, rest) = blocks.split_at(blocks.partition_point(|block| block.0 == at));
+            blocks = rest;
             let mut offset = 0;
-            for &(_, a) in &blocks[start..position] {
-                self.neighbours.push((a, offset));
-                offset += self.num_free(a as usize) as u32;
+            for &(_, other) in here {
+                self.neighbours.push((other, offset));
+                offset += self.num_free(self.order[other as usize]);
             }
             self.neighbour_ptr.push(self.neighbours.len() as u32);
-            for column in 0..self.num_free(b as usize) {
-                for &(_, a) in &blocks[start..position] {
-                    let rows = if a == b { column + 1 } else { self.num_free(a as usize) };
-                    let base = self.first[a as usize];
-                    self.row_idx.extend((0..rows as u32).map(|r| base + r));
+            for column in 0..self.num_free(node) {
+                for &(_, other) in here {
+                    let below = if other == at { column } else { 0 };
+                    let other = self.order[other as usize];
+                    let base = self.first[other as usize];
+                    self.row_idx.extend((below..self.num_free(other)).map(|row| base + row));
                 }
                 self.col_ptr.push(self.row_idx.len() as u32);
             }
@@ -93,7 +117,7 @@ impl Pattern {
 
     /// Number of equations.
     pub fn num_equations(&self) -> usize {
-        self.first.last().map_or(0, |&n| n as usize)
+        self.col_ptr.len().saturating_sub(1)
     }
 
     /// Number of stored entries.
@@ -101,14 +125,44 @@ impl Pattern {
         self.row_idx.len()
     }
 
-    /// Column pointers (upper triangle).
+    /// Column pointers (lower triangle).
     pub fn col_ptr(&self) -> &[u32] {
         &self.col_ptr
     }
 
-    /// Row indices (upper triangle), ascending within a column.
+    /// Row indices (lower triangle), ascending within a column; the first is the diagonal.
     pub fn row_idx(&self) -> &[u32] {
         &self.row_idx
+    }
+
+    /// The upper triangle: column pointers and row indices, ascending within a column.
+    pub fn upper(&self) -> (Vec<u32>, Vec<u32>) {
+        let mut col_ptr = vec![0u32; self.col_ptr.len()];
+        self.row_idx.iter().for_each(|&row| col_ptr[row as usize + 1] += 1);
+        (1..col_ptr.len()).for_each(|k| col_ptr[k] += col_ptr[k - 1]);
+        let mut next = col_ptr.clone();
+        let mut row_idx = vec![0u32; self.row_idx.len()];
+        for column in 0..self.num_equations() {
+            for entry in self.col_ptr[column] as usize..self.col_ptr[column + 1] as usize {
+                let slot = &mut next[self.row_idx[entry] as usize];
+                row_idx[*slot as usize] = column as u32;
+                *slot += 1;
+            }
+        }
+        (col_ptr, row_idx)
+    }
+
+    /// Nodes in the order in which their equations come in a list of all equations.
+    pub fn nodes_of(&self, equations: &[u32]) -> Vec<u32> {
+        let mut when = vec![u32::MAX; self.num_equations()];
+        equations.iter().zip(0u32..).for_each(|(&equation, at)| when[equation as usize] = at);
+        let mut order = self.order.clone();
+        // nodes without equations go last
+        order.sort_by_key(|&node| match self.num_free(node) {
+            0 => u32::MAX,
+            count => (0..count).map(|k| when[(self.first[node as usize] + k) as usize]).fold(u32::MAX, u32::min),
+        });
+        order
     }
 
     /// Equation of unknown `k` (0..3 position, 3..6 rotation) of a node, `None` if eliminated.
@@ -121,8 +175,8 @@ impl Pattern {
         }
     }
 
-    fn num_free(&self, node: usize) -> usize {
-        (self.first[node + 1] - self.first[node]) as usize
+    fn num_free(&self, node: u32) -> u32 {
+        self.local[node as usize].iter().filter(|&&slot| slot != NONE).count() as u32
     }
 
     /// Adds the 6×6 block with rows of node `a` and columns of node `b` (and by symmetry its transpose).
@@ -135,25 +189,29 @@ impl Pattern {
         if joined {
             // a coupling of two nodes that move as one acts on both sides of the diagonal
             self.add_ordered(values, a, b, |i, j| entry(i, j) + entry(j, i));
-        } else if a > b {
+        } else if self.place[a] > self.place[b] {
             self.add_ordered(values, b, a, |i, j| entry(j, i));
         } else {
             self.add_ordered(values, a, b, entry);
         }
     }
 
-    /// [`Pattern::add_block`] for a ≤ b.
+    /// [`Pattern::add_block`] for `a` at or before `b`: goes to rows of b in columns of a.
     fn add_ordered(&self, values: &mut [f64], a: usize, b: usize, entry: impl Fn(usize, usize) -> f64) {
-        let range = self.neighbour_ptr[b] as usize..self.neighbour_ptr[b + 1] as usize;
-        let list = &self.neighbours[range];
-        let slot = list.binary_search_by_key(&(a as u32), |n| n.0);
+        let at = self.place[a] as usize;
+        let list = &self.neighbours[self.neighbour_ptr[at] as usize..self.neighbour_ptr[at + 1] as usize];
+        let slot = list.binary_search_by_key(&self.place[b], |n| n.0);
         assert!(slot.is_ok(), "node pair ({a}, {b}) is not in the sparsity pattern");
         let offset = slot.map_or(0, |s| list[s].1) as usize;
-        for j in 0..6 {
-            let Some(column) = self.equation(b, j) else { continue };
-            let start = self.col_ptr[column] as usize + offset;
-            for i in 0..6 {
-                let row = self.local[a][i];
+        for i in 0..6 {
+            let column = self.local[a][i];
+            if column == NONE {
+                continue;
+            }
+            // columns get shorter by one each: above the diagonal nothing is stored
+            let start = self.col_ptr[self.first[a] as usize + column as usize] as usize + offset - column as usize;
+            for j in 0..6 {
+                let row = self.local[b][j];
                 if row == NONE || (a == b && i > j) {
                     continue;
                 }
@@ -162,7 +220,7 @@ impl Pattern {
         }
     }
 
-    /// y = A x for the symmetric matrix with the given upper values.
+    /// y = A x for the symmetric matrix with the given values.
     pub fn multiply(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         for column in 0..x.len() {
@@ -179,7 +237,7 @@ impl Pattern {
 
     /// Index of the diagonal entry of an equation in the value array.
     pub fn diagonal(&self, equation: usize) -> usize {
-        self.col_ptr[equation + 1] as usize - 1
+        self.col_ptr[equation] as usize
     }
 }
 
@@ -243,5 +301,42 @@ mod tests {
         let y = pattern.multiply(&values, &x);
         assert_eq!(y[pattern.equation(1, 0).unwrap()], 1.0);
         assert_eq!(y[pattern.equation(1, 5).unwrap()], 2.0);
+    }
+
+    /// The same blocks in another order of nodes make the same matrix, its upper triangle the transpose of the lower one.
+    #[test]
+    fn order_changes_nothing_but_numbers() {
+        let mut free = [[true; 6]; 5];
+        (free[1], free[3]) = ([true, true, false, false, false, true], [false; 6]);
+        let pairs = [(0, 1), (1, 2), (3, 4), (1, 4), (4, 2), (0, 4)];
+        let natural = Pattern::joined(&free, &[0, 1, 2, 3, 4], pairs.into_iter());
+        let other = natural.clone().reordered(vec![4, 1, 3, 0, 2]);
+        assert_eq!((natural.num_equations(), natural.num_entries()), (other.num_equations(), other.num_entries()));
+        let [a, b] = [&natural, &other].map(|pattern| {
+            let mut values = vec![0.0; pattern.num_entries()];
+            for (n, (p, q)) in pairs.into_iter().enumerate() {
+                pattern.add_block(&mut values, p, q, |i, j| (1 + n * 36 + 6 * i + j) as f64);
+                pattern.add_block(&mut values, q, q, |i, j| (3 + n + i * j) as f64);
+            }
+            let mut x = vec![0.0; pattern.num_equations()];
+            let all = || (0..5).flat_map(|node| (0..6).map(move |k| (node, k)));
+            for (at, equation) in all().filter_map(|(node, k)| pattern.equation(node, k)).enumerate() {
+                x[equation] = (1.0 + at as f64).sin();
+            }
+            let y = pattern.multiply(&values, &x);
+            all().filter_map(|(node, k)| pattern.equation(node, k)).map(|equation| y[equation]).collect::<Vec<_>>()
+        });
+        assert!(a.iter().zip(&b).all(|(x, y)| (x - y).abs() < 1e-9), "{a:?} {b:?}");
+        let (col_ptr, row_idx) = other.upper();
+        let dense = |ptr: &[u32], rows: &[u32]| -> Vec<(u32, u32)> {
+            let columns = (0..other.num_equations()).flat_map(|c| ptr[c] as usize..ptr[c + 1] as usize);
+            let column_of = |entry: usize| ptr.partition_point(|&first| first as usize <= entry) as u32 - 1;
+            columns.map(|entry| (rows[entry], column_of(entry))).collect()
+        };
+        let lower = dense(other.col_ptr(), other.row_idx());
+        let mut upper: Vec<(u32, u32)> = dense(&col_ptr, &row_idx).into_iter().map(|(r, c)| (c, r)).collect();
+        assert!(lower.iter().all(|(row, column)| row >= column));
+        upper.sort_by_key(|&(row, column)| (column, row));
+        assert_eq!(lower, upper);
     }
 }

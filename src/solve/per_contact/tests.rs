@@ -78,7 +78,7 @@ fn segments_belong_to_the_nearest_place() {
     assert_eq!(numbers.at_places_of(&set, &PerContact::uniform(3, 0.0)).values, [0.1, 8.0, 0.3]);
 
     // twice the nodes: the same there, means between
-    let fine = numbers.interleaved(&set, &[[0, 0], [0, 1], [1, 1], [1, 2], [2, 2]]);
+    let fine = numbers.interleaved(&set, &[([0, 0], 0.0), ([0, 1], 0.5), ([1, 1], 0.0), ([1, 2], 0.5), ([2, 2], 0.0)]);
     assert!(fine.fits(5, &set));
     for segment in [0, 4, 12] {
         let [a, b, c] = [0, 1, 2].map(|node| of(node, segment));

@@ -77,7 +77,7 @@ impl Engine {
         let mut increment = Vec::with_capacity(6 * self.num_nodes());
         for rod in 0..self.model.rods.len() {
             let mut before = Vec3::zeros();
-            for node in self.first_node[rod]..self.first_node[rod + 1] {
+            for node in self.nodes(rod) {
                 let [from, to] = [start, end].map(|s| s.frames[node] * Vec3::z());
                 let mut swing = Quat::rotation_between(&from, &to).map_or(before, |q| q.scaled_axis());
                 let angle = swing.norm();
