@@ -3,7 +3,8 @@
 //!
 //! `cargo bench --bench work_precision` writes `target/work_precision/*.csv` and one plot a case; a word behind `--` picks the cases whose names have it.
 //! Work is counted in node iterations (Newton iterations times nodes, from the start state to rest), which other work on the machine does not
-//! touch; the time of one run on one thread stands beside it. The last part measures condition: size of residual and increment where they stop falling, against slenderness
+//! touch; the time of one run on one thread stands beside it. A mesh may be lucky: where ends of lines of contact and points lie between nodes makes two beams on 23, 24 and 26 elements
+//! wrong by 8e-4, 2e-5 and 5e-4 (κ' = 100). So in contact each setting runs on three meshes, some 4 % apart, and counts with the worst of their errors and the mean of their work. The last part measures condition: size of residual and increment where they stop falling, against slenderness
 //! and number of elements.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
@@ -67,12 +68,12 @@ struct Numbers {
     tip: [f64; 3],
 }
 
-/// Errors relative to the reference; the gap's is the penetration over the contact radius.
+/// Mean work and worst errors over some meshes. Errors are relative to the reference; the gap's is the penetration over the contact radius.
 struct Row {
     case: &'static str,
     knobs: Knobs,
     seconds: f64,
-    iterations: usize,
+    iterations: f64,
     /// Newton iterations × nodes.
     work: f64,
     energy: f64,
@@ -239,7 +240,35 @@ fn finest(run: fn(&Knobs) -> Option<(Solver, Observation, usize)>, elements: usi
     Numbers { tip: [f64::NAN; 3], ..numbers(&solver, &seen) }
 }
 
+/// Worst errors and mean work over three meshes near the one given; without contact, where errors fall smoothly, on that alone.
 fn measure(case: &Case, reference: &Numbers, knobs: Knobs) -> Option<Row> {
+    if case.rod[2] == 0.0 {
+        return measure_once(case, reference, knobs);
+    }
+    let count = knobs.elements as f64;
+    let meshes = [(0.96 * count).floor(), count, (1.04 * count).ceil()].map(|elements| elements as usize);
+    let rows: Option<Vec<Row>> =
+        meshes.into_iter().map(|elements| measure_once(case, reference, Knobs { elements, ..knobs })).collect();
+    let rows = rows?;
+    let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+    let worst = |of: fn(&Row) -> f64| rows.iter().map(of).fold(f64::NAN, f64::max);
+    Some(Row {
+        case: case.name,
+        knobs,
+        seconds: mean(|row| row.seconds),
+        iterations: mean(|row| row.iterations),
+        work: mean(|row| row.work),
+        energy: worst(|row| row.energy),
+        moment: worst(|row| row.moment),
+        writhe: worst(|row| row.writhe),
+        force: worst(|row| row.force),
+        tip: worst(|row| row.tip),
+        gap: worst(|row| row.gap),
+        worst: worst(|row| row.worst),
+    })
+}
+
+fn measure_once(case: &Case, reference: &Numbers, knobs: Knobs) -> Option<Row> {
     let started = Instant::now();
     let (solver, seen, iterations) = (case.run)(&knobs)?;
     let seconds = started.elapsed().as_secs_f64();
@@ -253,7 +282,7 @@ fn measure(case: &Case, reference: &Numbers, knobs: Knobs) -> Option<Row> {
         case: case.name,
         knobs,
         seconds,
-        iterations,
+        iterations: iterations as f64,
         work: (iterations * solver.engine().num_nodes()) as f64,
         energy: relative(ours.energy, reference.energy),
         moment: relative(ours.moment, reference.moment),
@@ -311,7 +340,7 @@ fn write(case: &str, rows: &[Row], best: &[usize]) {
             [row.energy, row.moment, row.writhe, row.force, row.tip, row.gap, row.worst].map(|e| format!("{e:.3e}"));
         let (seconds, errors) = (row.seconds, errors.join(","));
         text += &format!(
-            "{},{knobs},{seconds:.4},{},{},{errors},{}\n",
+            "{},{knobs},{seconds:.4},{:.0},{:.0},{errors},{}\n",
             row.case,
             row.iterations,
             row.work,
@@ -476,7 +505,7 @@ fn main() {
             rod: [1.0, 2.8, 0.015],
             run: thick_ring,
             reference: || finest(thick_ring, 64, 1e6),
-            knobs: contact_knobs(&[12, 16, 24, 32], &[1.0, 10.0, 100.0, 1e4]),
+            knobs: contact_knobs(&[12, 16, 24, 32, 48], &[1.0, 10.0, 100.0, 1e4]),
         },
         Case {
             name: "thin_ring",
@@ -492,7 +521,7 @@ fn main() {
             rod: [1.0, 3.8, 0.005],
             run: line_ring,
             reference: || finest(line_ring, 400, 300.0),
-            knobs: contact_knobs(&[12, 16, 24, 32, 48, 64], &[1.0, 10.0, 100.0, 1e3]),
+            knobs: contact_knobs(&[12, 16, 24, 32, 48, 64, 128], &[1.0, 10.0, 100.0, 1e3]),
         },
         Case {
             name: "minicircle",
@@ -508,7 +537,7 @@ fn main() {
             rod: [1.0, 1.0, 0.01],
             run: beams,
             reference: || finest(beams, 320, 1e3),
-            knobs: contact_knobs(&[8, 16, 24, 48], &[10.0, 100.0, 1e4]),
+            knobs: contact_knobs(&[8, 16, 24, 48, 64], &[10.0, 100.0, 1e3]),
         },
         Case {
             name: "plectoneme",
@@ -516,7 +545,7 @@ fn main() {
             rod: [1.0, 1.0 + PLECTONEME_LINK, 0.005],
             run: plectoneme,
             reference: exact_plectoneme,
-            knobs: contact_knobs(&[16, 24, 48, 64], &[10.0, 100.0]),
+            knobs: contact_knobs(&[16, 24, 48, 64, 128], &[10.0, 100.0, 1e3]),
         },
         Case {
             name: "puc19",
@@ -524,7 +553,7 @@ fn main() {
             rod: [PUC19_LENGTH, 1.0 - PUC19_LINK, 2.5],
             run: puc19,
             reference: || finest(puc19, 1024, 1e3),
-            knobs: contact_knobs(&[30, 48, 88, 128, 192], &[1.0, 10.0, 100.0, 1e3]),
+            knobs: contact_knobs(&[30, 48, 88, 128, 192, 256], &[1.0, 10.0, 100.0, 1e3]),
         },
     ];
     for mut case in cases.into_iter().filter(|case| case.name.contains(&wanted)) {

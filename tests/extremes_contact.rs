@@ -10,9 +10,9 @@ mod common;
 
 use common::observed;
 use supercoil::math::Vec3;
-use supercoil::observe::report::Observation;
+use supercoil::observe::report::{Observation, SiteKind};
 use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
-use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
+use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
 fn to(solver: &mut Solver, excess_link: f64) -> (StepReport, Observation) {
@@ -75,8 +75,55 @@ fn units_of_length_and_force() {
     }
 }
 
-/// Away from the origin positions carry ε × offset. A ring with radius .02 L *returns*, 1e6 radii away, energy and writhe to 1e-8 and the
-/// contact force to 1e-7; from where rounding exceeds the increment tolerance on, near 1e8 radii, it is *refused*.
+/// Two clamped beams pressed together along a line by line loads: energies of bending, stretching and shear, and contact force, in units.
+fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
+    let b = force * unit * unit;
+    let section = Section::isotropic(b, b, 1e5 * force, 1e5 * force, 0.02 * unit);
+    let beam = |name: &str, start: Vec3| {
+        let shape = Shape::Line { start: start * unit, direction: Vec3::x(), length: unit };
+        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+    };
+    let rods = vec![beam("lower", Vec3::zeros()), beam("upper", Vec3::y() * 0.041)];
+    let last = rods[0].num_nodes() - 1;
+    let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
+    let along = |(rod, sign): (usize, f64)| LineLoad { rod, force: Vec3::y() * (sign * force / unit) };
+    let line_loads = [(0, 1.0), (1, -1.0)].map(along).to_vec();
+    let model = Model { rods, supports, line_loads, contact: Contact { law }, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    let mut last = None;
+    for to in [0.4, 1.2, 2.4] {
+        let report = solver.step_to(&[Ramp::Load { to }]).unwrap();
+        assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "unit {unit:e}, force {force:e}");
+        last = Some(observed(&solver, &report));
+    }
+    let seen = last.unwrap();
+    assert!(seen.sites.iter().any(|site| site.kind == SiteKind::Line), "{:?}", seen.sites);
+    let energies = [seen.energies.bend, seen.energies.stretch, seen.energies.shear].map(|e| e / (force * unit));
+    [energies[0], energies[1], energies[2], seen.total_contact_force / force]
+}
+
+/// The same along a line of contact. A penalty has one state: the same numbers to 1e-9. An augmented Lagrangian leaves lines some freedom (`StepReport::held_open`), within which rounding decides:
+/// in units that are powers of two, which round (nearly) alike, the same numbers to 1e-9, in others to 2e-5.
+#[test]
+fn units_along_a_line() {
+    let compare = |law: ContactLaw, units: &[(f64, f64)], tolerance: f64| {
+        let reference = pressed_along_a_line(1.0, 1.0, law);
+        for &(unit, force) in units {
+            let ours = pressed_along_a_line(unit, force, law);
+            let errors: [f64; 4] = std::array::from_fn(|k| ours[k] / reference[k] - 1.0);
+            println!("{law:?}, unit {unit:e}, force {force:e}: {errors:?}");
+            assert!(errors.iter().all(|error| error.abs() < tolerance), "unit {unit:e}, force {force:e}: {errors:?}");
+        }
+    };
+    let decimal = [(1e-12, 1.0), (1e-12, 1e12), (1e-6, 1e-12), (1e6, 1.0), (1e12, 1e-12), (1e12, 1e12)];
+    compare(ContactLaw::Penalty { stiffness: 100.0 }, &decimal, 1e-9);
+    compare(law(100.0), &decimal, 2e-5);
+    let two = |power: i32| 2f64.powi(power);
+    compare(law(100.0), &[(two(-40), 1.0), (two(40), two(-40)), (two(40), two(40))], 1e-9);
+}
+
+/// Away from the origin start positions carry ε × offset, but searches know them in two parts. A ring with radius .02 L *returns* energy, writhe, twisting moment and contact
+/// force as at the origin: to 1e-11 at up to 1e8 radii, to 1e-10 at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is *refused*.
 #[test]
 fn offset_from_the_origin() {
     let away = Vec3::new(0.6, 0.64, 0.48);
@@ -86,17 +133,16 @@ fn offset_from_the_origin() {
         assert_eq!(report.status, Status::Converged, "{offset:e}");
         let (report, seen) = to(&mut solver, 1.4);
         assert_eq!(report.status, Status::Converged, "{offset:e}");
-        [seen.energies.total, seen.links[0].writhe, seen.total_contact_force]
+        [seen.energies.total, seen.links[0].writhe, seen.links[0].seam_moment, seen.total_contact_force]
     };
     let reference = run(0.0);
-    for (offset, tolerance) in [(1e3, [1e-10, 1e-10, 1e-9]), (1e6, [1e-8, 1e-8, 1e-7])] {
+    for (offset, tolerance) in [(1e3, 1e-11), (1e6, 1e-11), (1e8, 1e-11), (1e9, 1e-10)] {
         let ours = run(offset);
-        for k in 0..3 {
-            let error = ours[k] / reference[k] - 1.0;
-            assert!(error.abs() < tolerance[k], "{offset:e}: {error:e}");
-        }
+        let errors: [f64; 4] = std::array::from_fn(|k| ours[k] / reference[k] - 1.0);
+        println!("{offset:e}: {errors:?}");
+        assert!(errors.iter().all(|error| error.abs() < tolerance), "{offset:e}: {errors:?}");
     }
-    for offset in [1e8, 1e9, 1e15] {
+    for offset in [1e13, 1e14, 1e15] {
         let rod = ring(1.0, 1.0, Vec3::zeros(), law(100.0), 16).engine().model().rods[0].clone();
         let positions = rod.positions.iter().map(|r| r + away * (0.02 * offset)).collect();
         let moved = Rod { positions, ..rod };
@@ -351,4 +397,36 @@ fn link_ten_times_too_much_at_once() {
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
     assert!((seen.links[0].link - 3.0).abs() < 1e-9, "{}", seen.links[0].link);
     assert!(seen.min_gap.unwrap().lower > -1e-6 * 0.02);
+}
+
+/// Beams of one element each, of every order, crossing: *return* without overlap, and the force of the shape that the element can take. On simple supports a beam that gives way by δ at its middle
+/// takes 48 B δ/L³; the best parabola takes 64, which is what elements of order 1 and 2 give (their contact curve is a cubic with the nodes' own tangents), cubic ones to 6 %, and two elements of order 2 or 3 take it to 1e-4.
+#[test]
+fn beams_of_one_element() {
+    for (order, elements, stiffer, tolerance) in
+        [(1, 1, 4.0 / 3.0, 1e-3), (2, 1, 4.0 / 3.0, 1e-3), (3, 1, 1.06, 1e-3), (2, 2, 1.0, 2e-4), (3, 2, 1.0, 2e-4)]
+    {
+        let section = Section::isotropic(1.0, 0.8, 1e4, 1e6, 0.02);
+        let beam = |name: &str, direction: Vec3, z: f64| {
+            let shape = Shape::Line { start: Vec3::z() * z - direction * 0.5, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, elements, order, Natural::Straight).unwrap()
+        };
+        let overlap = 0.01 * 0.04;
+        let rods = vec![beam("a", Vec3::x(), 0.0), beam("b", Vec3::y(), 0.04 - overlap)];
+        let last = rods[0].num_nodes() - 1;
+        let hinge = |rod: usize, node: usize| Support {
+            node: NodeRef { rod, node },
+            position: [true; 3],
+            rotation: if rod == 0 { [true, false, true] } else { [false, true, true] },
+        };
+        let supports = (0..2).flat_map(|rod| [0, last].map(|node| hinge(rod, node))).collect();
+        let mut solver = Solver::new(Model { rods, supports, ..Model::default() }, Options::default()).unwrap();
+        let report = solver.step_to(&[]).unwrap();
+        let seen = observed(&solver, &report);
+        assert_eq!((report.status, report.num_unstable, seen.num_sites), (Status::Converged, 0, 1), "order {order}");
+        let ratio = seen.total_contact_force / (48.0 * 0.5 * overlap);
+        println!("order {order}, {elements} elements: force {ratio:.6} of two simply supported beams'");
+        assert!((ratio / stiffer - 1.0).abs() < tolerance, "order {order}, {elements} elements: {ratio}");
+        assert!(seen.min_gap.unwrap().lower > -1e-8 * 0.02);
+    }
 }

@@ -20,6 +20,9 @@ use crate::solve::state::State;
 /// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once more, which a shear strain cannot
 /// bear where rounding leaves few digits as it is.
 const MOST_SLENDER: f64 = 1e10;
+/// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest nothing of it is left but where supports hold nodes:
+/// searches know positions in two parts.
+const RESOLUTION: f64 = 1e-3;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -204,16 +207,15 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Refuses rods so far from the origin that rounding of their positions alone exceeds `tol_increment` × node spacing.
-    pub(crate) fn check_resolution(&self, tol_increment: f64) -> Result<(), InputError> {
+    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`RESOLUTION`] × node spacing.
+    pub(crate) fn check_resolution(&self) -> Result<(), InputError> {
         for (index, rod) in self.model.rods.iter().enumerate() {
             let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
-            let spacing = rod.spacing();
-            let resolution = f64::EPSILON * farthest / spacing;
-            if resolution > tol_increment {
+            let resolution = f64::EPSILON * farthest / rod.spacing();
+            if resolution > RESOLUTION {
                 let reason = format!(
-                    "lies up to {farthest:e} from the origin, where positions are known to {resolution:.1e} of its node spacing only, and \
-                     options.newton.tol_increment = {tol_increment:e}: move the model to the origin or raise the tolerance"
+                    "lies up to {farthest:e} from the origin, where its start is known to {resolution:.1e} of its node spacing only, \
+                     not to {RESOLUTION:e}: move the model to the origin"
                 );
                 return Err(InputError::Inconsistent { field: format!("rods.{}.positions", rod.name), reason });
             }

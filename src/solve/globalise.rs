@@ -51,8 +51,13 @@ const SHORTEST: f64 = 1e-3;
 /// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
 /// increments far below any length of the rods still matter to it.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
-/// Increments this much below the tolerance are rest whatever contact forces do: strands that touch without a load.
+/// A search that only prepares the next one goes on while a step changes contact forces by more than this, relative to the largest.
+const STEADY: f64 = 0.3;
+/// Increments this much below the tolerance are rest where contact forces changed by no more than [`NEARLY_BALANCED`] in the last step (by the square of it in the next),
+/// or where all forces are as far out of balance as [`UNLOADED`], relative: strands that touch without a load press by rounding alone.
 const IMMOBILE: f64 = 1e-4;
+const NEARLY_BALANCED: f64 = 1e-2;
+const UNLOADED: f64 = 0.1;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
 /// Decrements that the potential cannot see and that fall by less than this in three steps are made of rounding.
@@ -143,17 +148,21 @@ impl Workspace {
                 // below the tolerance rounding decides over decrease and corrections
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
                 let indefinite = self.shift > 0.0;
-                let light = size <= IMMOBILE * options.tol_increment;
+                let unbalanced = relative_residual(engine, &residual);
+                let light = size <= IMMOBILE * options.tol_increment
+                    && (trial.contact_change <= NEARLY_BALANCED || unbalanced >= UNLOADED);
                 let balances = light || trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
-                // where only the next search is prepared, relative motion decides: a long rod swings far by little
-                let still = self.rough.map_or(tiny && balances, |tol| step.extent <= tol);
+                // where only the next search is prepared, relative motion decides, for a long rod swings far by little, once forces have found their places:
+                // the end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the softer law
+                let steady = tiny || trial.contact_change <= STEADY;
+                let still = self.rough.map_or(tiny && balances, |tol| step.extent <= tol && steady);
                 let at_rest = still && self.shift == 0.0;
                 let falls = gain >= 0.05 * trial.expected - noise;
                 let acceptable = tiny || if driven { trial.settled } else { falls };
                 let accepted = acceptable && (trial.rounds == 0 || engine.keeps_apart(&state, &trial.increment)?);
                 report.iterations.push(Iteration {
                     increment: size,
-                    residual: relative_residual(engine, &residual),
+                    residual: unbalanced,
                     fraction: if accepted { trial.fraction } else { 0.0 },
                     shift: self.shift,
                     potential: residual.potential.total(),

@@ -168,11 +168,11 @@ impl Solver {
     /// Builds the engine.
     ///
     /// # Errors
-    /// Refused input; a rod so far from the origin that its positions cannot be told apart to the increment tolerance.
+    /// Refused input; a rod so far from the origin that rounding moves its nodes by a thousandth of their spacing.
     pub fn new(model: Model, options: Options) -> Result<Self, InputError> {
         options.check()?;
         let engine = Engine::new(model, options.threads)?;
-        engine.check_resolution(options.newton.tol_increment)?;
+        engine.check_resolution()?;
         Ok(Self {
             engine,
             workspace: Workspace::default(),
