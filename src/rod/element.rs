@@ -102,6 +102,9 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
     /// The first of the rotations among the six unknowns of a node, which begin with the R displacements.
     const FIRST_ROTATION: usize = 6 - T;
 
+    /// P_i, as products whose terms cancel exactly where they should: in a planar state out-of-plane strains are zero, not 1e-17.
+    fn forms(p: &Point<R, Z>) -> [f64; S];
+
     /// ∇P_i.
     fn slopes(p: &Point<R, Z>) -> Slopes<R, Z, T>;
 
@@ -116,7 +119,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
     fn strain(p: &Point<R, Z>) -> ([f64; S], Slopes<R, Z, T>) {
         let inv = 1.0 / p.zz;
         let mut b = Self::slopes(p);
-        let strain: [f64; S] = b.forms(&p.rp, &p.zp).map(|form| form * inv);
+        let strain = Self::forms(p).map(|form| form * inv);
         for i in 0..R {
             b.v_r[i] = b.v_r[i].map(|x| x * inv);
             for k in 0..Z {
@@ -163,7 +166,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
     ) -> ([f64; S], [f64; S], Slopes<R, Z, T>) {
         let change = Point::new::<NODES>(change, n, d);
         let (raw, b) = Self::strain(&Point::new::<NODES>(nodes, n, d));
-        let mut linear = b.forms(&change.rp, &change.zp);
+        let mut linear = b.along(&change.rp, &change.zp);
         for (i, by_z) in b.v_z.iter().chain(&b.k_z).enumerate() {
             linear[i] += inner(by_z, &change.z);
         }

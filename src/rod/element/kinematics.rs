@@ -107,9 +107,9 @@ pub(super) struct Gradient<const R: usize, const Z: usize> {
 }
 
 impl<const R: usize, const Z: usize, const T: usize> Slopes<R, Z, T> {
-    /// P_i: linear in r' or z'.
+    /// Σ over r' or z' of the derivatives by them.
     #[inline(always)]
-    pub(super) fn forms<const S: usize>(&self, rp: &[f64; R], zp: &[f64; Z]) -> [f64; S] {
+    pub(super) fn along<const S: usize>(&self, rp: &[f64; R], zp: &[f64; Z]) -> [f64; S] {
         std::array::from_fn(|i| if i < R { inner(&self.v_r[i], rp) } else { inner(&self.k_d[i - R], zp) })
     }
 
@@ -144,19 +144,23 @@ impl Kinematics<3, 4, 6, 3> for Space {
     fn slopes(p: &Point<3, 4>) -> Slopes<3, 4, 3> {
         let double = |q: Q, factor: f64| q.map(|x| factor * x);
         let u = pure_mul(&p.rp, &p.z);
-        let [w, x, y, z] = p.z;
-        let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
-        let (wx, wy, wz, xy, xz, yz) = (w * x, w * y, w * z, x * y, x * z, y * z);
+        let conj = [p.z[0], -p.z[1], -p.z[2], -p.z[3]];
+        let director = |w: Q| {
+            let [_, x, y, z] = mul(&w, &conj);
+            [x, y, z]
+        };
         Slopes {
-            v_r: [
-                [ww + xx - yy - zz, 2.0 * (xy + wz), 2.0 * (xz - wy)],
-                [2.0 * (xy - wz), ww - xx + yy - zz, 2.0 * (yz + wx)],
-                [2.0 * (xz + wy), 2.0 * (yz - wx), ww - xx - yy + zz],
-            ],
+            v_r: [director(mul_e1(&p.z)), director(mul_e2(&p.z)), director(mul_e3(&p.z))],
             v_z: [double(mul_e1(&u), -2.0), double(mul_e2(&u), -2.0), double(mul_e3(&u), -2.0)],
             k_z: [double(mul_e1(&p.zp), -2.0), double(mul_e2(&p.zp), -2.0), double(mul_e3(&p.zp), -2.0)],
             k_d: [double(mul_e1(&p.z), 2.0), double(mul_e2(&p.z), 2.0), double(mul_e3(&p.z), 2.0)],
         }
+    }
+
+    #[inline(always)]
+    fn forms(p: &Point<3, 4>) -> [f64; 6] {
+        let (w, u) = ([mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)], pure_mul(&p.rp, &p.z));
+        std::array::from_fn(|i| if i < 3 { dot(&w[i], &u) } else { 2.0 * dot(&w[i - 3], &p.zp) })
     }
 
     /// Σ F_i P_i = ⟨z F, r' z⟩ and Σ M_i P_i = 2⟨z M, z'⟩ as matrices.
@@ -199,6 +203,13 @@ impl Kinematics<2, 2, 3, 1> for InPlane {
             k_z: [[2.0 * ds, -2.0 * dc]],
             k_d: [[-2.0 * s, 2.0 * c]],
         }
+    }
+
+    #[inline(always)]
+    fn forms(p: &Point<2, 2>) -> [f64; 3] {
+        let ([x, y], [c, s], [dc, ds]) = (p.rp, p.z, p.zp);
+        let (cos, sin) = (c * c - s * s, 2.0 * c * s);
+        [cos * x + sin * y, cos * y - sin * x, 2.0 * (c * ds - s * dc)]
     }
 
     #[inline(always)]
