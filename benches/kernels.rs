@@ -1,14 +1,11 @@
 //! Kernels by module: rod element (residual and tangent), contact terms of a supercoiled strand pair, one equilibrium search.
-//! Each checks its answer before it is timed. The element is also measured against its operations: microseconds (least and median of 400 goes of 250
-//! elements: other work on the machine disturbs the least hardly), operations (see [`flops`]) and the rate that they make; the aim is 3 µs for residual and
-//! tangent of a cubic element in space.
+//! Each checks its answer before it is timed.
 //!
-//! `cargo bench --bench kernels`, of the element only with `-- element`
-#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
+//! `cargo bench --bench kernels`
+#![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use std::time::Instant;
 
 use supercoil::contact::curve::{Cubic, CurveInput, CurveSet};
 use supercoil::contact::detect::{Want, evaluate};
@@ -43,52 +40,9 @@ fn rod_element(c: &mut Criterion) {
         };
         assert!((run(true) - 0.5e4 * 1e-4).abs() < 1e-10);
         let place = if plane.is_some() { "in a plane" } else { "in space" };
-        for (wanted, what) in [(false, "residual"), (true, "tangent")] {
-            report(&format!("{place}, order {order}, {what}"), flops(plane.is_none(), order, wanted), || run(wanted));
-            c.bench_function(&format!("element {place}, order {order}, {what}"), |b| b.iter(|| run(wanted)));
-        }
+        c.bench_function(&format!("element {place}, order {order}, residual"), |b| b.iter(|| run(false)));
+        c.bench_function(&format!("element {place}, order {order}, tangent"), |b| b.iter(|| run(true)));
     }
-}
-
-fn report(name: &str, flops: usize, mut run: impl FnMut() -> f64) {
-    const ELEMENTS: u32 = 250;
-    let mut micros: Vec<f64> = (0..400)
-        .map(|_| {
-            let start = Instant::now();
-            for _ in 0..ELEMENTS {
-                black_box(run());
-            }
-            start.elapsed().as_secs_f64() * 1e6 / f64::from(ELEMENTS)
-        })
-        .collect();
-    micros.sort_by(f64::total_cmp);
-    let (least, median) = (micros[0], micros[micros.len() / 2]);
-    let rate = 1e-3 * flops as f64 / least;
-    println!("element {name:<30} {least:>7.3} µs least {median:>7.3} µs median {flops:>6} flops {rate:>5.1} GF/s");
-}
-
-/// Additions, subtractions, multiplications and divisions of the element kernel as it is written, by hand; signs and choices not counted. (What a compiler makes
-/// of it, counted instruction by instruction in a cubic element in space, is 3 % less: it leaves out sums that start from zero.)
-fn flops(in_space: bool, order: usize, tangent: bool) -> usize {
-    // components of r' and z, rotations of a node; forms' slopes and curvatures
-    let (r, z, slopes, curvature) = if in_space { (3, 4, 87, 55) } else { (2, 2, 17, 17) };
-    let (t, nodes) = (z - 1, order + 1);
-    let strains = r + t;
-    let dot = |n: usize| 2 * n - 1;
-    let gradient = 2 * (r * r + r * z + 2 * t * z);
-    let point = 2 * nodes * (r + 2 * z) + dot(z) + 4;
-    let strain = 1 + slopes + r * dot(r) + t * dot(z) + strains + r * r + r * (1 + 3 * z) + t * z + t * (1 + 3 * z);
-    let stress = 1 + 6 * strains + gradient + nodes * (2 * r + 4 * z);
-    let mut sum = 1 + order * (point + strain + stress) + nodes * (z + t * dot(z));
-    if tangent {
-        let geometric = curvature + 2 * strains + 2 + 2 * z + 6 * z * z + 2 * r * z;
-        let material = r * (r * (1 + 2 * r + 2 * z) + z * (1 + 2 * z)) + t * z * (2 + 6 * z);
-        let at_point = gradient + nodes * 4 * z + strains + geometric + material;
-        let sums = order * (4 + 2 * r * r + 4 * r * z + 8 * z * z);
-        let turns = 2 * r * t * dot(z) + 2 * t * z * z + t * t * dot(z);
-        sum += order * at_point + nodes * (nodes + 1) / 2 * (sums + turns) + nodes * (2 * z + t);
-    }
-    sum
 }
 
 /// Two strands of a double helix that overlap a little: every facing pair is in contact and the forces on the strands balance.

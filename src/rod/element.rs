@@ -7,7 +7,7 @@
 //! K_i = 2 ⟨z e_i, z'⟩ / |z|²        K − K_ref          bending (1, 2), twist (3)
 //! ```
 //!
-//! depend on the eleven numbers y = (r', z, z'), V on r' and z, K on z and z', as quadratic forms P over |z|², which makes exact first and second
+//! depend on the eleven numbers y = (r', z, z') as quadratic forms over |z|², which makes exact first and second
 //! derivatives short: with f = P/|z|², ∇²f = (∇²P − f ∇²|z|² − ∇f⊗∇|z|² − ∇|z|²⊗∇f)/|z|².
 //! Left multiplication of all q_a by one unit quaternion commutes with the interpolation, so the strains are objective;
 //! nothing incremental is interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
@@ -20,10 +20,8 @@
 
 use crate::math::shape_functions::Table;
 use crate::rod::Section;
-use hessian::{Curvature, Hessian, turned};
-use kinematics::{InPlane, Point, Slopes, Space, inner};
+use kinematics::{InPlane, Space, inner};
 
-mod hessian;
 mod kinematics;
 
 pub use kinematics::{Nodes, Plane};
@@ -63,20 +61,43 @@ pub fn stiffness(section: &Section) -> Six {
     ]
 }
 
-/// The kernel for elements of an order, whose loops have fixed ends.
-macro_rules! of_order {
-    ($order:expr, $kinematics:ident::$kernel:ident) => {
-        match $order {
-            1 => $kinematics::$kernel::<2>,
-            2 => $kinematics::$kernel::<3>,
-            _ => $kinematics::$kernel::<4>,
+/// The interpolated numbers y = (r', z, z') at one integration point.
+struct Point<const R: usize, const Z: usize> {
+    rp: [f64; R],
+    z: [f64; Z],
+    zp: [f64; Z],
+    zz: f64,
+}
+
+fn interpolate<const R: usize, const Z: usize>(
+    nodes: &Nodes<R, Z>,
+    n: &[f64; 4],
+    d: &[f64; 4],
+    num_nodes: usize,
+    inv_length: f64,
+) -> Point<R, Z> {
+    let (mut rp, mut z, mut zp) = ([0.0; R], [0.0; Z], [0.0; Z]);
+    for a in 0..num_nodes {
+        let slope = d[a] * inv_length;
+        for k in 0..R {
+            rp[k] += slope * nodes.r[a][k];
         }
-    };
+        for k in 0..Z {
+            z[k] += n[a] * nodes.q[a][k];
+            zp[k] += slope * nodes.q[a][k];
+        }
+    }
+    let zz = inner(&z, &z);
+    Point { rp, z, zp, zz }
 }
 
 /// Raw strains (V, K) at the integration points of an element of reference length `length` \[L\].
 pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3] {
-    of_order!(table.order, Space::strains)(table, nodes, length)
+    let mut out = [[0.0; 6]; 3];
+    for g in 0..table.order {
+        out[g] = Space::strain(&interpolate(nodes, &table.n[g], &table.d[g], table.order + 1, 1.0 / length));
+    }
+    out
 }
 
 impl Body<'_> {
@@ -87,132 +108,180 @@ impl Body<'_> {
     }
 }
 
-/// R components of r', Z of z, S strains: V by R first, then K by T = S − R, as many as a node has rotations. Strains are P_i/|z|². `NODES` is the order + 1.
-trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>: Sized {
+/// R components of r', Z of z, S strains, N = R + 2Z numbers y, T rotations of a node. Strains are P_i/|z|².
+trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize, const T: usize> {
     /// The energy that a strain belongs to: stretch, shear, bend, twist.
     const KIND: [usize; S];
     /// The first of the rotations among the six unknowns of a node, which begin with the R displacements.
-    const FIRST_ROTATION: usize = 6 - T;
+    const FIRST_ROTATION: usize;
+
+    /// Strains (reference values not subtracted).
+    fn strain(p: &Point<R, Z>) -> [f64; S];
 
     /// ∇P_i.
-    fn slopes(p: &Point<R, Z>) -> Slopes<R, Z, T>;
+    fn slopes(p: &Point<R, Z>) -> [[f64; N]; S];
 
-    /// Σ S_i ∇²P_i.
-    fn curvature(p: &Point<R, Z>, stress: &[f64; S]) -> Curvature<R, Z>;
+    /// Σ S_i ∇²P_i, both triangles.
+    fn curvature(p: &Point<R, Z>, stress: &[f64; S]) -> [[f64; N]; N];
 
-    /// The directions in which the quaternion moves when the node turns, ½ e_k q, as columns.
-    fn rotations(q: &[f64; Z]) -> [[f64; T]; Z];
+    /// The directions in which the quaternion moves when the node turns: ½ e_k q.
+    fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
 
-    /// Strains (reference values not subtracted) and their first derivatives ∇f = (∇P − f ∇|z|²)/|z|².
-    #[inline(always)]
-    fn strain(p: &Point<R, Z>) -> ([f64; S], Slopes<R, Z, T>) {
-        let inv = 1.0 / p.zz;
-        let mut b = Self::slopes(p);
-        let strain: [f64; S] = b.forms(&p.rp, &p.zp).map(|form| form * inv);
-        for i in 0..R {
-            b.v_r[i] = b.v_r[i].map(|x| x * inv);
-            for k in 0..Z {
-                b.v_z[i][k] = (b.v_z[i][k] - 2.0 * strain[i] * p.z[k]) * inv;
-            }
-        }
-        for i in 0..T {
-            b.k_d[i] = b.k_d[i].map(|x| x * inv);
-            for k in 0..Z {
-                b.k_z[i][k] = (b.k_z[i][k] - 2.0 * strain[R + i] * p.z[k]) * inv;
-            }
-        }
-        (strain, b)
-    }
-
-    fn strains<const NODES: usize>(table: &Table, nodes: &Nodes<R, Z>, length: f64) -> [[f64; S]; 3] {
-        let mut out = [[0.0; S]; 3];
-        for g in 0..NODES - 1 {
-            let d = table.d[g].map(|x| x / length);
-            out[g] = Self::strain(&Point::new::<NODES>(nodes, &table.n[g], &d)).0;
-        }
-        out
-    }
-
-    /// Nodal rates of change of positions and quaternions for an increment.
-    #[inline(always)]
-    fn nodal_change<const NODES: usize>(nodes: &Nodes<R, Z>, increment: &[f64; MAX_DOF]) -> Nodes<R, Z> {
-        let mut change = Nodes::default();
-        for a in 0..NODES {
-            change.r[a].copy_from_slice(&increment[6 * a..6 * a + R]);
-            let turn: [f64; T] = std::array::from_fn(|k| increment[6 * a + Self::FIRST_ROTATION + k]);
-            change.q[a] = Self::rotations(&nodes.q[a]).map(|way| inner(&way, &turn));
-        }
-        change
-    }
-
-    /// Raw strains at a point, their change B δ that a linear step predicts, and ∇f.
-    #[inline(always)]
-    fn linear_change<const NODES: usize>(
+    /// Change of the strains at integration point `g` that a linear step δ (displacement, rotation vector per node) predicts: B δ.
+    /// Also returns raw strains and B's rows.
+    fn linear_change(
+        table: &Table,
         nodes: &Nodes<R, Z>,
         change: &Nodes<R, Z>,
-        n: &[f64; 4],
-        d: &[f64; 4],
-    ) -> ([f64; S], [f64; S], Slopes<R, Z, T>) {
-        let change = Point::new::<NODES>(change, n, d);
-        let (raw, b) = Self::strain(&Point::new::<NODES>(nodes, n, d));
-        let mut linear = b.forms(&change.rp, &change.zp);
-        for (i, by_z) in b.v_z.iter().chain(&b.k_z).enumerate() {
-            linear[i] += inner(by_z, &change.z);
+        length: f64,
+        g: usize,
+    ) -> ([f64; S], [f64; S], [[f64; N]; S]) {
+        let num_nodes = table.order + 1;
+        let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
+        let dp = interpolate(change, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
+        let raw = Self::strain(&p);
+        let b = Self::gradients(&p, &raw);
+        let mut linear = [0.0; S];
+        for i in 0..S {
+            for k in 0..R {
+                linear[i] += b[i][k] * dp.rp[k];
+            }
+            for k in 0..Z {
+                linear[i] += b[i][R + k] * dp.z[k] + b[i][R + Z + k] * dp.zp[k];
+            }
         }
         (raw, linear, b)
     }
 
-    fn predict<const NODES: usize>(
+    /// Nodal rates of change of positions and quaternions for an increment.
+    fn nodal_change(nodes: &Nodes<R, Z>, increment: &[f64; MAX_DOF], num_nodes: usize) -> Nodes<R, Z> {
+        let mut change = Nodes::default();
+        for a in 0..num_nodes {
+            change.r[a].copy_from_slice(&increment[6 * a..6 * a + R]);
+            for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
+                let turn = increment[6 * a + Self::FIRST_ROTATION + k];
+                for l in 0..Z {
+                    change.q[a][l] += turn * way[l];
+                }
+            }
+        }
+        change
+    }
+
+    fn predict(
         body: &Body,
         nodes: &Nodes<R, Z>,
         material: &[f64; S],
         reference: &[[f64; S]; 3],
         increment: &[f64; MAX_DOF],
     ) -> [[f64; S]; 3] {
-        let change = Self::nodal_change::<NODES>(nodes, increment);
+        let change = Self::nodal_change(nodes, increment, body.table.order + 1);
         let mut out = [[0.0; S]; 3];
-        for g in 0..NODES - 1 {
-            let d = body.table.d[g].map(|x| x / body.length);
-            let (raw, linear, _) = Self::linear_change::<NODES>(nodes, &change, &body.table.n[g], &d);
-            out[g] = std::array::from_fn(|i| material[i] * (raw[i] - reference[g][i] + linear[i]));
+        for g in 0..body.table.order {
+            let (raw, linear, _) = Self::linear_change(body.table, nodes, &change, body.length, g);
+            for i in 0..S {
+                out[g][i] = material[i] * (raw[i] - reference[g][i] + linear[i]);
+            }
         }
         out
     }
 
-    fn surprise<const NODES: usize>(
+    fn surprise(
         body: &Body,
         nodes: &Nodes<R, Z>,
         moved: &Nodes<R, Z>,
         material: &[f64; S],
         increment: &[f64; MAX_DOF],
     ) -> ([[f64; S]; 3], [f64; MAX_DOF]) {
-        let table = body.table;
-        let change = Self::nodal_change::<NODES>(nodes, increment);
+        let (table, length) = (body.table, body.length);
+        let num_nodes = table.order + 1;
+        let change = Self::nodal_change(nodes, increment, num_nodes);
         let mut excess = [[0.0; S]; 3];
-        let mut force = Nodes::default();
-        for g in 0..NODES - 1 {
-            let (n, d) = (&table.n[g], table.d[g].map(|x| x / body.length));
-            let (raw, linear, b) = Self::linear_change::<NODES>(nodes, &change, n, &d);
-            let (after, _) = Self::strain(&Point::new::<NODES>(moved, n, &d));
-            excess[g] = std::array::from_fn(|i| material[i] * (after[i] - raw[i] - linear[i]));
-            let weight = table.rule.weights[g] * body.length;
-            force.add::<NODES>(&b.gradient(&excess[g].map(|s| s * weight)), n, &d);
+        let (mut grad_r, mut grad_q) = ([[0.0; R]; 4], [[0.0; Z]; 4]);
+        for g in 0..table.order {
+            let (raw, linear, b) = Self::linear_change(table, nodes, &change, length, g);
+            let after = Self::strain(&interpolate(moved, &table.n[g], &table.d[g], num_nodes, 1.0 / length));
+            let mut grad = [0.0; N];
+            for i in 0..S {
+                let stress = material[i] * (after[i] - raw[i] - linear[i]);
+                excess[g][i] = stress;
+                for k in 0..N {
+                    grad[k] += stress * b[i][k];
+                }
+            }
+            let d = table.d[g].map(|x| x / length);
+            add_nodal_gradient(
+                &grad,
+                &table.n[g],
+                &d,
+                table.rule.weights[g] * length,
+                num_nodes,
+                &mut grad_r,
+                &mut grad_q,
+            );
         }
         let mut out = [0.0; MAX_DOF];
-        Self::unknowns::<NODES>(&force, &nodes.q.each_ref().map(Self::rotations), &mut out);
+        for a in 0..num_nodes {
+            out[6 * a..6 * a + R].copy_from_slice(&grad_r[a]);
+            for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
+                out[6 * a + Self::FIRST_ROTATION + k] = inner(way, &grad_q[a]);
+            }
+        }
         (excess, out)
     }
 
-    /// A derivative by positions and quaternions of the nodes as one by displacements and rotations.
-    #[inline(always)]
-    fn unknowns<const NODES: usize>(by: &Nodes<R, Z>, ways: &[[[f64; T]; Z]; 4], out: &mut [f64; MAX_DOF]) {
-        for a in 0..NODES {
-            out[6 * a..6 * a + R].copy_from_slice(&by.r[a]);
-            out[6 * a + Self::FIRST_ROTATION..6 * a + 6].copy_from_slice(&turned(&by.q[a], &ways[a]));
+    /// First derivatives of the strains with respect to y = (r', z, z'): ∇f = (∇P − f ∇|z|²)/|z|².
+    #[inline]
+    fn gradients(p: &Point<R, Z>, strain: &[f64; S]) -> [[f64; N]; S] {
+        let inv = 1.0 / p.zz;
+        let mut b = Self::slopes(p);
+        for i in 0..S {
+            for k in 0..Z {
+                b[i][R + k] -= 2.0 * strain[i] * p.z[k];
+            }
+            for k in 0..N {
+                b[i][k] *= inv;
+            }
         }
+        b
     }
 
-    fn evaluate<const NODES: usize>(
+    /// h = Σ_i S_i ∇²f_i (symmetric) and g = Σ S_i ∇f_i.
+    #[inline]
+    fn geometric(
+        p: &Point<R, Z>,
+        strain: &[f64; S],
+        b: &[[f64; N]; S],
+        stress: &[f64; S],
+    ) -> ([[f64; N]; N], [f64; N]) {
+        let inv = 1.0 / p.zz;
+        let mut g = [0.0; N];
+        let mut work = 0.0;
+        for i in 0..S {
+            work += stress[i] * strain[i];
+            for k in 0..N {
+                g[k] += stress[i] * b[i][k];
+            }
+        }
+        let forms = Self::curvature(p, stress);
+        let mut h = [[0.0; N]; N];
+        for l in 0..Z {
+            for k in 0..R {
+                let value = (forms[k][R + l] - 2.0 * g[k] * p.z[l]) * inv;
+                (h[k][R + l], h[R + l][k]) = (value, value);
+            }
+            for k in 0..Z {
+                let (row, column) = (R + k, R + l);
+                h[row][column] = (forms[row][column] - 2.0 * (g[row] * p.z[l] + p.z[k] * g[column])) * inv;
+                let value = (forms[column][R + Z + k] - 2.0 * p.z[l] * g[R + Z + k]) * inv;
+                (h[column][R + Z + k], h[R + Z + k][column]) = (value, value);
+            }
+            h[R + l][R + l] -= 2.0 * work * inv;
+        }
+        (h, g)
+    }
+
+    fn evaluate(
         body: &Body,
         nodes: &Nodes<R, Z>,
         material: &[f64; S],
@@ -221,37 +290,60 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const T: usize>
         tangent: Option<&mut ElementTangent>,
         out: &mut ElementOutput,
     ) {
-        let (n, inv_length) = (&body.table.n, 1.0 / body.length);
-        let d = body.table.d.map(|slopes| slopes.map(|x| x * inv_length));
+        let (table, length) = (body.table, body.length);
+        let num_nodes = table.order + 1;
         *out = ElementOutput::default();
-        let (mut force, mut predicted_force) = (Nodes::default(), Nodes::default());
-        let mut hessians = [Hessian::default(); 3];
-        for g in 0..NODES - 1 {
-            let p = Point::new::<NODES>(nodes, &n[g], &d[g]);
-            let (raw, slopes) = Self::strain(&p);
-            let weight = body.table.rule.weights[g] * body.length;
-            let stiffness = material.map(|c| weight * c);
+        let mut grad_r = [[0.0; R]; 4];
+        let mut grad_q = [[0.0; Z]; 4];
+        let mut blocks = tangent.is_some().then(Blocks::<R, Z>::default);
+        for g in 0..table.order {
+            let weight = table.rule.weights[g] * length;
+            let n = &table.n[g];
+            let d = table.d[g].map(|x| x / length);
+            let p = interpolate(nodes, n, &table.d[g], num_nodes, 1.0 / length);
+            let raw = Self::strain(&p);
+            let b = Self::gradients(&p, &raw);
             let mut stress = [0.0; S];
+            let mut energy = [0.0; 4];
+            let mut grad = [0.0; N];
             for i in 0..S {
                 let strain = raw[i] - reference[g][i];
-                stress[i] = stiffness[i] * strain;
-                out.energy[Self::KIND[i]] += 0.5 * stress[i] * strain;
+                stress[i] = material[i] * strain;
+                energy[Self::KIND[i]] += stress[i] * strain;
+                for k in 0..N {
+                    grad[k] += stress[i] * b[i][k];
+                }
             }
-            force.add::<NODES>(&slopes.gradient(&stress), &n[g], &d[g]);
-            if tangent.is_some() {
-                let stress = predicted.map_or(stress, |s| s[g].map(|s| weight * s));
-                predicted_force.add::<NODES>(&slopes.gradient(&stress), &n[g], &d[g]);
-                hessians[g] = Hessian::new::<S, T, Self>(&p, &slopes, &raw, &stress, &stiffness);
+            for (sum, part) in out.energy.iter_mut().zip(energy) {
+                *sum += 0.5 * weight * part;
+            }
+            add_nodal_gradient(&grad, n, &d, weight, num_nodes, &mut grad_r, &mut grad_q);
+            let Some(blocks) = &mut blocks else { continue };
+            let (mut h, grad) = Self::geometric(&p, &raw, &b, predicted.map_or(&stress, |s| &s[g]));
+            add_nodal_gradient(&grad, n, &d, weight, num_nodes, &mut [[0.0; R]; 4], &mut blocks.grad_q);
+            for i in 0..S {
+                for k in 0..N {
+                    let scaled = material[i] * b[i][k];
+                    for l in 0..N {
+                        h[k][l] += scaled * b[i][l];
+                    }
+                }
+            }
+            blocks.add(&h, n, &d, weight, num_nodes);
+        }
+        let ways: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
+        for a in 0..num_nodes {
+            out.residual[6 * a..6 * a + R].copy_from_slice(&grad_r[a]);
+            for k in 0..T {
+                out.residual[6 * a + Self::FIRST_ROTATION + k] = inner(&ways[a][k], &grad_q[a]);
             }
         }
-        let ways = nodes.q.each_ref().map(Self::rotations);
-        Self::unknowns::<NODES>(&force, &ways, &mut out.residual);
-        let Some(tangent) = tangent else { return };
-        for a in 0..NODES {
-            for c in a..NODES {
-                hessian::write::<R, Z, T, NODES>(&hessians, n, &d, [a, c], [&ways[a], &ways[c]], tangent);
+        let (Some(blocks), Some(tangent)) = (blocks, tangent) else { return };
+        for a in 0..num_nodes {
+            for c in a..num_nodes {
+                blocks.write(tangent, [a, c], Self::FIRST_ROTATION, &ways);
             }
-            let correction = -0.25 * inner(&predicted_force.q[a], &nodes.q[a]);
+            let correction = -0.25 * inner(&blocks.grad_q[a], &nodes.q[a]);
             for k in 6 * a + Self::FIRST_ROTATION..6 * a + 6 {
                 tangent[k][k] += correction;
             }
@@ -270,13 +362,9 @@ pub fn predicted_stress(
     match body.flat(nodes) {
         Some((plane, flat)) => {
             let (material, reference) = (plane.material(body.material), reference.map(|six| plane.part(&six)));
-            let predict = of_order!(body.table.order, InPlane::predict);
-            predict(body, &flat, &material, &reference, increment).map(|s| plane.six(&s))
+            InPlane::predict(body, &flat, &material, &reference, increment).map(|s| plane.six(&s))
         }
-        None => {
-            let predict = of_order!(body.table.order, Space::predict);
-            predict(body, nodes, body.material, reference, increment)
-        }
+        None => Space::predict(body, nodes, body.material, reference, increment),
     }
 }
 
@@ -291,14 +379,10 @@ pub fn surprise_force(
     match (body.flat(nodes), body.flat(moved)) {
         (Some((plane, flat)), Some((_, moved))) => {
             let material = plane.material(body.material);
-            let surprise = of_order!(body.table.order, InPlane::surprise);
-            let (stress, force) = surprise(body, &flat, &moved, &material, increment);
+            let (stress, force) = InPlane::surprise(body, &flat, &moved, &material, increment);
             (stress.map(|s| plane.six(&s)), force)
         }
-        _ => {
-            let surprise = of_order!(body.table.order, Space::surprise);
-            surprise(body, nodes, moved, body.material, increment)
-        }
+        _ => Space::surprise(body, nodes, moved, body.material, increment),
     }
 }
 
@@ -331,12 +415,117 @@ pub fn evaluate(
             let (material, reference) = (plane.material(body.material), reference.map(|six| plane.part(&six)));
             let predicted = predicted.map(|stress| stress.map(|six| plane.part(&six)));
             let predicted = predicted.as_ref();
-            let evaluate = of_order!(body.table.order, InPlane::evaluate);
-            evaluate(body, &flat, &material, &reference, predicted, tangent, out);
+            InPlane::evaluate(body, &flat, &material, &reference, predicted, tangent, out);
         }
         None => {
-            let evaluate = of_order!(body.table.order, Space::evaluate);
-            evaluate(body, nodes, body.material, reference, predicted, tangent, out);
+            Space::evaluate(body, nodes, body.material, reference, predicted, tangent, out);
+        }
+    }
+}
+
+fn add_nodal_gradient<const R: usize, const Z: usize, const N: usize>(
+    grad: &[f64; N],
+    n: &[f64; 4],
+    d: &[f64; 4],
+    weight: f64,
+    num_nodes: usize,
+    grad_r: &mut [[f64; R]; 4],
+    grad_q: &mut [[f64; Z]; 4],
+) {
+    for a in 0..num_nodes {
+        let (na, da) = (weight * n[a], weight * d[a]);
+        for k in 0..R {
+            grad_r[a][k] += da * grad[k];
+        }
+        for k in 0..Z {
+            grad_q[a][k] += na * grad[R + k] + da * grad[R + Z + k];
+        }
+    }
+}
+
+/// ∂²E/∂(r, q)² by pairs of nodes, and ∂E/∂q of the stresses that its geometric part is made with.
+struct Blocks<const R: usize, const Z: usize> {
+    rr: [[[[f64; R]; R]; 4]; 4],
+    rq: [[[[f64; Z]; R]; 4]; 4],
+    qq: [[[[f64; Z]; Z]; 4]; 4],
+    grad_q: [[f64; Z]; 4],
+}
+
+impl<const R: usize, const Z: usize> Default for Blocks<R, Z> {
+    fn default() -> Self {
+        Self {
+            rr: [[[[0.0; R]; R]; 4]; 4],
+            rq: [[[[0.0; Z]; R]; 4]; 4],
+            qq: [[[[0.0; Z]; Z]; 4]; 4],
+            grad_q: [[0.0; Z]; 4],
+        }
+    }
+}
+
+impl<const R: usize, const Z: usize> Blocks<R, Z> {
+    /// Adds the second derivative by y at a point.
+    #[inline]
+    fn add<const N: usize>(&mut self, h: &[[f64; N]; N], n: &[f64; 4], d: &[f64; 4], weight: f64, num_nodes: usize) {
+        for a in 0..num_nodes {
+            for c in a..num_nodes {
+                let (nn, nd, dn, dd) =
+                    (weight * n[a] * n[c], weight * n[a] * d[c], weight * d[a] * n[c], weight * d[a] * d[c]);
+                for k in 0..R {
+                    for l in 0..R {
+                        self.rr[a][c][k][l] += dd * h[k][l];
+                    }
+                    for l in 0..Z {
+                        self.rq[a][c][k][l] += dn * h[k][R + l] + dd * h[k][R + Z + l];
+                    }
+                }
+                for k in 0..Z {
+                    for l in 0..Z {
+                        self.qq[a][c][k][l] += nn * h[R + k][R + l]
+                            + nd * h[R + k][R + Z + l]
+                            + dn * h[R + Z + k][R + l]
+                            + dd * h[R + Z + k][R + Z + l];
+                    }
+                }
+                if a != c {
+                    let (nd, dd) = (weight * d[c] * n[a], weight * d[c] * d[a]);
+                    for k in 0..R {
+                        for l in 0..Z {
+                            self.rq[c][a][k][l] += nd * h[k][R + l] + dd * h[k][R + Z + l];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Turns the blocks of nodes a ≤ c into those in (δr, θ).
+    fn write<const T: usize>(
+        &self,
+        tangent: &mut ElementTangent,
+        [a, c]: [usize; 2],
+        first_rotation: usize,
+        ways: &[[[f64; Z]; T]; 4],
+    ) {
+        let (row, col) = (6 * a, 6 * c);
+        for k in 0..R {
+            for l in 0..R {
+                tangent[row + k][col + l] = self.rr[a][c][k][l];
+            }
+            for l in 0..T {
+                tangent[row + k][col + first_rotation + l] = inner(&self.rq[a][c][k], &ways[c][l]);
+                tangent[row + first_rotation + l][col + k] = inner(&self.rq[c][a][k], &ways[a][l]);
+            }
+        }
+        for k in 0..T {
+            let mut product = [0.0; Z];
+            for m in 0..Z {
+                for l in 0..Z {
+                    product[l] += ways[a][k][m] * self.qq[a][c][m][l];
+                }
+            }
+            for l in 0..T {
+                tangent[row + first_rotation + k][col + first_rotation + l] = inner(&product, &ways[c][l]);
+            }
         }
     }
 }

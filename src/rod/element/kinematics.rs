@@ -7,8 +7,7 @@
 //! V = w̄² r' / |w|²  (extension, shear)        K = 2 Im(w̄ w') / |w|²
 //! ```
 
-use super::Kinematics;
-use super::hessian::Curvature;
+use super::{Kinematics, Point};
 use crate::math::quaternion::{Q, dot, mul, mul_e1, mul_e2, mul_e3, mul_pure, pure_mul};
 
 /// Nodes that have their frames in the plane to rounding: 1 − |w|² at most, a quarter of the square of the tilt.
@@ -40,21 +39,6 @@ impl<const R: usize, const Z: usize> Nodes<R, Z> {
     }
 }
 
-impl<const R: usize, const Z: usize> Nodes<R, Z> {
-    /// Adds what a derivative by y at a point is by the first `NODES` nodes.
-    #[inline(always)]
-    pub(super) fn add<const NODES: usize>(&mut self, by: &Gradient<R, Z>, n: &[f64; 4], d: &[f64; 4]) {
-        for a in 0..NODES {
-            for k in 0..R {
-                self.r[a][k] += d[a] * by.r[k];
-            }
-            for k in 0..Z {
-                self.q[a][k] += n[a] * by.z[k] + d[a] * by.d[k];
-            }
-        }
-    }
-}
-
 /// Inner product.
 #[inline]
 pub(super) fn inner<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
@@ -65,154 +49,120 @@ pub(super) fn inner<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     sum
 }
 
-/// The interpolated numbers y = (r', z, z') at one integration point.
-pub(super) struct Point<const R: usize, const Z: usize> {
-    pub rp: [f64; R],
-    pub z: [f64; Z],
-    pub zp: [f64; Z],
-    pub zz: f64,
-}
-
-impl<const R: usize, const Z: usize> Point<R, Z> {
-    /// From shape functions `n` and their slopes by arc length `d` at the first `NODES` nodes.
-    #[inline(always)]
-    pub(super) fn new<const NODES: usize>(nodes: &Nodes<R, Z>, n: &[f64; 4], d: &[f64; 4]) -> Self {
-        let (mut rp, mut z, mut zp) = ([0.0; R], [0.0; Z], [0.0; Z]);
-        for a in 0..NODES {
-            for k in 0..R {
-                rp[k] += d[a] * nodes.r[a][k];
-            }
-            for k in 0..Z {
-                z[k] += n[a] * nodes.q[a][k];
-                zp[k] += d[a] * nodes.q[a][k];
-            }
-        }
-        Point { rp, z, zp, zz: inner(&z, &z) }
-    }
-}
-
-/// First derivatives: of V by r' and z, of K by z and z' (d); the others are zero.
-pub(super) struct Slopes<const R: usize, const Z: usize, const T: usize> {
-    pub v_r: [[f64; R]; R],
-    pub v_z: [[f64; Z]; R],
-    pub k_z: [[f64; Z]; T],
-    pub k_d: [[f64; Z]; T],
-}
-
-/// A derivative by y = (r', z, z').
-pub(super) struct Gradient<const R: usize, const Z: usize> {
-    pub r: [f64; R],
-    pub z: [f64; Z],
-    pub d: [f64; Z],
-}
-
-impl<const R: usize, const Z: usize, const T: usize> Slopes<R, Z, T> {
-    /// P_i: linear in r' or z'.
-    #[inline(always)]
-    pub(super) fn forms<const S: usize>(&self, rp: &[f64; R], zp: &[f64; Z]) -> [f64; S] {
-        std::array::from_fn(|i| if i < R { inner(&self.v_r[i], rp) } else { inner(&self.k_d[i - R], zp) })
-    }
-
-    /// Σ S_i ∇f_i.
-    #[inline(always)]
-    pub(super) fn gradient<const S: usize>(&self, stress: &[f64; S]) -> Gradient<R, Z> {
-        let mut out = Gradient { r: [0.0; R], z: [0.0; Z], d: [0.0; Z] };
-        for i in 0..R {
-            for k in 0..R {
-                out.r[k] += stress[i] * self.v_r[i][k];
-            }
-            for k in 0..Z {
-                out.z[k] += stress[i] * self.v_z[i][k];
-            }
-        }
-        for i in 0..T {
-            for k in 0..Z {
-                out.z[k] += stress[R + i] * self.k_z[i][k];
-                out.d[k] += stress[R + i] * self.k_d[i][k];
-            }
-        }
-        out
-    }
-}
-
 pub(super) struct Space;
 
-impl Kinematics<3, 4, 6, 3> for Space {
+impl Kinematics<3, 4, 6, 11, 3> for Space {
     const KIND: [usize; 6] = [1, 1, 0, 2, 2, 3];
+    const FIRST_ROTATION: usize = 3;
 
-    #[inline(always)]
-    fn slopes(p: &Point<3, 4>) -> Slopes<3, 4, 3> {
-        let double = |q: Q, factor: f64| q.map(|x| factor * x);
+    fn strain(p: &Point<3, 4>) -> [f64; 6] {
+        let w = [mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)];
         let u = pure_mul(&p.rp, &p.z);
-        let [w, x, y, z] = p.z;
-        let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
-        let (wx, wy, wz, xy, xz, yz) = (w * x, w * y, w * z, x * y, x * z, y * z);
-        Slopes {
-            v_r: [
-                [ww + xx - yy - zz, 2.0 * (xy + wz), 2.0 * (xz - wy)],
-                [2.0 * (xy - wz), ww - xx + yy - zz, 2.0 * (yz + wx)],
-                [2.0 * (xz + wy), 2.0 * (yz - wx), ww - xx - yy + zz],
-            ],
-            v_z: [double(mul_e1(&u), -2.0), double(mul_e2(&u), -2.0), double(mul_e3(&u), -2.0)],
-            k_z: [double(mul_e1(&p.zp), -2.0), double(mul_e2(&p.zp), -2.0), double(mul_e3(&p.zp), -2.0)],
-            k_d: [double(mul_e1(&p.z), 2.0), double(mul_e2(&p.z), 2.0), double(mul_e3(&p.z), 2.0)],
-        }
+        let inv = 1.0 / p.zz;
+        [
+            dot(&w[0], &u) * inv,
+            dot(&w[1], &u) * inv,
+            dot(&w[2], &u) * inv,
+            2.0 * dot(&w[0], &p.zp) * inv,
+            2.0 * dot(&w[1], &p.zp) * inv,
+            2.0 * dot(&w[2], &p.zp) * inv,
+        ]
     }
 
-    /// Σ F_i P_i = ⟨z F, r' z⟩ and Σ M_i P_i = 2⟨z M, z'⟩ as matrices.
-    #[inline(always)]
-    fn curvature(p: &Point<3, 4>, stress: &[f64; 6]) -> Curvature<3, 4> {
-        let [f1, f2, f3, m1, m2, m3] = stress.map(|s| 2.0 * s);
-        let [x, y, z] = p.rp;
-        let (a, b, c) = (x * f1, y * f2, z * f3);
-        let (ab, ac, bc) = (x * f2 + y * f1, x * f3 + z * f1, y * f3 + z * f2);
-        let (i, j, k) = (f2 * z - f3 * y, f3 * x - f1 * z, f1 * y - f2 * x);
-        let [w, p, q, r] = mul_pure(&p.z, &[f1, f2, f3]);
-        Curvature {
-            rz: [[p, -w, r, -q], [q, -r, -w, p], [r, q, -p, -w]],
-            zz: [[a + b + c, i, j, k], [i, a - b - c, ab, ac], [j, ab, b - a - c, bc], [k, ac, bc, c - a - b]],
-            zd: [[0.0, m1, m2, m3], [-m1, 0.0, -m3, m2], [-m2, m3, 0.0, -m1], [-m3, -m2, m1, 0.0]],
+    fn slopes(p: &Point<3, 4>) -> [[f64; 11]; 6] {
+        let mut b = [[0.0; 11]; 6];
+        let u = pure_mul(&p.rp, &p.z);
+        let w = [mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)];
+        let ue = [mul_e1(&u), mul_e2(&u), mul_e3(&u)];
+        let ze = [mul_e1(&p.zp), mul_e2(&p.zp), mul_e3(&p.zp)];
+        let conj = [p.z[0], -p.z[1], -p.z[2], -p.z[3]];
+        for i in 0..3 {
+            let director = mul(&w[i], &conj);
+            b[i][..3].copy_from_slice(&director[1..]);
+            for k in 0..4 {
+                b[i][3 + k] = -2.0 * ue[i][k];
+                b[3 + i][3 + k] = -2.0 * ze[i][k];
+                b[3 + i][7 + k] = 2.0 * w[i][k];
+            }
         }
+        b
     }
 
-    #[inline(always)]
-    fn rotations(q: &Q) -> [[f64; 3]; 4] {
-        let [w, x, y, z] = q.map(|component| 0.5 * component);
-        [[-x, -y, -z], [w, z, -y], [-z, w, x], [y, -x, w]]
+    fn curvature(p: &Point<3, 4>, stress: &[f64; 6]) -> [[f64; 11]; 11] {
+        const UNIT: [Q; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+        let mut h = [[0.0; 11]; 11];
+        let force = [stress[0], stress[1], stress[2]];
+        let moment = [stress[3], stress[4], stress[5]];
+        let zn = mul_pure(&p.z, &force);
+        for k in 0..3 {
+            let mixed = mul(&UNIT[k + 1], &zn);
+            for l in 0..4 {
+                h[k][3 + l] = -2.0 * mixed[l];
+                h[3 + l][k] = h[k][3 + l];
+            }
+        }
+        for k in 0..4 {
+            let column = mul_pure(&pure_mul(&p.rp, &UNIT[k]), &force);
+            let row = mul_pure(&UNIT[k], &moment);
+            for l in 0..4 {
+                h[3 + l][3 + k] = -2.0 * column[l];
+                h[3 + k][7 + l] = 2.0 * row[l];
+                h[7 + l][3 + k] = h[3 + k][7 + l];
+            }
+        }
+        h
+    }
+
+    fn rotations(q: &Q) -> [Q; 3] {
+        [
+            [-0.5 * q[1], 0.5 * q[0], -0.5 * q[3], 0.5 * q[2]],
+            [-0.5 * q[2], 0.5 * q[3], 0.5 * q[0], -0.5 * q[1]],
+            [-0.5 * q[3], -0.5 * q[2], 0.5 * q[1], 0.5 * q[0]],
+        ]
     }
 }
 
 /// Strains: extension, shear, bending.
 pub(super) struct InPlane;
 
-impl Kinematics<2, 2, 3, 1> for InPlane {
+impl Kinematics<2, 2, 3, 6, 1> for InPlane {
     const KIND: [usize; 3] = [0, 1, 2];
+    const FIRST_ROTATION: usize = 5;
 
-    #[inline(always)]
-    fn slopes(p: &Point<2, 2>) -> Slopes<2, 2, 1> {
+    fn strain(p: &Point<2, 2>) -> [f64; 3] {
+        let ([x, y], [c, s], [dc, ds], inv) = (p.rp, p.z, p.zp, 1.0 / p.zz);
+        let (cos, sin) = (c * c - s * s, 2.0 * c * s);
+        [(cos * x + sin * y) * inv, (cos * y - sin * x) * inv, 2.0 * (c * ds - s * dc) * inv]
+    }
+
+    fn slopes(p: &Point<2, 2>) -> [[f64; 6]; 3] {
         let ([x, y], [c, s], [dc, ds]) = (p.rp, p.z, p.zp);
         let (cos, sin) = (c * c - s * s, 2.0 * c * s);
         let (along, across) = (2.0 * (c * x + s * y), 2.0 * (c * y - s * x));
-        Slopes {
-            v_r: [[cos, sin], [-sin, cos]],
-            v_z: [[along, across], [across, -along]],
-            k_z: [[2.0 * ds, -2.0 * dc]],
-            k_d: [[-2.0 * s, 2.0 * c]],
-        }
+        [
+            [cos, sin, along, across, 0.0, 0.0],
+            [-sin, cos, across, -along, 0.0, 0.0],
+            [0.0, 0.0, 2.0 * ds, -2.0 * dc, -2.0 * s, 2.0 * c],
+        ]
     }
 
-    #[inline(always)]
-    fn curvature(p: &Point<2, 2>, &[n, t, m]: &[f64; 3]) -> Curvature<2, 2> {
+    fn curvature(p: &Point<2, 2>, &[n, t, m]: &[f64; 3]) -> [[f64; 6]; 6] {
         let ([x, y], [c, s]) = (p.rp, p.z);
         let (a, b) = (2.0 * (c * n - s * t), 2.0 * (s * n + c * t));
         let (push, shift) = (2.0 * (x * n + y * t), 2.0 * (y * n - x * t));
         let m = 2.0 * m;
-        Curvature { rz: [[a, -b], [b, a]], zz: [[push, shift], [shift, -push]], zd: [[0.0, m], [-m, 0.0]] }
+        [
+            [0.0, 0.0, a, -b, 0.0, 0.0],
+            [0.0, 0.0, b, a, 0.0, 0.0],
+            [a, b, push, shift, 0.0, m],
+            [-b, a, shift, -push, -m, 0.0],
+            [0.0, 0.0, 0.0, -m, 0.0, 0.0],
+            [0.0, 0.0, m, 0.0, 0.0, 0.0],
+        ]
     }
 
-    #[inline(always)]
-    fn rotations(q: &[f64; 2]) -> [[f64; 1]; 2] {
-        [[-0.5 * q[1]], [0.5 * q[0]]]
+    fn rotations(q: &[f64; 2]) -> [[f64; 2]; 1] {
+        [[-0.5 * q[1], 0.5 * q[0]]]
     }
 }
 
