@@ -24,7 +24,7 @@ fn twisting_moment(elements: usize, stiffness: f64) -> f64 {
     let shape = Shape::Plectoneme(Plectoneme::of_link(LENGTH, 5.1, bending, twisting, EXCESS_LINK).unwrap());
     let rod = Rod::new("dna", &shape, true, section, elements, 3, Natural::Straight).unwrap();
     let rods = vec![rod.with_excess_link(EXCESS_LINK).unwrap()];
-    let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-6 };
+    let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
     let model = Model { rods, contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
     let report = solver.step_to(&[]).unwrap();

@@ -85,9 +85,7 @@ fn pulled(h: f64, crossings: f64, elements: usize) -> [f64; 3] {
         contact: Contact { law: law(100.0) },
         ..Model::default()
     };
-    let mut options = Options::default();
-    options.newton.max_iterations = 1500;
-    let mut solver = Solver::new(model, options).unwrap();
+    let mut solver = Solver::new(model, Options::default()).unwrap();
     let soft = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     assert_eq!(soft.status, Status::Converged, "{}", history(&soft));
     solver.engine_mut().set_contact_law(law(1000.0)).unwrap();

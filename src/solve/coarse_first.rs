@@ -125,8 +125,9 @@ impl Solver {
         if !body.can_be_coarsened(engine.frames(rod), engine.state.seams[rod], factor) {
             return false;
         }
-        let needed = Fidelity::ORDER * Fidelity::Draft.elements(body.length, turns, body.section.contact_radius);
-        body.num_segments() >= factor * needed
+        // the number needed may be the largest there is
+        body.num_segments() / (factor * Fidelity::ORDER)
+            >= Fidelity::Draft.elements(body.length, turns, body.section.contact_radius)
     }
 
     /// Whether the centrelines of rods that take part in contact are the same in a state of this mesh and on one of `factor` times fewer elements.
