@@ -190,8 +190,10 @@ const VALUES: [&[f64]; 6] =
 fn expected(name: &str) -> [End; 6] {
     const ZERO: End = Like(0.0);
     match name {
-        // nothing that doubles resolve, or no tolerance at all
-        "rods.beam.length" | "options.newton.tol_increment" => [Refused; 6],
+        // nothing that doubles resolve
+        "rods.beam.length" => [Refused; 6],
+        // as far as rounding lets anyone go; or no tolerance at all
+        "options.newton.tol_increment" => [Refused, Same, Refused, Refused, Refused, Refused],
         // the strands do not touch, whatever the law
         "contact.stiffness" => [Refused, Same, Refused, Same, Same, Refused],
         "contact.tol_penetration" | "options.departure" | "options.min_step" => {

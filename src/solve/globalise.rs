@@ -53,11 +53,11 @@ const SHORTEST: f64 = 1e-3;
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
 /// A search that only prepares the next one goes on while a step changes contact forces by more than this, relative to the largest.
 const STEADY: f64 = 0.3;
-/// Increments this much below the tolerance are rest where contact forces changed by no more than [`NEARLY_BALANCED`] in the last step (by the square of it in the next),
-/// or where all forces are as far out of balance as [`UNLOADED`], relative: strands that touch without a load press by rounding alone.
+/// Increments this much below the tolerance are rest where contact forces changed in the last step by no more than [`NEARLY_BALANCED`], relative, and are out of balance by no more,
+/// or where contact bends nothing by more than [`UNLOADED`], rad: strands that touch without a load press by rounding alone.
 const IMMOBILE: f64 = 1e-4;
-const NEARLY_BALANCED: f64 = 1e-2;
-const UNLOADED: f64 = 0.1;
+const NEARLY_BALANCED: f64 = 1e-3;
+const UNLOADED: f64 = 1e-6;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
 /// Decrements that the potential cannot see and that fall by less than this in three steps are made of rounding.
@@ -149,8 +149,9 @@ impl Workspace {
                 let tiny = size <= options.tol_increment && trial.potential.is_finite();
                 let indefinite = self.shift > 0.0;
                 let unbalanced = relative_residual(engine, &residual);
+                let nearly = trial.contact_change <= NEARLY_BALANCED && unbalanced <= NEARLY_BALANCED;
                 let light = size <= IMMOBILE * options.tol_increment
-                    && (trial.contact_change <= NEARLY_BALANCED || unbalanced >= UNLOADED);
+                    && (nearly || contact_bends(engine, &residual) <= UNLOADED);
                 let balances = light || trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * options.tol_increment);
                 // where only the next search is prepared, relative motion decides, for a long rod swings far by little, once forces have found their places:
                 // the end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the softer law
@@ -478,6 +479,12 @@ impl Workspace {
 /// Changes of the potential that rounding makes.
 fn noise(residual: &Residual) -> f64 {
     ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
+}
+
+/// Size of the rotations, rad, that the largest contact force makes: F L²/B.
+fn contact_bends(engine: &Engine, residual: &Residual) -> f64 {
+    let force = residual.contact_gradient.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    force * engine.scales.length.powi(2) / engine.scales.bending
 }
 
 /// Largest difference over the largest value before; 0 where all is 0.
