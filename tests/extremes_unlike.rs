@@ -105,8 +105,9 @@ fn one_far_finer_than_the_other() {
 }
 
 /// One far thinner than the other, ε_b = 10 to 1e-6 times ε_a. The law goes by the thinner one, κ = κ'B/ε_b⁴, and a force light for it, here 1e-13 B/ε_b² at 1e-4, overlaps the
-/// strands by no more than (.53 F/κ√d)^⅔ = 5e-18, d their contact distance: less than frames tell. Down to 1e-2 force and shape *return*, at 1e-3 the force to 2e-3, at 1e-4
-/// to 2e-2 or not at all, at 1e-6 it is *refused* by `MaxIterations`. A softer law brings it back.
+/// strands by no more than (.53 F/κ√d)^⅔ = 5e-18, d their contact distance: less than frames tell. At 1e-3 it is 2.4e-15, of which rounding of gaps, two or three units in the last
+/// place of d, takes 4e-3, and of the force half as much again. Down to 1e-2 force and shape *return*, at 1e-3 the force to 6e-3, at 1e-4 to 2e-2 or not at all, at 1e-6 it is
+/// *refused* by `MaxIterations`. A softer law brings it back.
 #[test]
 fn one_far_thinner_than_the_other() {
     let thin = |decade: i32| Beam { radius: LIKE.radius * 10f64.powi(decade), ..LIKE };
@@ -117,7 +118,7 @@ fn one_far_thinner_than_the_other() {
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.shape.abs() < 1e-4, "{:e}", outcome.shape);
     assert!(outcome.error.abs() < 1e-4 + 20.0 * outcome.residual, "{:e} unannounced", outcome.error);
-    assert!(outcome.error.abs() < 2e-3, "{:e}", outcome.error);
+    assert!(outcome.error.abs() < 6e-3, "{:e}", outcome.error);
     assert_returns(&thin(-3), 1e-2);
     assert_returns(&thin(-4), 1e-6);
     // at the edge rounding decides whether it is refused; what returns is as right as its residual, at most 1e-3, says
