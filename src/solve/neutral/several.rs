@@ -34,7 +34,7 @@ impl Several {
                 continue;
             }
             several.anchors.push(group[0]);
-            let nodes = || group.iter().flat_map(|rod| engine.first_node[*rod]..engine.first_node[rod + 1]);
+            let nodes = || group.iter().flat_map(|rod| engine.nodes(*rod));
             let centre = nodes().map(|n| state.positions[n]).sum::<Vec3>() / nodes().count() as f64;
             let planar = engine.model.planar;
             for k in 0..if planar { 2 } else { 3 } {
