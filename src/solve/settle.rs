@@ -204,6 +204,14 @@ impl Solver {
         Ok(false)
     }
 
+    /// Tries the law as it is on the present state; true if it settles, otherwise the solver is back where it was.
+    pub(super) fn settle_as_it_is(&mut self, iterations: usize, report: &mut StepReport) -> Result<bool, SolveError> {
+        let still = vec![0.0; 6 * self.engine.num_nodes()];
+        let settled = self.settle_predicted(&Drive::default(), still, iterations, report);
+        report.predicted = false;
+        settled
+    }
+
     /// Tries to settle a long plectoneme from a short one at rest; true if it did, otherwise the solver is back where it was.
     fn settle_from_short(&mut self, drive: &Drive, report: &mut StepReport) -> Result<bool, SolveError> {
         let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
@@ -213,9 +221,7 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled =
-            self.settle_predicted(drive, vec![0.0; 6 * self.engine.num_nodes()], PREDICTED_ITERATIONS, report);
-        report.predicted = false;
+        let settled = self.settle_as_it_is(PREDICTED_ITERATIONS, report);
         if settled == Ok(false) {
             self.restore(start)?;
         }
