@@ -15,7 +15,7 @@ const LARGEST: f64 = 1e100;
 pub enum Natural {
     /// Straight and untwisted: nothing is stored.
     Straight,
-    /// The start shape itself is free of stress.
+    /// The start shape itself is free of stress, as it is before [`Rod::with_excess_link`] twists it.
     ///
     /// Arcs and circles have the same curvature everywhere: [`Rod::new`] then takes it as it is, and nothing is stored. On other shapes, and on
     /// nodes of one's own, natural strains are measured on the interpolated start shape, at its integration points. There no element is
@@ -64,6 +64,9 @@ pub struct Rod {
     /// exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean twist of
     /// the others, which makes it, on a shape with twist-free frames, the shape's writhe up to the fourth power of the spacing.
     pub start_excess_link: f64,
+    /// Turns by which [`Rod::with_excess_link`] has twisted the frames, evenly along the rod: no part of the natural state where that is
+    /// [`Natural::AsShaped`].
+    pub twist_put_in: f64,
 }
 
 impl Rod {
@@ -123,6 +126,7 @@ impl Rod {
             frames,
             natural,
             start_excess_link: 0.0,
+            twist_put_in: 0.0,
         };
         rod.check()?;
         if closed {
@@ -164,6 +168,7 @@ impl Rod {
         InputError::positive(&format!("{path}.length"), self.length)?;
         let link = self.start_excess_link;
         InputError::check(&format!("{path}.start_excess_link"), link, true, "a finite number of turns")?;
+        InputError::check(&format!("{path}.twist_put_in"), self.twist_put_in, true, "a finite number of turns")?;
         if let Natural::Uniform { kappa } = self.natural {
             for (i, value) in kappa.into_iter().enumerate() {
                 InputError::check(&format!("{path}.natural.kappa[{i}]"), value, true, "a finite number")?;

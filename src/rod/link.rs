@@ -19,7 +19,8 @@ impl Rod {
     ///
     /// The excess link of a closed rod is the link of its centreline with its material line d1, Tw + Wr, seam included, see
     /// [`Rod::start_excess_link`]. Twist-free frames, as all shapes have, carry no twist, so the link of a rod just placed is the
-    /// writhe of its shape; this adds the twist that is missing. It holds to rounding, whatever the number of nodes.
+    /// writhe of its shape; this adds the twist that is missing. It holds to rounding, whatever the number of nodes. The natural state stays
+    /// what it was, also where that is the shape ([`Natural::AsShaped`](super::Natural)).
     ///
     /// # Errors
     /// An open rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
@@ -45,6 +46,7 @@ impl Rod {
             };
             self.frames.par_iter_mut().enumerate().for_each(twisted);
             self.start_excess_link = turns;
+            self.twist_put_in += missing;
         }
         Ok(self)
     }

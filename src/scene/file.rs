@@ -49,8 +49,10 @@ pub use points::read_points;
 /// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
 /// elements = 48                                # may be left out where there is a fidelity
 /// order = 3                                    # 1, 2 or 3 (default)
-/// natural = "straight"                         # or "as-shaped", or { curvature = [k1, k2], twist = k3 }
-/// roll = 0.0                                   # turns every frame about d3, in turns
+/// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put in), or, in the section's axes,
+/// #                                              { curvature = [k1, k2], twist = k3 } (per length; rad per length): k1 bends about d1
+/// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of arcs, circles and other
+/// #                                              curves in the x-y plane, see Shape
 /// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;
 /// #                                              default: no twist, so that it is the writhe of the shape
 ///

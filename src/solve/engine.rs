@@ -1,5 +1,7 @@
 //! The assembled problem: elements, contact curves, supports, state and buffers. Built once from a model.
 
+use std::borrow::Cow;
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use crate::contact::broad_phase::BroadPhase;
@@ -7,7 +9,7 @@ use crate::contact::curve::{Cubic, CurveInput, CurveSet};
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::error::InputError;
-use crate::math::quaternion::to_array;
+use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::Table;
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
@@ -349,7 +351,24 @@ impl Engine {
         self.model.rods[rod].length / self.model.rods[rod].num_elements as f64
     }
 
+    /// The state in which rods that are as shaped are free of stress: the start, without the twist that was put in.
+    fn natural_state(&self) -> Cow<'_, State> {
+        let mut state = Cow::Borrowed(&self.state);
+        let twisted = |rod: &Rod| rod.twist_put_in != 0.0 && rod.natural == Natural::AsShaped;
+        for (index, rod) in self.model.rods.iter().enumerate().filter(|(_, rod)| twisted(rod)) {
+            let angle = TAU * rod.twist_put_in;
+            let share = angle / rod.num_segments() as f64;
+            let state = state.to_mut();
+            for (k, frame) in state.frames[self.nodes(index)].iter_mut().enumerate() {
+                *frame *= spin(-share * k as f64);
+            }
+            state.seams[index] -= angle;
+        }
+        state
+    }
+
     fn build_reference(&self) -> Vec<Reference> {
+        let start = self.natural_state();
         let mut first = 0;
         let mut all = Vec::new();
         for (index, rod) in self.model.rods.iter().enumerate() {
@@ -360,7 +379,7 @@ impl Engine {
                 Natural::AsShaped => {
                     let own = &self.elements[first..first + rod.num_elements];
                     let strains = own.iter().map(|element| {
-                        let nodes = self.element_nodes(&self.state, element);
+                        let nodes = self.element_nodes(&start, element);
                         raw_strains(self.table(index), &nodes, self.element_length(index))
                     });
                     Reference::PerElement(first, strains.collect())

@@ -111,6 +111,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path) -> Result<Rod, InputE
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
         rod.frames.iter_mut().for_each(|frame| *frame *= turn);
+        // the shape's curvature keeps its direction in space, one that is given keeps it in the section
+        if let (NaturalText::AsShaped, Natural::Uniform { kappa }) = (&text.natural, &mut rod.natural) {
+            *kappa = (turn.inverse() * Vec3::from(*kappa)).into();
+        }
     }
     Ok(rod)
 }
