@@ -17,17 +17,17 @@ fn rest(closed: bool, shape: &str, section: &str, rest: &str) -> (Observation, V
         "[[rods]]\nname = \"r\"\nclosed = {closed}\nshape = {{ {shape} }}\nsection = {{ {section}, contact_radius = 0.02 }}\nelements = 24\n\
          natural = \"as-shaped\"\n{rest}"
     );
-    let scene = Scene::from_toml(&text, Path::new(env!("CARGO_TARGET_TMPDIR"))).unwrap();
+    let scene = Scene::from_toml(&text, Path::new(env!("CARGO_TARGET_TMPDIR"))).expect("sound scene");
     let start = scene.model.rods[0].positions.clone();
     let mut last = None;
     let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
         last = Some(observe(progress));
         ControlFlow::Continue(())
     });
-    let solution = solution.unwrap();
+    let solution = solution.expect("sound scene");
     assert_eq!(solution.status, Status::Converged);
     let moved = start.iter().zip(solution.solver.engine().positions(0)).map(|(a, b)| (a - b).norm()).collect();
-    (last.unwrap(), moved)
+    (last.expect("sound scene"), moved)
 }
 
 const STRIP: &str = "young = 1e6, poisson = 0.3, rectangle = [0.1, 0.02]";
