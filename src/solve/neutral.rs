@@ -114,9 +114,10 @@ struct Supports {
 }
 
 impl Supports {
-    fn of(engine: &Engine) -> Self {
-        let held = (0..6 * engine.num_nodes()).filter(|i| !engine.free[i / 6][i % 6]).collect();
-        Self { held, scale: 1.0 / engine.scales.length }
+    /// Of some nodes, as motions of these list them.
+    fn of(engine: &Engine, nodes: impl Iterator<Item = usize>) -> Self {
+        let held = |(k, node): (usize, usize)| (0..6).filter(move |i| !engine.free[node][*i]).map(move |i| 6 * k + i);
+        Self { held: nodes.enumerate().flat_map(held).collect(), scale: 1.0 / engine.scales.length }
     }
 
     /// Product of two motions where the rod is held.
@@ -174,7 +175,7 @@ impl Neutral {
     /// The neutral motions of a model whose strands touch as in `meetings`.
     pub(crate) fn at(engine: &Engine, state: &State, meetings: &[Meeting]) -> Self {
         let model = &engine.model;
-        if model.rods.len() == 1 || !(model.loads.is_empty() && model.line_loads.is_empty()) {
+        if model.rods.len() == 1 {
             return Self::of(engine, state);
         }
         let several = Several::of(engine, state, meetings, weights(engine));
@@ -197,7 +198,7 @@ impl Neutral {
         let mut neutral = Self { weights: weights(engine), ..Self::default() };
         let (mut motions, mut sliding) = motions_of_the_first_rod(engine, state);
         if !free {
-            let supports = Supports::of(engine);
+            let supports = Supports::of(engine, engine.nodes(0));
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             motions = supports.all_that_pass(&motions);
             neutral.held = true;
@@ -259,10 +260,14 @@ impl Neutral {
         }
     }
 
-    /// Adds the springs of all free rods, and of a held one, to the tangent.
+    /// Adds the springs of all free rods, and of held ones, to the tangent.
     pub(crate) fn add_pins(&self, engine: &Engine, state: &State, pattern: &Pattern, values: &mut [f64]) {
         if self.held {
-            self.pin_held(engine, pattern, values);
+            let pinned = &self.motions[..self.sliding.unwrap_or(self.motions.len())];
+            pin_held(engine, &engine.nodes(0).collect::<Vec<_>>(), pinned.to_vec(), pattern, values);
+        }
+        for (nodes, motions) in &self.several.held {
+            pin_held(engine, nodes, motions.clone(), pattern, values);
         }
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
             let alone = engine.model.rods.len() == 1 || self.several.anchors.binary_search(&index).is_ok();
@@ -282,28 +287,28 @@ impl Neutral {
             pattern.add_block(values, other, other, axial);
         }
     }
+}
 
-    /// One spring for each motion of a held rod but sliding, along that motion at the node that it moves most and across those before: together they stop
-    /// all of them and nothing else.
-    fn pin_held(&self, engine: &Engine, pattern: &Pattern, values: &mut [f64]) {
-        let rod = &engine.model.rods[0];
-        let spacing = rod.spacing();
-        let spring = rod.section.bending[0] / spacing.powi(3);
-        let arm = |k: usize| if k < 3 { 1.0 } else { spacing };
-        let at = |motion: &[f64], node: usize| -> [f64; 6] { std::array::from_fn(|k| arm(k) * motion[6 * node + k]) };
-        let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
-        let mut rest = self.motions[..self.sliding.unwrap_or(self.motions.len())].to_vec();
-        for index in 0..rest.len() {
-            let size = |node: &usize| dot(&at(&rest[index], *node), &at(&rest[index], *node));
-            let Some(node) = (0..engine.num_nodes()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
-            let along = at(&rest[index], node);
-            let square = dot(&along, &along);
-            pattern.add_block(values, node, node, |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
-            let (done, others) = rest.split_at_mut(index + 1);
-            for other in others {
-                let part = dot(&along, &at(other, node)) / square;
-                subtract(other, &done[index], part);
-            }
+/// One spring for each motion of held rods (whose `nodes` these are) but sliding, along that motion at the node that it moves most and across those before:
+/// together they stop all of them and nothing else.
+fn pin_held(engine: &Engine, nodes: &[usize], mut rest: Vec<Vec<f64>>, pattern: &Pattern, values: &mut [f64]) {
+    let Some(&first) = nodes.first() else { return };
+    let rod = &engine.model.rods[engine.rod_of(first)];
+    let spacing = rod.spacing();
+    let spring = rod.section.bending[0] / spacing.powi(3);
+    let arm = |k: usize| if k < 3 { 1.0 } else { spacing };
+    let at = |motion: &[f64], k: usize| -> [f64; 6] { std::array::from_fn(|i| arm(i) * motion[6 * k + i]) };
+    let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+    for index in 0..rest.len() {
+        let size = |k: &usize| dot(&at(&rest[index], *k), &at(&rest[index], *k));
+        let Some(most) = (0..nodes.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
+        let (along, node) = (at(&rest[index], most), nodes[most]);
+        let square = dot(&along, &along);
+        pattern.add_block(values, node, node, |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
+        let (done, others) = rest.split_at_mut(index + 1);
+        for other in others {
+            let part = dot(&along, &at(other, most)) / square;
+            subtract(other, &done[index], part);
         }
     }
 }

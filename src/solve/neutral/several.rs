@@ -1,7 +1,9 @@
 //! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but nothing else, and the spin of each free isotropic
-//! closed rod about its centreline, which contact without friction does not feel. Sliding of closed rods along themselves is left to the mesh's ripple.
+//! closed rod about its centreline, which contact without friction does not feel; of groups that are held somewhere, what their supports let pass of these (two
+//! linked rings, one of them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods along themselves is
+//! left to the mesh's ripple.
 
-use super::{is_free, spins, subtract, tangent_of};
+use super::{Supports, is_free, spins, subtract, tangent_of};
 use crate::contact::detect::Meeting;
 use crate::math::Vec3;
 use crate::solve::engine::Engine;
@@ -19,18 +21,23 @@ pub(super) struct Several {
     first_node: Vec<usize>,
     /// One rod of each group that moves freely.
     pub(super) anchors: Vec<usize>,
+    /// What each group's supports let pass, with the nodes it is listed for.
+    pub(super) held: Vec<(Vec<usize>, Vec<Vec<f64>>)>,
 }
 
 impl Several {
-    /// Of a model without loads, where strands touch as in `meetings`.
+    /// Of a model where strands touch as in `meetings`; groups that bear loads have none.
     pub(super) fn of(engine: &Engine, state: &State, meetings: &[Meeting], weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
-        for group in groups(engine, meetings) {
+        for group in
+            groups(engine, meetings).into_iter().filter(|group| !group.iter().any(|rod| bears_loads(engine, *rod)))
+        {
             let start = several.motions.len();
             for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
                 several.add(start, several.motion(&[rod], &|n| (Vec3::zeros(), tangent_of(state, n))));
             }
             if !group.iter().all(|rod| is_free(engine, *rod)) {
+                several.add_what_passes(engine, state, &group, start);
                 continue;
             }
             several.anchors.push(group[0]);
@@ -46,6 +53,50 @@ impl Several {
             }
         }
         several
+    }
+
+    /// The rigid motions of a group that is held somewhere, with spins of the rods that hold it, as far as supports let them pass.
+    fn add_what_passes(&mut self, engine: &Engine, state: &State, group: &[usize], start: usize) {
+        let joined = |rod: usize| engine.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod);
+        let clamped = |rod: usize| {
+            !engine.model.rods[rod].closed && engine.free[engine.nodes(rod)].iter().any(|node| node.iter().all(|f| !f))
+        };
+        if group.iter().any(|&rod| joined(rod) || clamped(rod)) {
+            return;
+        }
+        let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
+        let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
+        let motion = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
+            let six = |n: &usize| {
+                let (d, r) = of_node(*n);
+                [d.x, d.y, d.z, r.x, r.y, r.z]
+            };
+            nodes.iter().flat_map(six).collect()
+        };
+        let mut motions = Vec::new();
+        for axis in (0..3).map(|k| Vec3::ith(k, 1.0)) {
+            motions.push(motion(&|_| (axis, Vec3::zeros())));
+            motions.push(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
+        }
+        for &rod in group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod)) {
+            let own = engine.nodes(rod);
+            let spin = |n: usize| if own.contains(&n) { tangent_of(state, n) } else { Vec3::zeros() };
+            motions.push(motion(&|n| (Vec3::zeros(), spin(n))));
+        }
+        let passing = Supports::of(engine, nodes.iter().copied()).all_that_pass(&motions);
+        for motion in &passing {
+            let mut first = 0;
+            let piece = |&rod: &usize| {
+                let range = first..first + 6 * engine.nodes(rod).len();
+                first = range.end;
+                (rod, motion[range].to_vec())
+            };
+            let pieces = group.iter().map(piece).collect();
+            self.add(start, pieces);
+        }
+        if !passing.is_empty() {
+            self.held.push((nodes, passing));
+        }
     }
 
     /// Takes the neutral part out of an increment.
@@ -90,6 +141,11 @@ impl Several {
         motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
         self.motions.push(motion);
     }
+}
+
+fn bears_loads(engine: &Engine, rod: usize) -> bool {
+    let model = &engine.model;
+    model.loads.iter().any(|load| load.node.rod == rod) || model.line_loads.iter().any(|load| load.rod == rod)
 }
 
 /// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
