@@ -129,6 +129,27 @@ fn missing_and_ill_typed_values_are_named() {
     refused(BEAM, "order = 2", "order = [", &["TOML parse error at line"]);
 }
 
+/// Before, numbers beyond those that are meant were dropped without a word.
+#[test]
+fn lists_of_the_wrong_length_are_refused() {
+    let three = ["a list of 3 numbers", "invalid length"];
+    for (from, to) in [
+        ("force = [0, 0, -1]", "force = [0, 0, -1, 5]"),
+        ("force = [0, 0, -1]", "force = [0, -1]"),
+        ("force = [0, 0, -1]", "force = [0, 0, -1]\nmoment = [0, 0, 0, 0]"),
+        ("axis = [0, 0, 1]", "axis = [0, 0, 1, 0]"),
+        ("length = 2.0", "length = 2.0, start = [0, 0, 0, 0]"),
+    ] {
+        refused(BEAM, from, to, &three);
+    }
+    let two = ["a list of 2 numbers", "invalid length"];
+    refused(BEAM, "curvature = [0.1, 0]", "curvature = [0.1, 0, 0]", &two);
+    refused(BEAM, "[1.0, 0.1]", "[1.0, 0.1, 0.1]", &two);
+    refused(RING, "205.7", "[205.7, 205.7, 1.0]", &two);
+    refused(RING, "205.7", "[205.7]", &two);
+    refused(RING, "kind = \"circle\"", "kind = \"torus_knot\", windings = [2, 3, 4]", &two);
+}
+
 #[test]
 fn bad_numbers_are_named_with_value_and_range() {
     refused(RING, "205.7", "nan", &["rods.dna.section.bending[0] = NaN: must be a finite number greater than 0"]);
@@ -185,6 +206,10 @@ fn points_come_from_files_beside_the_scene() {
     let rod = &scene.model.rods[0];
     assert!((rod.length - 6.2838).abs() < 1e-3, "{}", rod.length);
     assert_eq!(rod.start_excess_link, 0.0);
+    let none = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no_points.csv");
+    std::fs::write(&none, "x,y,z\n# none\n").unwrap();
+    let empty = format!("kind = \"points\", file = {none:?}");
+    refused(RING, "kind = \"circle\", length = 114.24", &empty, &["no_points.csv: holds no points"]);
     let absent = "kind = \"points\", file = \"nowhere.csv\"";
     refused(RING, "kind = \"circle\", length = 114.24", absent, &["nowhere.csv", "No such file"]);
 }

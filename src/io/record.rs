@@ -116,11 +116,17 @@ pub struct Record {
 }
 
 impl Record {
-    /// A record of `scene` in the folder `dir`.
+    /// A record of `scene` in the folder `dir`. Files of these names that an earlier run has left there are removed: a folder holds one run.
     ///
     /// # Errors
-    /// [`InputError::File`] if the folder cannot be made.
+    /// [`InputError::File`] if the folder cannot be made, or a file of an earlier run not be removed.
     pub fn new(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
+        let record = Self::open(scene, dir)?;
+        remove_outputs(dir)?;
+        Ok(record)
+    }
+
+    fn open(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
         let refuse = |e: std::io::Error| InputError::File { path: dir.to_owned(), reason: e.to_string() };
         std::fs::create_dir_all(dir).map_err(refuse)?;
         let head = |rod: &crate::rod::Rod| RodHead {
@@ -152,9 +158,9 @@ impl Record {
     /// Goes on with the record of an earlier run of the same scene.
     ///
     /// # Errors
-    /// As [`Record::new`].
+    /// [`InputError::File`] if the folder cannot be made.
     pub fn resume(scene: &Scene, dir: &Path, state: RecordState) -> Result<Self, InputError> {
-        let fresh = Self::new(scene, dir)?;
+        let fresh = Self::open(scene, dir)?;
         let RecordState { steps, film, stride, last_written, collection } = state;
         let pvd = PvdWriter::resume(dir.join("run.pvd"), collection);
         Ok(Self { steps, film, stride: stride.max(1), last_written, pvd, ..fresh })
@@ -293,6 +299,34 @@ impl Record {
     }
 }
 
+/// Names of the files of a record but `step_0000.vtp` ….
+const FILES: [&str; 8] = [
+    "run.pvd",
+    "table.csv",
+    "final_state.csv",
+    "sites.csv",
+    "summary.json",
+    "picture.png",
+    "filmstrip.png",
+    "writhe.svg",
+];
+
+/// Removes what a record in `dir` has left, and nothing else.
+fn remove_outputs(dir: &Path) -> Result<(), InputError> {
+    let is_output = |name: &str| {
+        let step = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtp"));
+        FILES.contains(&name) || step.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let refuse = |path: &Path, e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
+    for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
+        let path = entry.map_err(|e| refuse(dir, e))?.path();
+        if path.file_name().and_then(|name| name.to_str()).is_some_and(is_output) && !path.is_dir() {
+            std::fs::remove_file(&path).map_err(|e| refuse(&path, e))?;
+        }
+    }
+    Ok(())
+}
+
 /// The [`MAX_SITES`] sites with the largest forces, in their old order.
 fn strongest(sites: &[SiteReport]) -> Vec<SiteReport> {
     let mut order: Vec<usize> = (0..sites.len()).collect();
@@ -369,6 +403,18 @@ mod tests {
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(json["steps"].as_array().unwrap().len(), 100);
         assert_eq!((json["final"]["step"].as_u64(), json["rods"][0]["nodes"].as_u64()), (Some(99), Some(20)));
+        // the next run in the folder starts with none of them, but with what others have put there; one that goes on keeps them
+        let foreign = ["notes.txt", "step_1.vtp", "step_0001.vtp.bak"];
+        foreign.iter().for_each(|name| std::fs::write(dir.join(name), "mine").unwrap());
+        let names = || {
+            let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+            std::fs::read_dir(&dir).unwrap().map(name).collect::<std::collections::BTreeSet<_>>()
+        };
+        let before = names();
+        let _ = Record::resume(&scene, &dir, RecordState::default()).unwrap();
+        assert_eq!(names(), before);
+        let _ = Record::new(&scene, &dir).unwrap();
+        assert_eq!(names(), foreign.map(String::from).into());
         std::fs::remove_dir_all(&dir).unwrap();
     }
 }

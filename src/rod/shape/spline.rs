@@ -69,14 +69,14 @@ impl Piece {
     /// Transports `d1` from `from` to `to` without twist and returns it with the tangent there.
     ///
     /// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; its
-    /// integral is turned back. Exact up to quadrature; steps are short enough that t0·t stays above ½.
-    fn transport(&self, d1: Vec3, from: f64, to: f64, depth: usize) -> Vec3 {
+    /// integral is turned back. Exact up to quadrature; steps are short enough that t0·t stays above ½. None over a cusp, where no step is short enough.
+    fn transport(&self, d1: Vec3, from: f64, to: f64, depth: usize) -> Option<Vec3> {
         let tangent_0 = self.derivative(from).normalize();
         let tangent_1 = self.derivative(to).normalize();
         let tangent_mid = self.derivative(0.5 * (from + to)).normalize();
-        if depth > 0 && tangent_0.dot(&tangent_1).min(tangent_0.dot(&tangent_mid)) < 0.5 {
-            let middle = 0.5 * (from + to);
-            return self.transport(self.transport(d1, from, middle, depth - 1), middle, to, depth - 1);
+        if tangent_0.dot(&tangent_1).min(tangent_0.dot(&tangent_mid)) < 0.5 {
+            let (middle, depth) = (0.5 * (from + to), depth.checked_sub(1)?);
+            return self.transport(self.transport(d1, from, middle, depth)?, middle, to, depth);
         }
         let twist_rate = |u: f64| {
             let derivative = self.derivative(u);
@@ -86,7 +86,7 @@ impl Piece {
         let twist = integrate(&twist_rate, from, to, ACCURACY, MAX_DEPTH);
         let carried = Quat::rotation_between(&tangent_0, &tangent_1).map_or(d1, |rotation| rotation * d1);
         let (sin, cos) = twist.sin_cos();
-        carried * cos + tangent_1.cross(&carried) * sin
+        Some(carried * cos + tangent_1.cross(&carried) * sin)
     }
 }
 
@@ -126,13 +126,14 @@ impl Spline {
         for node in 0..num_nodes {
             let arc = length * (node as f64 / num_segments as f64);
             while arc > start + lengths[piece] && piece + 1 < self.pieces.len() {
-                d1 = self.pieces[piece].transport(d1, from, self.pieces[piece].span, MAX_DEPTH);
+                let end = self.pieces[piece].span;
+                d1 = self.pieces[piece].transport(d1, from, end, MAX_DEPTH).ok_or_else(|| cusp(piece))?;
                 start += lengths[piece];
                 (piece, from) = (piece + 1, 0.0);
             }
             let current = &self.pieces[piece];
             let to = current.parameter_at((arc - start).clamp(0.0, lengths[piece]), lengths[piece]);
-            d1 = current.transport(d1, from, to, MAX_DEPTH);
+            d1 = current.transport(d1, from, to, MAX_DEPTH).ok_or_else(|| cusp(piece))?;
             from = to;
             placement.positions.push(current.position(to));
             placement.frames.push(frame(&d1, &self.tangent(current, to, piece)?));
@@ -145,10 +146,16 @@ impl Spline {
         if derivative.norm() > 1e-6 {
             return Ok(derivative.normalize());
         }
-        let reason =
-            format!("the curve through the points has a cusp between points {index} and {}: add points", index + 1);
-        Err(InputError::Inconsistent { field: "shape.points".into(), reason })
+        Err(cusp(index))
     }
+}
+
+fn cusp(piece: usize) -> InputError {
+    let next = piece + 1;
+    let reason = format!(
+        "the curve through the points turns back on itself in a cusp between points {piece} and {next}: move points, or add some"
+    );
+    InputError::Inconsistent { field: "shape.points".into(), reason }
 }
 
 fn check_points(points: &[Vec3], closed: bool) -> Result<(), InputError> {
@@ -229,7 +236,8 @@ fn integrate(f: &dyn Fn(f64) -> f64, from: f64, to: f64, tolerance: f64, depth: 
     let middle = 0.5 * (from + to);
     let whole = gauss(f, from, to);
     let halves = gauss(f, from, middle) + gauss(f, middle, to);
-    if depth == 0 || (whole - halves).abs() <= tolerance {
+    // what is no number agrees with nothing
+    if depth == 0 || !halves.is_finite() || (whole - halves).abs() <= tolerance {
         return halves;
     }
     integrate(f, from, middle, tolerance, depth - 1) + integrate(f, middle, to, tolerance, depth - 1)

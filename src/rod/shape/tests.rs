@@ -139,4 +139,10 @@ fn bad_shapes_are_refused_with_field_and_value() {
     let repeated = points(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0; 3]]);
     assert!(text(repeated, true).contains("does not repeat its first point"));
     assert!(text(points(&[[0.0; 3], [1.0; 3]]), true).contains("at least 3 points"));
+    // straight out and straight back: the frame cannot be carried round the tip, wherever nodes lie (without this, quadrature of no numbers did not end)
+    let back = points(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]]);
+    for num_segments in [4, 9, 30] {
+        let refused = back.place(false, num_segments).unwrap_err().to_string();
+        assert!(refused.contains("turns back on itself in a cusp between points 1 and 2"), "{refused}");
+    }
 }

@@ -12,7 +12,7 @@ use crate::scene::{Contact, ContactLaw, Fidelity, LineLoad, Model, NodeLoad, Nod
 use super::mesh;
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionText, StageText};
-use super::values::{At, NaturalText};
+use super::values::{At, List, NaturalText};
 
 pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
     let contact = contact(&text.contact, text.fidelity)?;
@@ -90,7 +90,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path) -> Result<Rod, InputE
     let natural = match text.natural {
         NaturalText::Straight => Natural::Straight,
         NaturalText::AsShaped => Natural::AsShaped,
-        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
     };
     let wound = Wound { section: &section, natural, excess_link: text.excess_link };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
@@ -167,7 +167,7 @@ fn moduli_section(text: &SectionText, contact_radius: f64) -> Result<Section, In
     };
     let cross_section = match (text.circle, text.rectangle) {
         (Some(radius), None) => CrossSection::Circle { radius },
-        (None, Some([width, height])) => CrossSection::Rectangle { width, height },
+        (None, Some(List([width, height]))) => CrossSection::Rectangle { width, height },
         _ => return Err(inconsistent("section".into(), "give either circle = radius or rectangle = [width, height]")),
     };
     let poisson = young / (2.0 * shear_modulus) - 1.0;

@@ -8,6 +8,7 @@ use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
 use super::text::{LawText, RodText, SceneText};
+use super::values::List;
 
 /// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about one.
 const MOVED: f64 = 1.0;
@@ -38,7 +39,7 @@ fn turns(
     let is_moved = stages().any(|r| r.displacement.0.iter().any(|r| is_this(&r.rod)));
     let moved = if is_moved { MOVED } else { 0.0 };
     let factor = largest(&mut stages().filter_map(|r| r.load));
-    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
+    let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
     let loads = || scene.loads.iter().filter(|load| is_this(&load.rod));
     let force: f64 = loads().map(|load| size(load.force)).sum();
     let moment: f64 = loads().map(|load| size(load.moment)).sum();

@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use crate::error::InputError;
+use crate::math::Vec3;
 use crate::rod::{Axis, Natural, Plectoneme, Section, Shape, TorusKnot};
 
 use super::build::inconsistent;
 use super::points::read_points;
 use super::text::ShapeText;
+use super::values::List;
 
 /// What decides how a plectoneme is wound, besides its own keys.
 pub(super) struct Wound<'a> {
@@ -39,9 +41,19 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Helix { center, axis, radius, pitch, turns } => {
             Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
         }
-        ShapeText::Points { ref file } => Shape::Points(read_points(&base_dir.join(file))?),
+        ShapeText::Points { ref file } => {
+            let path = base_dir.join(file);
+            let points = read_points(&path)?;
+            if points.is_empty() {
+                return Err(InputError::Parse {
+                    file: path.display().to_string(),
+                    reason: "holds no points".to_owned(),
+                });
+            }
+            Shape::Points(points)
+        }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
-        ShapeText::TorusKnot { length, windings, aspect, phase, center, normal } => {
+        ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
             let (phase, center, normal) = (TAU * phase, center.into(), normal.into());
             TorusKnot { length, windings, aspect, phase, center, normal }.into()
         }
@@ -87,7 +99,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         }
         (None, center, direction) => Axis::Straight {
             center: center.unwrap_or_default().into(),
-            direction: direction.unwrap_or([1.0, 0.0, 0.0]).into(),
+            direction: direction.map_or(Vec3::x(), Vec3::from),
         },
     };
     Ok(Shape::Plectoneme(plectoneme.about(axis)))

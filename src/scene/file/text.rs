@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::scene::Fidelity;
 
-use super::values::{At, Axes, NaturalText, OneOrMany, Pair};
+use super::values::{At, Axes, List, NaturalText, OneOrMany, Pair};
 use super::{OutputChoice, SolverChoice, Units};
 
 #[derive(Deserialize)]
@@ -62,16 +62,16 @@ fn half() -> f64 {
     0.5
 }
 
-fn axis_x() -> [f64; 3] {
-    [1.0, 0.0, 0.0]
+fn axis_x() -> List<f64, 3> {
+    List([1.0, 0.0, 0.0])
 }
 
-fn axis_y() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
+fn axis_y() -> List<f64, 3> {
+    List([0.0, 1.0, 0.0])
 }
 
-fn axis_z() -> [f64; 3] {
-    [0.0, 0.0, 1.0]
+fn axis_z() -> List<f64, 3> {
+    List([0.0, 0.0, 1.0])
 }
 
 #[derive(Deserialize)]
@@ -79,34 +79,34 @@ fn axis_z() -> [f64; 3] {
 pub(super) enum ShapeText {
     Line {
         #[serde(default)]
-        start: [f64; 3],
+        start: List<f64, 3>,
         #[serde(default = "axis_x")]
-        direction: [f64; 3],
+        direction: List<f64, 3>,
         length: f64,
     },
     Circle {
         length: Option<f64>,
         radius: Option<f64>,
         #[serde(default)]
-        center: [f64; 3],
+        center: List<f64, 3>,
         #[serde(default = "axis_z")]
-        normal: [f64; 3],
+        normal: List<f64, 3>,
     },
     Arc {
         #[serde(default)]
-        start: [f64; 3],
+        start: List<f64, 3>,
         #[serde(default = "axis_x")]
-        tangent: [f64; 3],
+        tangent: List<f64, 3>,
         #[serde(default = "axis_y")]
-        towards: [f64; 3],
+        towards: List<f64, 3>,
         radius: f64,
         turns: f64,
     },
     Helix {
         #[serde(default)]
-        center: [f64; 3],
+        center: List<f64, 3>,
         #[serde(default = "axis_z")]
-        axis: [f64; 3],
+        axis: List<f64, 3>,
         radius: f64,
         pitch: f64,
         turns: f64,
@@ -119,21 +119,21 @@ pub(super) enum ShapeText {
         distance: Option<f64>,
         turns: Option<f64>,
         angle: Option<f64>,
-        center: Option<[f64; 3]>,
-        direction: Option<[f64; 3]>,
+        center: Option<List<f64, 3>>,
+        direction: Option<List<f64, 3>>,
         axis: Option<Box<ShapeText>>,
     },
     TorusKnot {
         length: f64,
-        windings: [i32; 2],
+        windings: List<i32, 2>,
         #[serde(default = "half")]
         aspect: f64,
         #[serde(default)]
         phase: f64,
         #[serde(default)]
-        center: [f64; 3],
+        center: List<f64, 3>,
         #[serde(default = "axis_z")]
-        normal: [f64; 3],
+        normal: List<f64, 3>,
     },
 }
 
@@ -148,7 +148,7 @@ pub(super) struct SectionText {
     pub poisson: Option<f64>,
     pub shear_modulus: Option<f64>,
     pub circle: Option<f64>,
-    pub rectangle: Option<[f64; 2]>,
+    pub rectangle: Option<List<f64, 2>>,
     pub shear_correction: Option<f64>,
     pub contact_radius: Option<f64>,
 }
@@ -170,16 +170,16 @@ pub(super) struct LoadText {
     pub rod: Option<String>,
     pub at: At,
     #[serde(default)]
-    pub force: [f64; 3],
+    pub force: List<f64, 3>,
     #[serde(default)]
-    pub moment: [f64; 3],
+    pub moment: List<f64, 3>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LineLoadText {
     pub rod: Option<String>,
-    pub force: [f64; 3],
+    pub force: List<f64, 3>,
 }
 
 #[derive(Deserialize, Default)]
@@ -233,7 +233,7 @@ pub(super) struct ScalarText {
 pub(super) struct RotationText {
     pub rod: Option<String>,
     pub at: At,
-    pub axis: [f64; 3],
+    pub axis: List<f64, 3>,
     pub turns: f64,
 }
 
@@ -242,5 +242,5 @@ pub(super) struct RotationText {
 pub(super) struct DisplacementText {
     pub rod: Option<String>,
     pub at: At,
-    pub to: [f64; 3],
+    pub to: List<f64, 3>,
 }

@@ -8,6 +8,22 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
+/// A list of exactly so many values: one that is longer is a slip, not a shorter one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct List<T, const N: usize>(pub [T; N]);
+
+impl<T: Default + Copy, const N: usize> Default for List<T, N> {
+    fn default() -> Self {
+        Self([T::default(); N])
+    }
+}
+
+impl<const N: usize> From<List<f64, N>> for nalgebra::SVector<f64, N> {
+    fn from(list: List<f64, N>) -> Self {
+        list.0.into()
+    }
+}
+
 /// One number for both section axes, or a pair.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pair(pub [f64; 2]);
@@ -38,7 +54,7 @@ pub(super) enum NaturalText {
 #[serde(deny_unknown_fields)]
 pub(super) struct UniformText {
     #[serde(default)]
-    pub curvature: [f64; 2],
+    pub curvature: List<f64, 2>,
     #[serde(default)]
     pub twist: f64,
 }
@@ -56,6 +72,28 @@ pub(super) struct OneOrMany<T>(pub Vec<T>);
 impl<T> Default for OneOrMany<T> {
     fn default() -> Self {
         Self(Vec::new())
+    }
+}
+
+struct ListVisitor<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de> + Default + Copy, const N: usize> Visitor<'de> for ListVisitor<T, N> {
+    type Value = List<T, N>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "a list of {N} numbers")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<List<T, N>, A::Error> {
+        let mut list = List::default();
+        for (k, slot) in list.0.iter_mut().enumerate() {
+            *slot = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(k, &self))?;
+        }
+        let mut length = N;
+        while seq.next_element::<T>()?.is_some() {
+            length += 1;
+        }
+        if length == N { Ok(list) } else { Err(A::Error::invalid_length(length, &self)) }
     }
 }
 
@@ -81,7 +119,7 @@ impl<'de> Visitor<'de> for PairVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Pair, A::Error> {
-        <[f64; 2]>::deserialize(SeqAccessDeserializer::new(seq)).map(Pair)
+        ListVisitor::<f64, 2>(PhantomData).visit_seq(seq).map(|list| Pair(list.0))
     }
 }
 
@@ -175,6 +213,12 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ManyVisitor<T> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<OneOrMany<T>, A::Error> {
         Vec::deserialize(SeqAccessDeserializer::new(seq)).map(OneOrMany)
+    }
+}
+
+impl<'de, T: Deserialize<'de> + Default + Copy, const N: usize> Deserialize<'de> for List<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ListVisitor(PhantomData))
     }
 }
 
