@@ -393,7 +393,8 @@ impl Workspace {
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &Drive::default());
-        self.factorise(engine, NEUTRAL_SHIFT).ok_or(SolveError::Factorisation { iteration: 0, shift: NEUTRAL_SHIFT })
+        let shift = if may_be_pushed_about(engine) { PUSHED } else { NEUTRAL_SHIFT };
+        self.factorise(engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
 }
 
@@ -408,6 +409,17 @@ struct Border {
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
 /// are neutral but for rounding and discretisation.
 pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
+
+/// The same where one of several rods is held by no clamp. One that others push comes to rest where it just touches them without force; what force the
+/// tolerance leaves (1e-8 B/L²) makes rolling off along them unstable by that over the strands' distance. The softest bending of a rod has 12 and more.
+const PUSHED: f64 = 1e-3;
+
+/// Whether one of several rods bears nothing and is clamped nowhere, so that others may move it as a whole.
+fn may_be_pushed_about(engine: &Engine) -> bool {
+    let clamped = |rod: usize| engine.free[engine.nodes(rod)].iter().any(|node| node.iter().all(|free| !free));
+    let count = engine.model.rods.len();
+    count > 1 && !(0..count).all(clamped)
+}
 
 fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; 6 * engine.num_nodes()];
