@@ -9,6 +9,7 @@
 //! * A twisted closed ring, L = 1, B = 1, C = 1.5, D/L = .02, 144 cubic elements, held at one node: clamped it may travel along its own shape through the clamp, and swing
 //!   about the tangent there; on a ball joint it may turn and spin besides.
 //! * A ring under pressure in the plane (see `planar_touch`), clamped at one node: it may travel.
+//! * A heavy ring, clamped at one node: it may swing there if its tangent is vertical.
 //!
 //! None of these motions costs energy. Reference: the same rings, free. Contact that lies elsewhere between nodes differs by the elements' compliance inside
 //! themselves, up to 2e-5 of its force (6e-5 on 96 elements); the support carries the ripple that sliding has in the discrete energy, up to 1e-4 of it. Searches must end quadratically, as they do without
@@ -18,13 +19,18 @@
 
 mod common;
 
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::path::Path;
+
 use common::cases::oval_ring;
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
+use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Solver, Status, StepReport};
+use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Scene, Support};
+use supercoil::solve::{self, Options, Solver, Status, StepReport};
 
 fn seen(solver: &Solver, report: &StepReport) -> Observation {
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(report));
@@ -86,4 +92,35 @@ fn pressed_ring_clamped_at_one_node() {
     for node in [0, 7] {
         compare("ring under pressure, one clamp", &model, Support::clamp(NodeRef { rod: 0, node }), &ramps);
     }
+}
+
+/// A heavy ring clamped where its tangent is vertical swings about it at no cost, whatever it weighs; the same ring in the plane cannot. Before, it ended as unstable
+/// before any weight was on it, and so did one in a tilted plane, which weight turns.
+#[test]
+fn heavy_ring_clamped_at_one_node() {
+    let hung = |normal: [f64; 3], weight: [f64; 3], planar: bool| {
+        let text = format!(
+            "planar = {planar}\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", radius = 1.0, normal = {normal:?} }}\n\
+             section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.02 }}\nelements = 32\n\
+             [[supports]]\nat = 0\nposition = true\nrotation = true\n[[line_loads]]\nforce = {weight:?}\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 5\n"
+        );
+        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+        let mut last = None;
+        let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
+            last = Some(observe(progress));
+            ControlFlow::Continue(())
+        });
+        assert_eq!(solution.unwrap().status, Status::Converged, "{normal:?}");
+        let last = last.unwrap();
+        let error = Vec3::from(last.reactions[0].force) + 2.0 * PI * Vec3::from(weight);
+        verify("heavy ring clamped at one node", "force of the clamp on its weight", error.norm(), 0.0, 1e-7);
+        last.energies.total
+    };
+    let in_plane = hung([0.0, 0.0, 1.0], [0.0, -3.0, 0.0], true);
+    for (normal, weight) in
+        [([0.0, 1.0, 0.0], [0.0, 0.0, -3.0]), ([1.0, 0.0, 0.0], [0.0, 0.0, -3.0]), ([0.0, 0.0, 1.0], [0.0, -3.0, 0.0])]
+    {
+        verify("heavy ring clamped at one node", "energy, B/R", hung(normal, weight, false), in_plane, 1e-8 * in_plane);
+    }
+    hung([1.0, 1.0, 1.0], [0.0, 0.0, -3.0], false);
 }

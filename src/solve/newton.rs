@@ -393,7 +393,7 @@ impl Workspace {
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &Drive::default());
-        let shift = if may_be_pushed_about(engine) { PUSHED } else { NEUTRAL_SHIFT };
+        let shift = if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT };
         self.factorise(engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
 }
@@ -410,15 +410,21 @@ struct Border {
 /// are neutral but for rounding and discretisation.
 pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 
-/// The same where one of several rods is held by no clamp. One that others push comes to rest where it just touches them without force; what force the
-/// tolerance leaves (1e-8 B/L²) makes rolling off along them unstable by that over the strands' distance. The softest bending of a rod has 12 and more.
-const PUSHED: f64 = 1e-3;
+/// The same where a motion may cost next to nothing that neither springs hold nor elasticity. Of several rods, one that others push comes to rest where it
+/// just touches them without force; what force the tolerance leaves (1e-8 B/L²) makes rolling off along them unstable by that over the strands' distance. A
+/// closed rod clamped at a node swings about its tangent there and spins back, which loads resist by as little as they are. The softest bending of a rod has
+/// 12 and more.
+const LOOSE: f64 = 1e-3;
 
-/// Whether one of several rods bears nothing and is clamped nowhere, so that others may move it as a whole.
-fn may_be_pushed_about(engine: &Engine) -> bool {
+/// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.
+fn has_loose_motions(engine: &Engine) -> bool {
+    let model = &engine.model;
     let clamped = |rod: usize| engine.free[engine.nodes(rod)].iter().any(|node| node.iter().all(|free| !free));
-    let count = engine.model.rods.len();
-    count > 1 && !(0..count).all(clamped)
+    let pushed = model.rods.len() > 1 && !(0..model.rods.len()).all(clamped);
+    let on_closed = |rod: usize| model.rods[rod].closed;
+    pushed
+        || model.loads.iter().any(|load| on_closed(load.node.rod))
+        || model.line_loads.iter().any(|load| on_closed(load.rod))
 }
 
 fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
