@@ -431,9 +431,7 @@ impl Workspace {
             }
             last = size;
             trial.rounds += 1;
-            // under a new law of contact the potential hardly tells strands that touch from strands just apart, of which a next step would know nothing
-            let tight = engine.contact.as_ref().is_some_and(|side| side.before.is_some());
-            trial.settled = size < if tight { 1e-2 * SMALL_CORRECTION } else { SMALL_CORRECTION };
+            trial.settled = size < SMALL_CORRECTION;
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
             trial.excess = Some(excess);
