@@ -31,7 +31,6 @@ pub mod state;
 pub mod step_bound;
 mod surprise;
 mod timing;
-mod trust;
 mod turning;
 
 use crate::error::InputError;
