@@ -1,5 +1,5 @@
 //! Gradient, tangent and potential of the whole problem at a state: what elements, contact and loads add to it. Contact must have been brought up to
-//! date with the state before ([`Engine::update_contact`]).
+//! date with the state before (`Engine::update_contact`).
 
 mod contact;
 mod elements;

@@ -14,8 +14,8 @@ use crate::solve::engine::in_pool;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::History;
 use crate::solve::restart::{Place, Restart};
-use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::Drive;
+use crate::solve::step_report::{Status, StepReport};
 use crate::solve::timing::Timings;
 
 /// What the observer sees after every accepted step.
