@@ -79,7 +79,9 @@ impl Checkpoint {
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
         let bytes = std::fs::read(path).map_err(|e| match e.kind() {
-            std::io::ErrorKind::NotFound => refuse("there is no checkpoint to go on from".to_owned()),
+            std::io::ErrorKind::NotFound => {
+                refuse("there is no checkpoint to go on from (a run that came to its end leaves none)".to_owned())
+            }
             _ => refuse(e.to_string()),
         })?;
         Self::from_bytes(&bytes).map_err(refuse)

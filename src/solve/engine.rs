@@ -289,7 +289,7 @@ impl Engine {
         &self.state
     }
 
-    /// Replaces the configuration (for example by a user's start shape or a checkpoint).
+    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other loads or supports, to go on from there.
     ///
     /// # Errors
     /// `InputError::Inconsistent` when the sizes do not match the model.
