@@ -13,8 +13,8 @@ use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::settle::TOL_OPENING;
 
-/// Work that offsets may do on what they hold open, over the elastic energy: what the energy is too high by.
-pub(super) const TOL_HELD_OPEN: f64 = 2e-6;
+/// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too high by.
+pub(super) const TOL_HELD_OPEN: f64 = 1e-9;
 
 /// Contacts that carry force over a gap.
 #[derive(Debug, Default)]
