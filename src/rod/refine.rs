@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Every second node of the refined rod is the rod; elements that cannot be counted off, or that would turn too far, are left as they are.
+    /// Every fourth node of a rod refined four times is the rod; elements that cannot be counted off, or that would turn too far, are left as they are.
     #[test]
     fn coarsening_takes_back_refining() {
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);

@@ -17,8 +17,9 @@ use crate::scene::{ContactLaw, Fidelity};
 use crate::solve::Options;
 use crate::solve::engine::{Engine, contact_cubic};
 use crate::solve::path::Solver;
-use crate::solve::settle::{AT_REST, HARDENING_ITERATIONS, Status, StepReport, TURNS_AT_ONCE};
+use crate::solve::settle::{AT_REST, HARDENING_ITERATIONS, TURNS_AT_ONCE};
 use crate::solve::state::{Drive, State};
+use crate::solve::step_report::{Status, StepReport};
 
 /// How many times fewer elements a coarse mesh may have.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
@@ -34,10 +35,7 @@ impl Solver {
         if self.is_near_contact()? && self.contact_errors().penetration > AT_REST {
             return Ok(false);
         }
-        let Some((factor, coarse)) = FACTORS.rev().find_map(|factor| Some((factor, self.coarse(factor, drive)?)))
-        else {
-            return Ok(false);
-        };
+        let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(false) };
         let start = self.snapshot();
         let settled = self.settle_by(coarse, factor, drive, report);
         if !matches!(settled, Ok(true)) {
@@ -62,7 +60,6 @@ impl Solver {
         let made = coarse.settle(&Drive { nodes, seams: drive.seams.clone() });
         report.iterations_elsewhere += made.iterations;
         self.workspace.timings += coarse.workspace.timings;
-        self.workspace.interrupted |= made.status == Status::Stopped;
         if made.status != Status::Converged || coarse.engine.check_turning().is_err() {
             return Ok(false);
         }
@@ -75,17 +72,22 @@ impl Solver {
         }
         self.stages_left = fine.stages_left;
         self.engine.state = fine.engine.state;
-        let still = vec![0.0; 6 * self.engine.num_nodes()];
-        let settled = self.settle_predicted(&Drive::default(), still, HARDENING_ITERATIONS, report)?;
-        report.predicted = false;
-        Ok(settled)
+        self.settle_as_it_is(HARDENING_ITERATIONS, report)
     }
 
-    /// A solver for the same problem on every `factor`-th node, in the present state, if that mesh is fine enough for the drive.
-    fn coarse(&self, factor: usize, drive: &Drive) -> Option<Self> {
-        if !(0..self.engine.model.rods.len()).all(|rod| self.is_fine_enough(rod, factor, drive)) {
-            return None;
-        }
+    /// The coarsest mesh that will do for the drive, with how many times fewer elements it has.
+    fn coarsest(&self, drive: &Drive) -> Option<(usize, Self)> {
+        let needed: Option<Vec<usize>> =
+            (0..self.engine.model.rods.len()).map(|rod| self.elements_needed(rod, drive)).collect();
+        let needed = needed?;
+        FACTORS.rev().find_map(|factor| {
+            let enough = |(rod, &needed): (usize, &usize)| self.is_fine_enough(rod, factor, needed);
+            needed.iter().enumerate().all(enough).then(|| Some((factor, self.coarse(factor)?)))?
+        })
+    }
+
+    /// A solver for the same problem on every `factor`-th node, in the present state, if that can be told from so few.
+    fn coarse(&self, factor: usize) -> Option<Self> {
         let mut model = self.engine.model.coarsened(factor)?;
         // digits beyond a draft's are for the whole mesh
         if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut model.contact.law
@@ -109,25 +111,28 @@ impl Solver {
         self.is_same(&self.engine.state, &coarse.engine, factor).then_some(coarse)
     }
 
-    /// Whether a mesh of so many times fewer elements is as fine as a draft where the drive leads.
-    fn is_fine_enough(&self, rod: usize, factor: usize, drive: &Drive) -> bool {
+    /// Cubic elements that a draft has where the drive leads, at most the largest number there is; `None` where nobody knows.
+    fn elements_needed(&self, rod: usize, drive: &Drive) -> Option<usize> {
         let engine = &self.engine;
         let body = &engine.model.rods[rod];
         let natural = match body.natural {
             Natural::Straight => 0.0,
             Natural::Uniform { kappa } => Vec3::from(kappa).norm() * body.length / TAU,
-            Natural::AsShaped => return false,
+            Natural::AsShaped => return None,
         };
         let link = (engine.state.seams[rod] + drive.seams.get(rod).unwrap_or(&0.0)).abs() / TAU;
         let tangents: Vec<Vec3> = engine.frames(rod).iter().map(|frame| frame * Vec3::z()).collect();
         let bent = tangents.windows(2).map(|pair| pair[0].angle(&pair[1])).sum::<f64>() / TAU;
         let turns = bent.max(1.0 + link + natural);
-        if !body.can_be_coarsened(engine.frames(rod), engine.state.seams[rod], factor) {
-            return false;
-        }
-        // the number needed may be the largest there is
-        body.num_segments() / (factor * Fidelity::ORDER)
-            >= Fidelity::Draft.elements(body.length, turns, body.section.contact_radius)
+        Some(Fidelity::Draft.elements(body.length, turns, body.section.contact_radius))
+    }
+
+    /// Whether every `factor`-th node of a rod is as many as `needed` cubic elements have, and tells how frames turn.
+    fn is_fine_enough(&self, rod: usize, factor: usize, needed: usize) -> bool {
+        let engine = &self.engine;
+        let body = &engine.model.rods[rod];
+        body.num_segments() / (factor * Fidelity::ORDER) >= needed
+            && body.can_be_coarsened(engine.frames(rod), engine.state.seams[rod], factor)
     }
 
     /// Whether the centrelines of rods that take part in contact are the same in a state of this mesh and on one of `factor` times fewer elements.
@@ -204,7 +209,7 @@ mod tests {
     #[test]
     fn what_a_coarse_mesh_does_not_see_is_left_alone() {
         let drive = turns(3.0);
-        let factor = |solver: &Solver, drive: &Drive| FACTORS.rev().find(|&f| solver.coarse(f, drive).is_some());
+        let factor = |solver: &Solver, drive: &Drive| solver.coarsest(drive).map(|(factor, _)| factor);
         assert_eq!(factor(&ring(vec![]), &drive), Some(4));
         assert_eq!(factor(&ring(vec![]), &turns(7.0)), Some(2));
         assert_eq!(factor(&ring(vec![]), &turns(20.0)), None);

@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::solve::engine::Engine;
-use crate::sparse::{Factor, factor::ordered};
+use crate::sparse::Factor;
 
 /// Sizes of a problem in its present state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,8 +31,7 @@ impl Engine {
     pub fn footprint(&mut self) -> Result<Footprint, SolveError> {
         let state = self.state.clone();
         self.update_contact(&state)?;
-        let pattern = ordered(self.build_pattern())?;
-        let factor = Factor::analyse(&pattern)?;
+        let (pattern, factor) = Factor::of(self.build_pattern())?;
         let side = self.contact.as_ref();
         Ok(Footprint {
             nodes: self.num_nodes(),

@@ -9,7 +9,7 @@ use crate::solve::neutral::Neutral;
 use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::{Timings, timed};
-use crate::sparse::{Factor, Pattern, factor::ordered};
+use crate::sparse::{Factor, Pattern};
 
 /// Choices of one equilibrium search; lengths are relative to the node spacing, rotations in rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -245,9 +245,8 @@ impl Workspace {
             // what is replaced goes first: these are the largest things there are
             (self.factor, self.pattern) = (None, None);
             timed(&mut self.timings.symbolic, || {
-                let pattern = ordered(engine.build_pattern())?;
-                self.factor = Some(Factor::analyse(&pattern)?);
-                self.pattern = Some(pattern);
+                let (pattern, factor) = Factor::of(engine.build_pattern())?;
+                (self.pattern, self.factor) = (Some(pattern), Some(factor));
                 Ok(())
             })?;
             self.generation = generation;

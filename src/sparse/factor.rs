@@ -40,8 +40,8 @@ impl std::fmt::Debug for Factor {
 /// A pattern in the order of elimination that approximate minimum degree chooses for its equations, node by node.
 ///
 /// # Errors
-/// As [`Factor::analyse`].
-pub fn ordered(pattern: Pattern) -> Result<Pattern, SolveError> {
+/// As [`Factor::of`].
+fn ordered(pattern: Pattern) -> Result<Pattern, SolveError> {
     let n = pattern.num_equations();
     let (col_ptr, row_idx) = pattern.upper();
     let matrix = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
@@ -61,11 +61,18 @@ fn failed(reason: String) -> SolveError {
 }
 
 impl Factor {
-    /// Analyses a pattern, to be eliminated in its own order; see [`ordered`].
+    /// Puts a pattern in an order of elimination that fills little and analyses it in that.
     ///
     /// # Errors
     /// `SolveError::Symbolic` when memory or the 32-bit index range does not suffice.
-    pub fn analyse(pattern: &Pattern) -> Result<Self, SolveError> {
+    pub fn of(pattern: Pattern) -> Result<(Pattern, Self), SolveError> {
+        let pattern = ordered(pattern)?;
+        let factor = Self::analyse(&pattern)?;
+        Ok((pattern, factor))
+    }
+
+    /// Analyses a pattern, to be eliminated in its own order.
+    fn analyse(pattern: &Pattern) -> Result<Self, SolveError> {
         let n = pattern.num_equations();
         let (col_ptr, row_idx) = pattern.upper();
         let matrix = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
