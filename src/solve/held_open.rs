@@ -3,8 +3,9 @@
 //! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]), as one contact needs it. A contact within
 //! the window of another that touches would keep its force over any gap: a state in balance, stable, and with too much energy. So contacts are told apart here.
 //! A chain of pieces of zones is one contact, and its gap is the smallest in it: the ripples that elements in line contact have
-//! are inside of one contact and none of this. Contacts with one and the same strand nearer to each other than the nodes are share their offsets, and
-//! the mesh cannot tell them apart: what these carry is reported, not released.
+//! are inside of one contact and none of this. A contact is released at the nodes that are its own, from the first
+//! augmentation on ([`Solver::outstanding`]). One that shares each of its nodes with neighbours on the same strand that touch, nearer than the nodes are, has none: the
+//! mesh cannot tell them apart, and what it carries is reported, not released.
 
 use crate::contact::chain::{Link, chains};
 use crate::solve::assembly::Residual;
@@ -13,8 +14,8 @@ use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::settle::TOL_OPENING;
 
-/// Work that offsets may do on what they hold open, over the elastic energy: what the energy is too high by.
-pub(super) const TOL_HELD_OPEN: f64 = 2e-6;
+/// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too high by.
+pub(super) const TOL_HELD_OPEN: f64 = 1e-9;
 
 /// Contacts that carry force over a gap.
 #[derive(Debug, Default)]

@@ -4,7 +4,7 @@ use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
-use crate::solve::held_open::TOL_HELD_OPEN;
+use crate::solve::held_open::{HeldOpen, TOL_HELD_OPEN};
 use crate::solve::path::Solver;
 use crate::solve::per_contact::{self, PerContact};
 use crate::solve::settle::TOL_OPENING;
@@ -15,6 +15,9 @@ const USUAL_PRESSURE: f64 = 0.1;
 const FASTER: f64 = 2.0;
 /// How often offsets of contacts held open are lowered before these are left as they are.
 const MAX_RELEASES: usize = 10;
+/// In how many of the first rounds they are lowered along with what else is left to do, since offsets then come from the law before, which gave them by the
+/// window. Later they are when nothing else is left: lowering one and raising its neighbours at once may go on for ever (a ply of three strands).
+const EARLY: usize = 3;
 
 /// How far the contact conditions are from met, by nodes and in all.
 #[derive(Debug, Default)]
@@ -172,14 +175,19 @@ impl Solver {
             return Outstanding { penetration: 0.0, held_open: Some(0.0), gaps: None };
         }
         let residual = self.engine.residual(&self.engine.state);
-        let ContactErrors { gaps, penetration, opening } = self.contact_errors_of(&residual);
-        if penetration > tol || opening > tol.max(TOL_OPENING) {
-            return Outstanding { penetration, held_open: None, gaps: Some(gaps) };
+        let ContactErrors { mut gaps, penetration, opening } = self.contact_errors_of(&residual);
+        let HeldOpen { work, releasable, gaps: own } = self.held_open(&residual);
+        let met = penetration <= tol && opening <= tol.max(TOL_OPENING);
+        let may_release = (paces.rounds < EARLY || met) && paces.releases < MAX_RELEASES;
+        let releases = may_release && releasable > TOL_HELD_OPEN;
+        if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
+            paces.releases += 1;
+            let own = own.at_places_of(&side.set, &gaps).values;
+            gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
         }
-        let held = self.held_open(&residual);
-        let releases = held.releasable > TOL_HELD_OPEN && paces.releases < MAX_RELEASES;
-        paces.releases += usize::from(releases);
-        Outstanding { penetration, held_open: Some(held.work), gaps: releases.then_some(held.gaps) }
+        paces.rounds += 1;
+        let left = !met || releases;
+        Outstanding { penetration, held_open: met.then_some(work), gaps: left.then_some(gaps) }
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider
@@ -210,6 +218,8 @@ pub(super) struct Paces {
     before: Option<[PerContact; 2]>,
     /// How often contacts held open were released.
     releases: usize,
+    /// How often it was asked what is left to do.
+    rounds: usize,
 }
 
 impl Paces {
