@@ -4,7 +4,7 @@ use std::path::Path;
 
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Plectoneme, Shape};
-use supercoil::scene::{Contact, ContactLaw, Fidelity, NodeRef, Ramp, Scene};
+use supercoil::scene::{ContactLaw, Fidelity, NodeRef, Ramp, Scene};
 
 const RING: &str = r#"
 title = "ring"
@@ -73,8 +73,7 @@ fn ring_means_what_it_says() {
     let rod = &scene.model.rods[0];
     assert_eq!((rod.order, rod.num_elements, rod.num_nodes(), rod.closed), (3, 12, 36, true));
     assert_eq!((rod.section.bending, rod.section.stretching), ([205.7; 2], 1100.0));
-    let law = ContactLaw::AugmentedLagrangian { stiffness: Contact::DEFAULT_STIFFNESS, tol_penetration: 1e-8 };
-    assert_eq!(scene.model.contact.law, law);
+    assert_eq!(scene.model.contact.law, ContactLaw::ByMesh { least: 10.0, tol_penetration: 1e-8 });
     assert_eq!(scene.stages[0].ramps, [Ramp::ExcessLink { rod: 0, to: -3.0 }]);
     assert_eq!(scene.stages[0].steps, 30);
 }

@@ -95,14 +95,18 @@ impl Fidelity {
         Accuracy { energy, writhe, twisting_moment, contact_force, position, penetration }
     }
 
-    /// The contact law: augmented Lagrangian.
+    /// The contact law: augmented Lagrangian, as stiff as the mesh carries, to the penetration of [`Fidelity::accuracy`].
     pub const fn contact(self) -> Contact {
-        let [stiffness, tol_penetration] = match self {
-            Self::Draft => [10.0, 1e-2],
-            Self::Balanced => [100.0, 1e-4],
-            Self::Reference => [1000.0, 1e-8],
-        };
-        Contact { law: ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } }
+        let (least, tol_penetration) = (self.least_stiffness(), self.accuracy().penetration);
+        Contact { law: ContactLaw::ByMesh { least, tol_penetration } }
+    }
+
+    /// Contact stiffness κε⁴/B below which the preset does not go on coarse meshes.
+    pub const fn least_stiffness(self) -> f64 {
+        match self {
+            Self::Draft | Self::Balanced => 10.0,
+            Self::Reference => 1000.0,
+        }
     }
 
     /// Newton's tolerance, see `solve::NewtonOptions::tol_increment`.

@@ -158,8 +158,9 @@ impl Engine {
     ///
     /// # Errors
     /// Whatever [`Model::check`] refuses; threads that cannot be started.
-    pub fn new(model: Model, threads: Option<usize>) -> Result<Self, InputError> {
+    pub fn new(mut model: Model, threads: Option<usize>) -> Result<Self, InputError> {
         model.check()?;
+        model.contact.law = model.contact.law.on_mesh(&model.rods);
         let mut first_node = vec![0];
         for rod in &model.rods {
             first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
@@ -229,6 +230,7 @@ impl Engine {
     /// # Errors
     /// A law out of range; a change from or to no contact, which needs a new engine.
     pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        let law = law.on_mesh(&self.model.rods);
         let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
             let reason = "contact cannot be switched on or off in a running engine".to_owned();
             return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
