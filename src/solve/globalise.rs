@@ -395,7 +395,7 @@ impl Workspace {
             excess: None,
         };
         let mut last = f64::INFINITY;
-        let mut best: Option<(Trial, f64)> = None;
+        let mut best: Option<Trial> = None;
         loop {
             // contact that cannot be resolved there is a step too long, not the end
             if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
@@ -404,9 +404,8 @@ impl Workspace {
             let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
-            // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
-            let (noise, gain) = (noise(residual), residual.potential.total() - trial.potential);
-            trial.settled |= trial.expected.abs() < noise && gain >= -noise;
+            // the potential cannot tell, and corrections would be made of rounding
+            trial.settled |= trial.expected.abs() < noise(residual);
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
@@ -424,22 +423,15 @@ impl Workspace {
             let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
-            // under a new law of contact the potential hardly tells strands that touch from strands just apart, of which a next step would know nothing:
-            // there the state with the least left to correct is the best of those that lie low enough
-            let tight = engine.contact.as_ref().is_some_and(|side| side.before.is_some());
-            let falls = gain >= ENOUGH * trial.expected - noise;
-            let better = |(b, least): &(Trial, f64)| {
-                if tight && falls { size < *least } else { trial.potential < b.potential }
-            };
-            if best.as_ref().is_none_or(better) {
-                best = Some((trial.clone(), size));
+            if best.as_ref().is_none_or(|b: &Trial| trial.potential < b.potential) {
+                best = Some(trial.clone());
             }
             if size.is_nan() || size >= CONTRACTION * last {
                 break;
             }
             last = size;
             trial.rounds += 1;
-            trial.settled = size < if tight { 1e-2 * SMALL_CORRECTION } else { SMALL_CORRECTION };
+            trial.settled = size < SMALL_CORRECTION;
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
             trial.excess = Some(excess);
@@ -447,7 +439,7 @@ impl Workspace {
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
         // among changes that rounding makes, the corrected state is the better one
         Ok(match best {
-            Some((best, _)) if !trial.settled && trial.expected > noise(residual) => best,
+            Some(best) if !trial.settled && trial.expected > noise(residual) => best,
             _ => trial,
         })
     }
