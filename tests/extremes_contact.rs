@@ -102,24 +102,20 @@ fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     [energies[0], energies[1], energies[2], seen.total_contact_force / force]
 }
 
-/// The same along a line of contact. A penalty has one state: the same numbers to 1e-9. An augmented Lagrangian leaves lines some freedom (`StepReport::held_open`), within which rounding decides:
-/// in units that are powers of two, which round (nearly) alike, the same numbers to 1e-9, in others to 2e-5.
+/// The same along a line of contact, where an augmented Lagrangian leaves some freedom (`StepReport::held_open`): decisions must not hang on rounding. (Windows as long as an element reached one segment
+/// farther in units in which 3·(h) < 3h: 8e-6 to 1e-4 apart, two states in all.)
 #[test]
 fn units_along_a_line() {
-    let compare = |law: ContactLaw, units: &[(f64, f64)], tolerance: f64| {
+    let units = [(1e-12, 1.0), (1e-12, 1e12), (1e-6, 1e-12), (1.1, 1.0), (3.0, 1.0), (1e6, 1.0), (1e12, 1e-12), (1e12, 1e12)];
+    for law in [ContactLaw::Penalty { stiffness: 100.0 }, law(100.0), Contact::default().law] {
         let reference = pressed_along_a_line(1.0, 1.0, law);
-        for &(unit, force) in units {
+        for (unit, force) in units {
             let ours = pressed_along_a_line(unit, force, law);
             let errors: [f64; 4] = std::array::from_fn(|k| ours[k] / reference[k] - 1.0);
             println!("{law:?}, unit {unit:e}, force {force:e}: {errors:?}");
-            assert!(errors.iter().all(|error| error.abs() < tolerance), "unit {unit:e}, force {force:e}: {errors:?}");
+            assert!(errors.iter().all(|error| error.abs() < 1e-9), "{law:?}, unit {unit:e}, force {force:e}: {errors:?}");
         }
-    };
-    let decimal = [(1e-12, 1.0), (1e-12, 1e12), (1e-6, 1e-12), (1e6, 1.0), (1e12, 1e-12), (1e12, 1e12)];
-    compare(ContactLaw::Penalty { stiffness: 100.0 }, &decimal, 1e-9);
-    compare(law(100.0), &decimal, 2e-5);
-    let two = |power: i32| 2f64.powi(power);
-    compare(law(100.0), &[(two(-40), 1.0), (two(40), two(-40)), (two(40), two(40))], 1e-9);
+    }
 }
 
 /// Away from the origin start positions carry ε × offset, but searches know them in two parts. A ring with radius .02 L *returns* energy, writhe, twisting moment and contact

@@ -23,6 +23,8 @@ const MOST_SLENDER: f64 = 1e10;
 /// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest nothing of it is left but where supports hold nodes:
 /// searches know positions in two parts.
 const RESOLUTION: f64 = 1e-3;
+/// Part of a segment's length that sums of lengths may be off by.
+const ROUNDING: f64 = 1e-9;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -79,13 +81,14 @@ impl ContactSide {
         self.before.get_or_insert(old);
     }
 
-    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve.
+    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve. What is left of the distance by rounding
+    /// reaches no segment: windows are often just an element long, and would be one segment longer in some units of length than in others.
     pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
         let mut here = segment;
         loop {
             self.nodes[here].iter().for_each(|&node| visit(node));
             match if forward { self.set.next(here) } else { self.set.prev(here) } {
-                Some(next) if distance > 0.0 && next != segment => here = next,
+                Some(next) if distance > ROUNDING * self.set.lengths[next] && next != segment => here = next,
                 _ => break,
             }
             distance -= self.set.lengths[here];
