@@ -247,15 +247,18 @@ fn a_fidelity_sets_what_is_left_open() {
     };
     for (word, fidelity, elements, law, tol) in [
         ("draft", Fidelity::Draft, 12, (10.0, 1e-2), 1e-4),
-        ("balanced", Fidelity::Balanced, 32, (100.0, 1e-4), 1e-6),
+        ("balanced", Fidelity::Balanced, 32, (10.0, 1e-4), 1e-6),
         ("reference", Fidelity::Reference, 64, (1000.0, 1e-8), 1e-8),
     ] {
         let open = scene(word, "", "");
         assert_eq!(open.fidelity, Some(fidelity));
         let rod = &open.model.rods[0];
         assert_eq!((rod.order, rod.num_elements), (3, elements));
-        let (stiffness, tol_penetration) = law;
-        assert_eq!(open.model.contact.law, ContactLaw::AugmentedLagrangian { stiffness, tol_penetration });
+        let (least, tol_penetration) = law;
+        assert_eq!(open.model.contact.law, ContactLaw::ByMesh { least, tol_penetration });
+        let hard = scene(word, "[contact]", "[contact]\nstiffness = 300.0");
+        let law = ContactLaw::AugmentedLagrangian { stiffness: 300.0, tol_penetration };
+        assert_eq!(hard.model.contact.law, law);
         assert_eq!(open.solver.tol_increment, Some(tol));
         // ten times as long at the same thickness: the contact distance decides
         let long = scene(word, "length = 114.24", "length = 1142.4");
