@@ -17,8 +17,9 @@ use crate::scene::{ContactLaw, Fidelity};
 use crate::solve::Options;
 use crate::solve::engine::{Engine, contact_cubic};
 use crate::solve::path::Solver;
-use crate::solve::settle::{AT_REST, HARDENING_ITERATIONS, Status, StepReport, TURNS_AT_ONCE};
+use crate::solve::settle::{AT_REST, HARDENING_ITERATIONS, TURNS_AT_ONCE};
 use crate::solve::state::{Drive, State};
+use crate::solve::step_report::{Status, StepReport};
 
 /// How many times fewer elements a coarse mesh may have.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;

@@ -27,7 +27,7 @@ use crate::solve::continuation::locate::Event;
 use crate::solve::continuation::parameter::Parameter;
 use crate::solve::engine::Engine;
 use crate::solve::path::{Progress, Solver};
-use crate::solve::settle::{Status, StepReport};
+use crate::solve::step_report::{Status, StepReport};
 
 /// Newton iterations per point that the step size aims at.
 const AIM: f64 = 5.0;

@@ -256,6 +256,11 @@ impl Engine {
         law_stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), &self.scales, radius)
     }
 
+    /// Runs in the engine's own pool, if it has one.
+    pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        in_pool(self.pool.as_ref(), work)
+    }
+
     /// The rod of a node.
     pub(crate) fn rod_of(&self, node: usize) -> usize {
         self.first_node.partition_point(|&first| first <= node) - 1
@@ -411,6 +416,16 @@ impl Engine {
             min_radius,
             is_current: false,
         }))
+    }
+}
+
+/// Runs in a pool of one's own, if there is one.
+pub(crate) fn in_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
+    match pool {
+        Some(pool) => pool.install(work),
+        // inside the global pool, so that no sum on the way has to go in and out
+        None if rayon::current_thread_index().is_none() => rayon::scope(|_| work()),
+        None => work(),
     }
 }
 

@@ -1,17 +1,27 @@
-//! Finds equilibria, from the outside in: [`path`] (load stepping), `predictor` (where it is heading), [`settle`] (one state brought to rest: contact enforced,
-//! unstable states left), `short_first` (long plectonemes from short ones), `coarse_first` (large turns on a coarse mesh), [`newton`] (mixed-integration-point Newton), [`globalise`] (the guarded search near contact), `surprise` (what a step's linear prediction missed), [`step_bound`]
-//! (no strand passes another), `turning` (no frame takes the other way round), [`continuation`] (paths through limit points, branch switching), [`stability`] (the way out of
-//! unstable states), [`assembly`] (gradient and tangent), [`engine`] (the problem assembled), [`state`] (the configuration and how
-//! it moves), [`restart`] (what a run needs to go on later), `refine` (the same state on a finer mesh or under a harder law), [`fields`] (what it looks like along the rods), [`footprint`] (what it takes).
+//! Finds equilibria. From the outside in:
+//!
+//! | | |
+//! |---|---|
+//! | [`path`] | load stepping: [`run`], [`Solver`]; `predictor` says where it is heading, [`restart`] what a run needs to go on later |
+//! | [`continuation`] | paths through limit points, onto branches, round the corners of contact: [`Solver::follow`] |
+//! | `settle` | one state brought to rest: contact enforced, unstable states left (`stability`); the outcome is a [`StepReport`] |
+//! | `short_first`, `coarse_first` | long plectonemes from short ones, large turns on a coarse mesh |
+//! | `balance`, `hardening` | pressures that a search begins with: of a start shape, of a law softer than the next |
+//! | `multipliers`, `per_contact`, `held_open` | the augmented Lagrangian and its offsets |
+//! | [`newton`], `globalise` | mixed-integration-point Newton; the guarded search near contact |
+//! | `surprise`, `step_bound`, `turning` | what a step's linear prediction missed; no strand passes another; no frame takes the other way round |
+//! | `neutral` | motions that nothing resists |
+//! | [`assembly`], [`engine`], `state` | gradient and tangent; the problem assembled; the configuration and how it moves |
+//! | `fields`, `footprint`, `timing`, `refine` | what a state looks like along the rods; what it takes; the same on a finer mesh or under a harder law |
 
 pub mod assembly;
 mod balance;
 mod coarse_first;
 pub mod continuation;
 pub mod engine;
-pub mod fields;
-pub mod footprint;
-pub mod globalise;
+mod fields;
+mod footprint;
+mod globalise;
 mod hardening;
 mod held_open;
 mod interrupt;
@@ -20,18 +30,18 @@ mod multipliers;
 mod neutral;
 pub mod newton;
 pub mod path;
-pub mod per_contact;
+mod per_contact;
 mod predictor;
 mod refine;
 pub mod restart;
-pub mod settle;
+mod settle;
 mod short_first;
-pub mod stability;
-pub mod state;
-pub mod step_bound;
+mod stability;
+mod state;
+mod step_bound;
+mod step_report;
 mod surprise;
 mod timing;
-mod trust;
 mod turning;
 
 use crate::error::InputError;
@@ -45,8 +55,8 @@ pub use interrupt::Interrupt;
 pub use newton::NewtonOptions;
 pub use path::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};
 pub use restart::Restart;
-pub use settle::{Status, StepReport};
 pub use state::{Drive, State};
+pub use step_report::{Status, StepReport};
 pub use timing::Timings;
 
 /// Choices of a run; the defaults suit DNA loops and cables alike.

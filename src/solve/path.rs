@@ -9,13 +9,13 @@ use crate::math::Vec3;
 use crate::scene::model::unit;
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
-use crate::solve::assembly::in_pool;
 use crate::solve::engine::Engine;
+use crate::solve::engine::in_pool;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::History;
 use crate::solve::restart::{Place, Restart};
-use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::Drive;
+use crate::solve::step_report::{Status, StepReport};
 use crate::solve::timing::Timings;
 
 /// What the observer sees after every accepted step.

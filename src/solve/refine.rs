@@ -10,8 +10,8 @@ use crate::solve::neutral::Neutral;
 use crate::solve::newton::relative_residual;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
-use crate::solve::settle::StepReport;
 use crate::solve::state::{Drive, State};
+use crate::solve::step_report::StepReport;
 
 impl Model {
     /// The same problem on `factor` times the elements of every rod, see [`Rod::refined`](crate::rod::Rod::refined).

@@ -28,8 +28,8 @@ use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model};
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
-use crate::solve::settle::{Status, StepReport};
 use crate::solve::state::{Drive, State};
+use crate::solve::step_report::{Status, StepReport};
 
 /// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand for its end loops.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];

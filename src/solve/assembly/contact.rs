@@ -1,0 +1,119 @@
+//! Contact moved to a state, and what it adds.
+
+use rayon::prelude::*;
+
+use super::{Residual, Sink};
+use crate::contact::detect::{self, Besides, Meeting};
+use crate::error::{InputError, SolveError};
+use crate::solve::engine::{ContactSide, Engine, contact_cubic_exactly, in_pool};
+use crate::solve::state::State;
+
+/// Candidate pairs evaluated before their terms are scattered.
+pub(in crate::solve) const PAIRS: usize = 1024;
+
+impl Engine {
+    /// Moves the contact curves to `state` and refreshes candidates; true if the candidate list changed.
+    pub(crate) fn update_contact(&mut self, state: &State) -> Result<bool, SolveError> {
+        let Some(mut side) = self.contact.take() else { return Ok(false) };
+        let pool = self.pool.take();
+        let result = in_pool(pool.as_ref(), || side.update(state));
+        self.pool = pool;
+        self.contact = Some(side);
+        result
+    }
+
+    /// Whether contact exerts any force in the engine's state; contact must be up to date for it.
+    pub(crate) fn is_touching(&self) -> bool {
+        let near = self.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
+        near && self.residual_of_trial(&self.state).contact_gradient.iter().any(|force| *force != 0.0)
+    }
+
+    /// Gradient and potential of contact, tangent too if there is a sink for it.
+    pub(super) fn add_contact(&self, besides: Besides, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        let Some(side) = &self.contact else { return };
+        out.contact_gradient.resize(out.gradient.len(), 0.0);
+        if side.broad_phase.pairs().is_empty() {
+            return;
+        }
+        let ground = detect::Ground::of_set(&side.set);
+        // second derivatives live for one part of the candidates only: five kilobytes a term
+        for pairs in side.broad_phase.pairs().chunks(PAIRS) {
+            let offset = |slave, master| side.offset(slave, master);
+            let earlier = side.before.as_ref().filter(|_| sink.is_some());
+            let offset_before =
+                |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
+            let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
+            let pressures = detect::Pressures { law: side.law, offset: &offset, before };
+            for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
+                let nodes = side.nodes_of(&found.meeting);
+                out.potential.contact += found.energy;
+                for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
+                    for k in 0..6 {
+                        out.gradient[6 * node + k] += force[k];
+                        out.contact_gradient[6 * node + k] += force[k];
+                        out.magnitude[6 * node + k] += force[k].abs();
+                    }
+                }
+                if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
+                    sink.add(&nodes, &blocks);
+                }
+                out.meetings.push(found.meeting);
+            }
+        }
+    }
+}
+
+impl ContactSide {
+    /// Moves the contact curves and refreshes candidates; true if the list changed.
+    pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
+        self.place(state);
+        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
+        let largest = self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max);
+        // in steps, so that a slowly growing offset does not rebuild the list every time
+        let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
+        let margin = 0.5 * self.min_radius;
+        if self.is_current && self.broad_phase.is_for(range, margin) {
+            return Ok(false);
+        }
+        self.is_current = false;
+        self.exclusion.update(&self.set)?;
+        let before = self.broad_phase.generation();
+        self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
+        self.is_current = true;
+        Ok(self.broad_phase.generation() != before)
+    }
+
+    /// Overwrites the contact curves with those of `state`; what goes with them is no longer current if they moved.
+    pub(crate) fn place(&mut self, state: &State) {
+        let (nodes, lengths) = (&self.nodes, &self.set.lengths);
+        let moved = self
+            .set
+            .segments
+            .par_iter_mut()
+            .zip(&mut self.set.remainders)
+            .with_min_len(256)
+            .enumerate()
+            .map(|(k, (segment, remainders))| {
+                let (now, lost) = contact_cubic_exactly(state, nodes[k], lengths[k]);
+                *remainders = lost;
+                std::mem::replace(segment, now) != now
+            })
+            .reduce(|| false, |a, b| a || b);
+        self.is_current &= !moved;
+    }
+
+    /// Global nodes: slave a, b, master a, b.
+    pub(crate) fn nodes_of(&self, meeting: &Meeting) -> [usize; 4] {
+        let (s, m) = (self.nodes[meeting.slave], self.nodes[meeting.master]);
+        [s[0], s[1], m[0], m[1]]
+    }
+}
+
+fn not_finite(error: InputError) -> SolveError {
+    let value = match error {
+        InputError::Vector { value, .. } => value.into_iter().find(|x| !x.is_finite()).unwrap_or(f64::NAN),
+        InputError::Value { value, .. } => value,
+        _ => f64::NAN,
+    };
+    SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value }
+}

@@ -1,0 +1,154 @@
+//! The step of a guarded search: of the smallest shift that keeps the model convex and the step within the trust region.
+
+use crate::error::SolveError;
+use crate::math::Vec3;
+use crate::solve::assembly::Residual;
+use crate::solve::engine::Engine;
+use crate::solve::newton::{Workspace, increment_size};
+use crate::solve::state::Drive;
+
+/// Smallest shift that is tried, in units of B/L⁴.
+const FIRST_SHIFT: f64 = 10.0;
+/// Largest shift that is tried.
+const MAX_SHIFT: f64 = 1e30;
+/// Larger shifts tried to bring a step within the radius.
+const MAX_SHORTENINGS: usize = 3;
+
+/// A step and the quadratic model along it.
+pub(super) struct Step {
+    pub(super) increment: Vec<f64>,
+    /// The increment as it was solved for, neutral motions in it.
+    raw: Vec<f64>,
+    /// See [`extent`].
+    pub(super) extent: f64,
+    /// g·Δ.
+    pub(super) slope: f64,
+    /// ΔᵀKΔ.
+    pub(super) curvature: f64,
+    /// ΔᵀMΔ.
+    pub(super) inertia: f64,
+}
+
+impl Workspace {
+    /// Factorises with the present shift, raised until no eigenvalue is negative; a raised shift is then lowered to half again as much
+    /// as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of a Newton step.
+    fn convexify(&mut self, engine: &Engine, iteration: usize) -> Result<(), SolveError> {
+        if self.shift < FIRST_SHIFT {
+            self.shift = 0.0;
+        }
+        if self.factorise(engine, self.shift) == Some(0) {
+            return Ok(());
+        }
+        let lower = self.shift;
+        self.shift = (4.0 * self.shift).max(FIRST_SHIFT);
+        while self.factorise(engine, self.shift) != Some(0) {
+            self.shift *= 8.0;
+            if self.shift > MAX_SHIFT {
+                return Err(SolveError::Factorisation { iteration, shift: self.shift });
+            }
+        }
+        let estimate = (1.5 * (self.shift - self.lowest_above(engine, 4))).max(1.5 * lower);
+        if estimate < 0.6 * self.shift {
+            let safe = self.shift;
+            self.shift = estimate.max(1e-2 * FIRST_SHIFT);
+            if self.factorise(engine, self.shift) != Some(0) {
+                self.shift = safe;
+                self.factorise(engine, safe);
+            }
+        }
+        Ok(())
+    }
+
+    /// The Newton step with the factorisation at hand and what the model says of it.
+    fn model_step(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        drive: &Drive,
+        iteration: usize,
+    ) -> Result<Step, SolveError> {
+        let raw = self.raw_step(engine, residual);
+        let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
+        let work = -slope - self.free_dot(engine, &raw, |i| self.tangent.drive[i]);
+        let inertia = self.free_dot(engine, &raw, |i| engine.masses[i] * raw[i]);
+        let increment = self.finished_step(raw.clone(), drive, iteration)?;
+        let extent = extent(engine, residual, &increment);
+        Ok(Step { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
+    }
+
+    /// Adds to a step that shifts keep short as much of the softest direction as takes it `farther`, if the model falls along it.
+    fn add_softest(&self, engine: &Engine, residual: &Residual, step: &mut Step, farther: f64) {
+        let way = &self.softest;
+        if way.len() != step.raw.len() {
+            return;
+        }
+        let product = self.multiply(engine, &self.tangent.values, way);
+        let curvature = self.free_dot(engine, way, |i| product[i]);
+        let inertia = self.free_dot(engine, way, |i| engine.masses[i] * way[i]);
+        if curvature >= -0.2 * self.shift * inertia {
+            return;
+        }
+        let slope = self.free_dot(engine, way, |i| residual.gradient[i]);
+        let mixed = self.free_dot(engine, way, |i| engine.masses[i] * step.raw[i]);
+        let cross = -slope - self.shift * mixed;
+        let mut clean = way.clone();
+        self.neutral.remove(&mut clean);
+        let scale = farther / extent(engine, residual, &clean) * if slope + cross > 0.0 { -1.0 } else { 1.0 };
+        for (s, w) in step.increment.iter_mut().zip(&clean) {
+            *s += scale * w;
+        }
+        step.extent = extent(engine, residual, &step.increment);
+        step.slope += scale * slope;
+        step.curvature += 2.0 * scale * cross + scale * scale * curvature;
+        step.inertia += 2.0 * scale * mixed + scale * scale * inertia;
+    }
+
+    /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is near enough). Where
+    /// the model is not convex and the step falls short of the radius, the softest direction makes up for it. `at` is the iteration
+    /// and the tolerance below which a step is left as it is.
+    pub(super) fn step_within(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        drive: &Drive,
+        radius: f64,
+        (at, tol): (usize, f64),
+    ) -> Result<Step, SolveError> {
+        self.convexify(engine, at)?;
+        let mut step = self.model_step(engine, residual, drive, at)?;
+        for _ in 0..MAX_SHORTENINGS {
+            if step.extent <= 1.5 * radius {
+                break;
+            }
+            self.shift = self.shift_for(&step, step.extent / radius).max(2.0 * self.shift);
+            self.factorise(engine, self.shift);
+            step = self.model_step(engine, residual, drive, at)?;
+        }
+        let small = increment_size(engine, &step.increment) <= tol;
+        if radius.is_finite() && step.extent < 0.5 * radius && self.shift > 0.0 && !small {
+            let farther = radius - step.extent;
+            self.add_softest(engine, residual, &mut step, farther);
+        }
+        Ok(step)
+    }
+
+    /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that the step has.
+    pub(super) fn shift_for(&self, step: &Step, shorter: f64) -> f64 {
+        let ratio = step.curvature / step.inertia;
+        let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
+        ((stiffness + self.shift) * shorter - stiffness).max(FIRST_SHIFT)
+    }
+}
+
+/// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact
+/// distance.
+fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
+    let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
+    let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
+    let Some(side) = &engine.contact else { return turn };
+    let sliding = |term: &crate::contact::detect::Meeting| {
+        let [a, _, b, _] = side.nodes_of(term);
+        (part(a, 0) - part(b, 0)).norm() / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
+    };
+    residual.meetings.iter().map(sliding).fold(turn, f64::max)
+}
