@@ -153,9 +153,9 @@ fn offset_from_the_origin() {
     }
 }
 
-/// Penalties from 1e-2 to 1e12 times the default. A plain penalty *returns* up to 1e6 times the default with a penetration that falls as
+/// Penalties from 1e-2 to 1e12 times κ' = 100. A plain penalty *returns* up to 1e6 times that with a penetration that falls as
 /// κ^(−2/3), and is *refused* by `MaxIterations` beyond: without a soft start it rattles. The augmented Lagrangian *returns* a gap within the tolerance everywhere; at 1e12
-/// times the default rounding of the gap leaves five digits of the force.
+/// times 100 rounding of the gap leaves five digits of the force.
 #[test]
 fn penalties() {
     let (mut before, mut last) = (f64::INFINITY, 0);
