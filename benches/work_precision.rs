@@ -27,8 +27,8 @@ use supercoil::solve::{Options, Solver, Status, run};
 struct Knobs {
     order: usize,
     elements: usize,
-    /// Contact stiffness κ ε⁴/B and whether an augmented Lagrangian closes the gaps.
-    stiffness: f64,
+    /// Contact stiffness κ ε⁴/B, none: by the mesh; and whether an augmented Lagrangian closes the gaps.
+    stiffness: Option<f64>,
     augmented: bool,
     tol_penetration: f64,
     tol_increment: f64,
@@ -40,7 +40,7 @@ struct Knobs {
 const MIDDLE: Knobs = Knobs {
     order: 3,
     elements: 24,
-    stiffness: 100.0,
+    stiffness: Some(100.0),
     augmented: true,
     tol_penetration: 1e-8,
     tol_increment: 1e-8,
@@ -50,12 +50,12 @@ const MIDDLE: Knobs = Knobs {
 
 /// A preset's settings for a rod of this length, turns and contact radius.
 fn preset(fidelity: Fidelity, [length, turns, radius]: [f64; 3], steps: usize) -> Knobs {
-    let ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } = fidelity.contact().law else {
+    let ContactLaw::ByMesh { tol_penetration, .. } = fidelity.contact().law else {
         panic!("presets augment");
     };
     let elements = fidelity.elements(length, turns, radius);
     let tol_increment = fidelity.tol_increment();
-    Knobs { elements, stiffness, tol_penetration, tol_increment, steps, preset: Some(fidelity), ..MIDDLE }
+    Knobs { elements, stiffness: None, tol_penetration, tol_increment, steps, preset: Some(fidelity), ..MIDDLE }
 }
 
 /// Numbers a state is judged by; NaN where a case has none.
@@ -98,8 +98,15 @@ struct Case {
 
 fn law(knobs: &Knobs) -> Contact {
     let Knobs { stiffness, tol_penetration, .. } = *knobs;
-    let augmented = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration };
-    Contact { law: if knobs.augmented { augmented } else { ContactLaw::Penalty { stiffness } } }
+    let law = match stiffness {
+        None => {
+            let least = knobs.preset.map_or(Contact::DEFAULT_LEAST_STIFFNESS, Fidelity::least_stiffness);
+            ContactLaw::ByMesh { least, tol_penetration }
+        }
+        Some(stiffness) if knobs.augmented => ContactLaw::AugmentedLagrangian { stiffness, tol_penetration },
+        Some(stiffness) => ContactLaw::Penalty { stiffness },
+    };
+    Contact { law }
 }
 
 fn options(knobs: &Knobs) -> Options {
@@ -236,7 +243,7 @@ fn numbers(solver: &Solver, seen: &Observation) -> Numbers {
 
 /// A far finer run, for want of exact values.
 fn finest(run: fn(&Knobs) -> Option<(Solver, Observation, usize)>, elements: usize, stiffness: f64) -> Numbers {
-    let (solver, seen, _) = run(&Knobs { elements, stiffness, ..MIDDLE }).unwrap();
+    let (solver, seen, _) = run(&Knobs { elements, stiffness: Some(stiffness), ..MIDDLE }).unwrap();
     Numbers { tip: [f64::NAN; 3], ..numbers(&solver, &seen) }
 }
 
@@ -326,11 +333,11 @@ fn write(case: &str, rows: &[Row], best: &[usize]) {
     for (index, row) in rows.iter().enumerate() {
         let k = row.knobs;
         let knobs = format!(
-            "{},{},{},{:e},{},{:e},{:e},{}",
+            "{},{},{},{},{},{:e},{:e},{}",
             word(k.preset),
             k.order,
             k.elements,
-            k.stiffness,
+            stiffness(&k),
             k.augmented,
             k.tol_penetration,
             k.tol_increment,
@@ -382,7 +389,7 @@ fn contact_knobs(elements: &[usize], stiffnesses: &[f64]) -> Vec<Knobs> {
     for &count in elements {
         for &stiffness in stiffnesses {
             for augmented in [true, false] {
-                with(&mut list, &|k| (k.elements, k.stiffness, k.augmented) = (count, stiffness, augmented));
+                with(&mut list, &|k| (k.elements, k.stiffness, k.augmented) = (count, Some(stiffness), augmented));
             }
         }
     }
@@ -468,13 +475,14 @@ fn condition() {
     }
 }
 
+fn stiffness(k: &Knobs) -> String {
+    k.stiffness.map_or_else(|| "by mesh".to_owned(), |stiffness| format!("{stiffness:.0e}"))
+}
+
 fn setting(k: &Knobs) -> String {
-    let (order, elements, stiffness) = (k.order, k.elements, k.stiffness);
+    let (order, elements, stiffness) = (k.order, k.elements, stiffness(k));
     let law = if k.augmented { format!("augmented to {:.0e}", k.tol_penetration) } else { "penalty".to_owned() };
-    format!(
-        "order {order}, {elements} elements, κ' {stiffness:.0e}, {law}, tol {:.0e}, {} steps",
-        k.tol_increment, k.steps
-    )
+    format!("order {order}, {elements} elements, κ' {stiffness}, {law}, tol {:.0e}, {} steps", k.tol_increment, k.steps)
 }
 
 /// What a setting cost and how far off it is.
@@ -561,7 +569,12 @@ fn main() {
         let steps = if case.name == "bend" { 1 } else { MIDDLE.steps };
         case.knobs.extend(Fidelity::ALL.map(|fidelity| preset(fidelity, case.rod, steps)));
         // the coarsest preset's mesh and tolerances under a plain penalty
-        case.knobs.push(Knobs { augmented: false, preset: None, ..preset(Fidelity::Draft, case.rod, steps) });
+        case.knobs.push(Knobs {
+            augmented: false,
+            stiffness: Some(10.0),
+            preset: None,
+            ..preset(Fidelity::Draft, case.rod, steps)
+        });
         let (mut rows, mut failed) = (Vec::new(), Vec::new());
         for &knobs in &case.knobs {
             match measure(&case, &reference, knobs) {

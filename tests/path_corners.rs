@@ -59,10 +59,7 @@ struct Stack {
 
 const STACK: Stack = Stack {
     name: "arch on two beams",
-    law: ContactLaw::AugmentedLagrangian {
-        stiffness: Contact::DEFAULT_STIFFNESS,
-        tol_penetration: Contact::DEFAULT_TOL_PENETRATION,
-    },
+    law: ContactLaw::AugmentedLagrangian { stiffness: 100.0, tol_penetration: Contact::DEFAULT_TOL_PENETRATION },
     rise: 0.1,
     stretch: 1e4,
     height: 0.03,

@@ -8,7 +8,7 @@
 //!                 ╰╯
 //! ```
 //!
-//! B = 1, C = 1.3, EA = GA = 1e5 B/ε², ε = 1; the default contact law, κ' = 100, whose layer (B/κ)^¼ is .316 ε; nodes .3 ε apart, .2 ε at the steepest angle. Start: tails, a
+//! B = 1, C = 1.3, EA = GA = 1e5 B/ε², ε = 1; the default contact law, whose stiffness goes by the mesh; nodes .3 ε apart, .2 ε at the steepest angle. Start: tails, a
 //! double helix of two turns, a wide end loop, drawn by hand; then the tension, then one turn of an end, by halves.
 //!
 //! In a long plectoneme the tension alone decides: F = (B sin⁴α/R²)(½ + 1/cos 2α) tells α, then the twisting moment is M = 2B sin³α cosα/(R cos 2α) whatever the turns, and each

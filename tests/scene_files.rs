@@ -4,7 +4,7 @@ use std::path::Path;
 
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Plectoneme, Shape};
-use supercoil::scene::{Contact, ContactLaw, Fidelity, NodeRef, Ramp, Scene};
+use supercoil::scene::{ContactLaw, Fidelity, NodeRef, Ramp, Scene};
 
 const RING: &str = r#"
 title = "ring"
@@ -73,8 +73,7 @@ fn ring_means_what_it_says() {
     let rod = &scene.model.rods[0];
     assert_eq!((rod.order, rod.num_elements, rod.num_nodes(), rod.closed), (3, 12, 36, true));
     assert_eq!((rod.section.bending, rod.section.stretching), ([205.7; 2], 1100.0));
-    let law = ContactLaw::AugmentedLagrangian { stiffness: Contact::DEFAULT_STIFFNESS, tol_penetration: 1e-8 };
-    assert_eq!(scene.model.contact.law, law);
+    assert_eq!(scene.model.contact.law, ContactLaw::ByMesh { least: 10.0, tol_penetration: 1e-8 });
     assert_eq!(scene.stages[0].ramps, [Ramp::ExcessLink { rod: 0, to: -3.0 }]);
     assert_eq!(scene.stages[0].steps, 30);
 }
@@ -273,15 +272,18 @@ fn a_fidelity_sets_what_is_left_open() {
     };
     for (word, fidelity, elements, law, tol) in [
         ("draft", Fidelity::Draft, 12, (10.0, 1e-2), 1e-4),
-        ("balanced", Fidelity::Balanced, 32, (100.0, 1e-4), 1e-6),
+        ("balanced", Fidelity::Balanced, 32, (10.0, 1e-4), 1e-6),
         ("reference", Fidelity::Reference, 64, (1000.0, 1e-8), 1e-8),
     ] {
         let open = scene(word, "", "");
         assert_eq!(open.fidelity, Some(fidelity));
         let rod = &open.model.rods[0];
         assert_eq!((rod.order, rod.num_elements), (3, elements));
-        let (stiffness, tol_penetration) = law;
-        assert_eq!(open.model.contact.law, ContactLaw::AugmentedLagrangian { stiffness, tol_penetration });
+        let (least, tol_penetration) = law;
+        assert_eq!(open.model.contact.law, ContactLaw::ByMesh { least, tol_penetration });
+        let hard = scene(word, "[contact]", "[contact]\nstiffness = 300.0");
+        let law = ContactLaw::AugmentedLagrangian { stiffness: 300.0, tol_penetration };
+        assert_eq!(hard.model.contact.law, law);
         assert_eq!(open.solver.tol_increment, Some(tol));
         // ten times as long at the same thickness: the contact distance decides
         let long = scene(word, "length = 114.24", "length = 1142.4");

@@ -4,31 +4,30 @@ use serde::{Deserialize, Serialize};
 
 use super::{Contact, ContactLaw};
 
-/// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie on the front of error against work of
-/// `cargo bench --bench work_precision`, within a factor of 1.5 but where `docs/ACCURACY.md` says why not: `Reference` where strands touch at a point of a long rod (4.3), all
-/// where load steps are small and forces light (1.4 to 3.5). What a preset costs and what it is off by is stated there and in [`Fidelity::accuracy`], and
-/// `tests/fidelity.rs` holds it on cases that it was not chosen on.
+/// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie near the front of error against work of
+/// `cargo bench --bench work_precision`; `docs/ACCURACY.md` says how near, case by case. What a preset costs and what it is off by is stated there and in
+/// [`Fidelity::accuracy`], and `tests/fidelity.rs` holds it on cases that it was not chosen on.
 ///
 /// | | `Draft` | `Balanced` | `Reference` |
 /// |---|---|---|---|
 /// | cubic elements per turn of bending or twist | 3 | 8 | 16 |
 /// | spacing of nodes over the contact distance, at most | 2 | 0.7 | 0.25 |
-/// | contact stiffness κε⁴/B | 10 | 100 | 1000 |
+/// | contact stiffness κε⁴/B, by the mesh, at least | 10 | 10 | 1000 |
 /// | penetration left, over ε | 1e-2 | 1e-4 | 1e-8 |
 /// | last Newton increment | 1e-4 | 1e-6 | 1e-8 |
-/// | energy, relative error stated (worst measured) | 1e-2 (7e-3) | 1e-3 (8e-4) | 1e-4 (5e-5) |
-/// | writhe | 1e-2 (6e-3) | 2e-3 (3e-4) | 5e-4 (8e-5) |
-/// | twisting moment | 5e-2 (3e-2) | 5e-3 (2e-3) | 1e-3 (3e-4) |
-/// | contact force | 2e-2 (8e-3) | 2e-3 (1.8e-3) | 5e-4 (2e-4) |
+/// | energy, relative error stated (worst measured) | 1e-2 (7e-3) | 1e-3 (6e-4) | 1e-4 (5e-5) |
+/// | writhe | 1e-2 (6e-3) | 2e-3 (6e-4) | 5e-4 (3e-4) |
+/// | twisting moment | 5e-2 (3e-2) | 5e-3 (1.3e-3) | 1e-3 (4e-4) |
+/// | contact force | 2e-2 (8e-3) | 2e-3 (1.4e-3) | 5e-4 (2e-4) |
 /// | positions without contact, over the length | 1e-3 (2e-5) | 1e-5 (5e-8) | 1e-7 (8e-10) |
-/// | work (Newton iterations × nodes) and time, relative | 1 | 2.8 to 3.9 | 6 to 14 |
+/// | work (Newton iterations × nodes) and time, relative | 1 | 2.4 to 3.7 | 6 to 14 |
 ///
 /// Worst measured: over all cases of the benchmark and three meshes a few percent apart, for a mesh may be lucky.
 ///
 /// A mesh must resolve two lengths. Bending and twist vary over the rod's own turns, so elements are counted per turn it goes through. Strands that
 /// wind around each other or lie along each other do so over lengths of the order of the distance of their centrelines, however long the
-/// rod is, so nodes must not lie farther apart than a multiple of it; the harder the law, the shorter the layer (B/κ)^¼ in which contact sets in, which is why
-/// law and spacing go together: along lines a law harder than nodes 1.4 layers apart can carry gains nothing, at points it does. A long rod known to touch at isolated points only does not need that: give its `elements`.
+/// rod is, so nodes must not lie farther apart than a multiple of it. The contact law follows the mesh ([`ContactLaw::ByMesh`]). A long rod known to touch at isolated points only does not need
+/// the second: give its `elements`.
 ///
 /// In a scene file, `fidelity = "draft"`; without one:
 ///
@@ -95,14 +94,18 @@ impl Fidelity {
         Accuracy { energy, writhe, twisting_moment, contact_force, position, penetration }
     }
 
-    /// The contact law: augmented Lagrangian.
+    /// The contact law: augmented Lagrangian, as stiff as the mesh carries, to the penetration of [`Fidelity::accuracy`].
     pub const fn contact(self) -> Contact {
-        let [stiffness, tol_penetration] = match self {
-            Self::Draft => [10.0, 1e-2],
-            Self::Balanced => [100.0, 1e-4],
-            Self::Reference => [1000.0, 1e-8],
-        };
-        Contact { law: ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } }
+        let (least, tol_penetration) = (self.least_stiffness(), self.accuracy().penetration);
+        Contact { law: ContactLaw::ByMesh { least, tol_penetration } }
+    }
+
+    /// Contact stiffness κε⁴/B below which the preset does not go on coarse meshes.
+    pub const fn least_stiffness(self) -> f64 {
+        match self {
+            Self::Draft | Self::Balanced => 10.0,
+            Self::Reference => 1000.0,
+        }
     }
 
     /// Newton's tolerance, see `solve::NewtonOptions::tol_increment`.

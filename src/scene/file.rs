@@ -72,7 +72,7 @@ pub use points::read_points;
 ///
 /// [contact]
 /// law = "augmented-lagrangian"                 # default; or "penalty", "none"
-/// stiffness = 100.0                            # dimensionless, see ContactLaw
+/// stiffness = 100.0                            # dimensionless, see ContactLaw; by the mesh if not given
 /// tol_penetration = 1e-8                       # relative to the contact radius
 ///
 /// [[stages]]                                   # in this order; all ramps of a stage move together

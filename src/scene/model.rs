@@ -98,13 +98,52 @@ pub enum ContactLaw {
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,
     },
+    /// The augmented Lagrangian with the stiffness that the mesh carries, [`ContactLaw::stiffness_by_mesh`]. The model that an engine holds has the number
+    /// in its place ([`ContactLaw::on_mesh`]), and keeps it where a mesh is made finer or coarser.
+    ByMesh {
+        /// The stiffness is not less than this, however coarse the mesh: what points of contact ask, whose resultants are off by κ^(−2/3). Legal: > 0.
+        least: f64,
+        /// As in `AugmentedLagrangian`.
+        tol_penetration: f64,
+    },
 }
 
+/// Layers (B/κ)^¼ from node to node at which [`ContactLaw::stiffness_by_mesh`] stops.
+const LAYERS_BETWEEN_NODES: f64 = 2.0;
+/// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind so tightly that they would tell it from a harder one.
+const MOST_BY_MESH: f64 = 1e4;
+
 impl ContactLaw {
-    /// The dimensionless stiffness κ ε⁴/B, `None` without contact.
+    /// The dimensionless stiffness κ ε⁴/B that a mesh of these rods carries along lines of contact: nodes are two layers (B/κ)^¼ of the law apart, on the rod where they are most.
+    /// Not below `least` nor, unless that is more, above 10⁴; 100 where nodes are .63 contact radii apart. Harder, pressure gathers between nodes and a line shows as points;
+    /// softer, points of contact a few radii apart show as one (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
+    pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
+        let touching = || rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
+        let smallest = |of: &dyn Fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
+        let radius = smallest(&|rod| rod.section.contact_radius);
+        let bending = rods.iter().map(|rod| rod.section.smaller_bending()).fold(f64::INFINITY, f64::min);
+        // powers of ratios, which are far from overflow in any unit
+        let carried = |rod: &Rod| {
+            rod.section.smaller_bending() / bending * (LAYERS_BETWEEN_NODES * radius / rod.spacing()).powi(4)
+        };
+        if radius.is_finite() { smallest(&carried).min(MOST_BY_MESH).max(least) } else { least }
+    }
+
+    /// The law with its stiffness as a number, for a mesh of these rods; `ByMesh` becomes `AugmentedLagrangian`, others stay as they are.
+    #[must_use]
+    pub fn on_mesh(self, rods: &[Rod]) -> Self {
+        match self {
+            Self::ByMesh { least, tol_penetration } => {
+                Self::AugmentedLagrangian { stiffness: Self::stiffness_by_mesh(rods, least), tol_penetration }
+            }
+            given => given,
+        }
+    }
+
+    /// The dimensionless stiffness κ ε⁴/B; `None` without contact, and as long as no mesh has given it (see [`ContactLaw::on_mesh`]).
     pub fn stiffness(&self) -> Option<f64> {
         match self {
-            Self::None => None,
+            Self::None | Self::ByMesh { .. } => None,
             Self::Penalty { stiffness } | Self::AugmentedLagrangian { stiffness, .. } => Some(*stiffness),
         }
     }
@@ -123,8 +162,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Default dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is then a third of the radius.
-    pub const DEFAULT_STIFFNESS: f64 = 100.0;
+    /// Default of the least dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is .56 contact radii.
+    pub const DEFAULT_LEAST_STIFFNESS: f64 = 10.0;
     /// Default penetration tolerance relative to the contact radius.
     pub const DEFAULT_TOL_PENETRATION: f64 = 1e-8;
 
@@ -135,8 +174,8 @@ impl Contact {
 impl Default for Contact {
     fn default() -> Self {
         Self {
-            law: ContactLaw::AugmentedLagrangian {
-                stiffness: Self::DEFAULT_STIFFNESS,
+            law: ContactLaw::ByMesh {
+                least: Self::DEFAULT_LEAST_STIFFNESS,
                 tol_penetration: Self::DEFAULT_TOL_PENETRATION,
             },
         }

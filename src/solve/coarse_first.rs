@@ -90,10 +90,8 @@ impl Solver {
     fn coarse(&self, factor: usize) -> Option<Self> {
         let mut model = self.engine.model.coarsened(factor)?;
         // digits beyond a draft's are for the whole mesh
-        if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut model.contact.law
-            && let ContactLaw::AugmentedLagrangian { tol_penetration: enough, .. } = Fidelity::Draft.contact().law
-        {
-            *tol_penetration = tol_penetration.max(enough);
+        if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut model.contact.law {
+            *tol_penetration = tol_penetration.max(Fidelity::Draft.accuracy().penetration);
         }
         // threads are those of this solver already
         let mut options = Options { threads: None, ..self.options.clone() };

@@ -25,6 +25,8 @@ const MOST_SLENDER: f64 = 1e10;
 /// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest nothing of it is left but where supports hold nodes:
 /// searches know positions in two parts.
 const RESOLUTION: f64 = 1e-3;
+/// Part of a segment's length that sums of lengths may be off by.
+const ROUNDING: f64 = 1e-9;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -81,13 +83,14 @@ impl ContactSide {
         self.before.get_or_insert(old);
     }
 
-    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve.
+    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve. What is left of the distance by rounding
+    /// reaches no segment: windows are often just an element long, and would be one segment longer in some units of length than in others.
     pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
         let mut here = segment;
         loop {
             self.nodes[here].iter().for_each(|&node| visit(node));
             match if forward { self.set.next(here) } else { self.set.prev(here) } {
-                Some(next) if distance > 0.0 && next != segment => here = next,
+                Some(next) if distance > ROUNDING * self.set.lengths[next] && next != segment => here = next,
                 _ => break,
             }
             distance -= self.set.lengths[here];
@@ -160,8 +163,9 @@ impl Engine {
     ///
     /// # Errors
     /// Whatever [`Model::check`] refuses; threads that cannot be started.
-    pub fn new(model: Model, threads: Option<usize>) -> Result<Self, InputError> {
+    pub fn new(mut model: Model, threads: Option<usize>) -> Result<Self, InputError> {
         model.check()?;
+        model.contact.law = model.contact.law.on_mesh(&model.rods);
         let mut first_node = vec![0];
         for rod in &model.rods {
             first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
@@ -231,6 +235,7 @@ impl Engine {
     /// # Errors
     /// A law out of range; a change from or to no contact, which needs a new engine.
     pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        let law = law.on_mesh(&self.model.rods);
         let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
             let reason = "contact cannot be switched on or off in a running engine".to_owned();
             return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });

@@ -15,7 +15,6 @@ use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionTex
 use super::values::{At, List, NaturalText};
 
 pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
-    let contact = contact(&text.contact, text.fidelity)?;
     let mut rods: Vec<Rod> = Vec::new();
     for (i, rod_text) in text.rods.iter().enumerate() {
         if rod_text.name.is_empty() || rods.iter().any(|rod| rod.name == rod_text.name) {
@@ -24,6 +23,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         }
         rods.push(rod(text, rod_text, base_dir)?);
     }
+    let contact = contact(&text.contact, text.fidelity, &rods)?;
     let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
         let field = format!("supports[{i}]");
@@ -179,25 +179,27 @@ fn present<T>(key: &str, value: Option<T>) -> Result<T, InputError> {
     value.ok_or_else(|| inconsistent(format!("section.{key}"), &format!("missing: {SECTION_WAYS}")))
 }
 
-fn contact(text: &ContactText, fidelity: Option<Fidelity>) -> Result<Contact, InputError> {
-    let preset = fidelity.map_or_else(Contact::default, Fidelity::contact);
-    let (default_stiffness, default_tolerance) = match preset.law {
-        ContactLaw::AugmentedLagrangian { stiffness, tol_penetration } => (stiffness, tol_penetration),
-        _ => (Contact::DEFAULT_STIFFNESS, Contact::DEFAULT_TOL_PENETRATION),
-    };
-    let stiffness = text.stiffness.unwrap_or(default_stiffness);
+fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Result<Contact, InputError> {
     let unused = |key: &str, law: &str| {
         Err(inconsistent(format!("contact.{key}"), &format!("has no meaning with law = \"{law}\": remove it")))
     };
+    let least = fidelity.map_or(Contact::DEFAULT_LEAST_STIFFNESS, Fidelity::least_stiffness);
     let law = match text.law {
         LawText::None if text.stiffness.is_some() => return unused("stiffness", "none"),
         LawText::None if text.tol_penetration.is_some() => return unused("tol_penetration", "none"),
         LawText::Penalty if text.tol_penetration.is_some() => return unused("tol_penetration", "penalty"),
         LawText::None => ContactLaw::None,
-        LawText::Penalty => ContactLaw::Penalty { stiffness },
+        LawText::Penalty => {
+            let by_mesh = || ContactLaw::stiffness_by_mesh(rods, least);
+            ContactLaw::Penalty { stiffness: text.stiffness.unwrap_or_else(by_mesh) }
+        }
         LawText::AugmentedLagrangian => {
-            let tol_penetration = text.tol_penetration.unwrap_or(default_tolerance);
-            ContactLaw::AugmentedLagrangian { stiffness, tol_penetration }
+            let preset = fidelity.map_or(Contact::DEFAULT_TOL_PENETRATION, |fidelity| fidelity.accuracy().penetration);
+            let tol_penetration = text.tol_penetration.unwrap_or(preset);
+            match text.stiffness {
+                Some(stiffness) => ContactLaw::AugmentedLagrangian { stiffness, tol_penetration },
+                None => ContactLaw::ByMesh { least, tol_penetration },
+            }
         }
     };
     Ok(Contact { law })

@@ -206,7 +206,11 @@ impl Model {
             ContactLaw::Penalty { stiffness } => InputError::positive("contact.stiffness", stiffness),
             ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: tol } => {
                 InputError::positive("contact.stiffness", stiffness)?;
-                InputError::check("contact.tol_penetration", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")
+                check_penetration(tol)
+            }
+            ContactLaw::ByMesh { least, tol_penetration } => {
+                InputError::positive("contact.stiffness", least)?;
+                check_penetration(tol_penetration)
             }
         }
     }
@@ -348,6 +352,10 @@ fn finite(field: &str, value: &Vec3) -> Result<(), InputError> {
 
 fn inconsistent(field: &str, reason: &str) -> InputError {
     InputError::Inconsistent { field: field.to_owned(), reason: reason.to_owned() }
+}
+
+fn check_penetration(tol: f64) -> Result<(), InputError> {
+    InputError::check("contact.tol_penetration", tol, tol > 0.0 && tol < 1.0, "between 0 and 1")
 }
 
 #[cfg(test)]
