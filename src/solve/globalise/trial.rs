@@ -1,7 +1,7 @@
 //! A step brought back to the surface that stretch and contact confine the motion to, by corrections on the factorisation at hand.
 
-use super::noise;
 use super::step::Step;
+use super::{gain, noise};
 use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
@@ -73,8 +73,9 @@ impl Workspace {
             let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
-            // the potential cannot tell, and corrections would be made of rounding
-            trial.settled |= trial.expected.abs() < noise(residual);
+            // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
+            let noise = noise(residual);
+            trial.settled |= trial.expected.abs() < noise && gain(residual, &trial) >= -noise;
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
