@@ -213,20 +213,47 @@ impl Solver {
             return Ok(());
         };
         let mut paces = Paces::default();
+        let mut at_rest = self.ended_at_rest(report);
         while report.status == Status::Converged {
             let outstanding = self.outstanding(tol_penetration, &mut paces);
             report.penetration = outstanding.penetration;
             report.held_open = outstanding.held_open.unwrap_or(report.held_open);
-            let Some(gaps) = outstanding.gaps else { break };
-            if report.augmentations >= self.options.max_augmentations {
-                report.status = Status::Penetration;
-                break;
+            match outstanding.gaps {
+                None if at_rest => break,
+                None => {
+                    self.search(&Drive::default(), report)?;
+                    at_rest = true;
+                }
+                Some(_) if report.augmentations >= self.options.max_augmentations => {
+                    report.status = Status::Penetration;
+                }
+                Some(gaps) => {
+                    self.augment(&gaps, &mut paces);
+                    report.augmentations += 1;
+                    self.search_nearly(&Drive::default(), report)?;
+                    at_rest = self.ended_at_rest(report);
+                }
             }
-            self.augment(&gaps, &mut paces);
-            report.augmentations += 1;
-            self.search(&Drive::default(), report)?;
         }
         Ok(())
+    }
+
+    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges quadratically: after a last increment of √tol the
+    /// error is of the order of tol, and the tolerance itself is for the last search of all.
+    fn search_nearly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+        let tol = self.options.newton.tol_increment;
+        if self.augments() && self.is_near_contact()? {
+            self.options.newton.tol_increment = tol.sqrt();
+        }
+        let outcome = self.search(drive, report);
+        self.options.newton.tol_increment = tol;
+        outcome
+    }
+
+    /// Whether the last search went on to the tolerance of a state at rest.
+    fn ended_at_rest(&self, report: &StepReport) -> bool {
+        let last = report.history.last().and_then(|search| search.last());
+        last.is_none_or(|iteration| iteration.increment <= self.options.newton.tol_increment)
     }
 
     /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
