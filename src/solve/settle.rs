@@ -142,7 +142,7 @@ impl Solver {
         engine.update_contact(&state)?;
         let fraction = engine.step_fraction(&state, increment)?;
         engine.state = state.retract(increment, fraction);
-        self.search_nearly(&drive.scaled(1.0 - fraction), report)?;
+        self.search(&drive.scaled(1.0 - fraction), report)?;
         self.enforce_gaps(report)
     }
 
@@ -272,7 +272,7 @@ impl Solver {
             report.softening = SOFTENING.powi(softer);
             self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening }, &[]);
             let patience = self.be_patient_for(HARDENING_ITERATIONS);
-            let outcome = self.search_nearly(&Drive::default(), report);
+            let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
             if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER {
                 return outcome;
