@@ -1,11 +1,13 @@
-//! Bounding-volume tree over the *order along the curves*: leaf blocks are chains of four consecutive segments, a parent joins four
-//! consecutive blocks. Boxes are f32 in coordinates relative to the whole set, rounded outward, stored as structure of arrays (one
-//! coordinate of four boxes side by side), so that one box is tested against four at once.
+//! Bounding-volume tree over the *order along the curves*: leaf blocks are chains of four consecutive segments, a
+//! parent joins four consecutive blocks. Boxes are f32 in coordinates relative to the whole set, rounded outward,
+//! stored as structure of arrays (one coordinate of four boxes side by side), so that one box is tested against four at
+//! once.
 //!
-//! A curve is already sorted by itself, so nothing is sorted to build the tree: a refit *is* a build, O(segments) in one pass, its quality
-//! never decays, it depends on nothing but the present geometry, it cannot degenerate (the depth is log₄ of the segments) and it takes any box,
-//! identical and flat ones included. Along-strand neighbours are contiguous: a pair of blocks all of whose pairs are excluded is
-//! recognised by one comparison and never opened. Memory: 24 bytes × (1 + 1/4 + 1/16 + …) = 32 bytes a segment.
+//! A curve is already sorted by itself, so nothing is sorted to build the tree: a refit *is* a build, O(segments) in
+//! one pass, its quality never decays, it depends on nothing but the present geometry, it cannot degenerate (the depth
+//! is log₄ of the segments) and it takes any box, identical and flat ones included. Along-strand neighbours are
+//! contiguous: a pair of blocks all of whose pairs are excluded is recognised by one comparison and never opened.
+//! Memory: 24 bytes × (1 + 1/4 + 1/16 + …) = 32 bytes a segment.
 //!
 //! A rival of the engine's tree (parry3d's), measured in `benches/scaling.rs`: same pairs.
 
@@ -16,8 +18,8 @@ use rayon::prelude::*;
 mod boxes;
 use boxes::{Block, Box3, WIDTH};
 
-/// At most this many segments under one task, as a power of [`WIDTH`]: 4⁷ = 16384, 512 kB of tree, so that two tasks' boxes stay in the cache
-/// while they are compared.
+/// At most this many segments under one task, as a power of [`WIDTH`]: 4⁷ = 16384, 512 kB of tree, so that two tasks'
+/// boxes stay in the cache while they are compared.
 const MAX_TASK_POWER: usize = 7;
 /// Tasks are made smaller until there are this many, for the sake of several threads.
 const MIN_TASKS: usize = 32;
@@ -78,8 +80,9 @@ impl ChainTree {
         (power - 1).min(self.levels.len().saturating_sub(1))
     }
 
-    /// Calls `emit(i, j)` for every pair of overlapping boxes i < j with i in the task's range and j > `far(i)`, in an order that depends
-    /// on the geometry only. `far` must not decrease with i (pairs with j ≤ `far(i)` are not wanted).
+    /// Calls `emit(i, j)` for every pair of overlapping boxes i < j with i in the task's range and j > `far(i)`, in an
+    /// order that depends on the geometry only. `far` must not decrease with i (pairs with j ≤ `far(i)` are not
+    /// wanted).
     pub fn visit(&self, task: usize, far: &[u32], emit: &mut impl FnMut(u32, u32)) {
         if self.len == 0 {
             return;
@@ -103,7 +106,8 @@ struct Walk<'a, F> {
 }
 
 impl<F: FnMut(u32, u32)> Walk<'_, F> {
-    /// True if every pair of nodes p ≤ q of 4^power segments each is unwanted: the last of q is unwanted with the first of p.
+    /// True if every pair of nodes p ≤ q of 4^power segments each is unwanted: the last of q is unwanted with the first
+    /// of p.
     #[inline]
     fn excluded(&self, power: usize, p: usize, q: usize) -> bool {
         let last = (((q + 1) << (2 * power)).min(self.tree.len)) - 1;

@@ -1,6 +1,6 @@
-//! Deterministic polylines for contact benchmarks: plectoneme, plectoneme on a coil, worm-like chain, crowded sphere. Rod radius 1 and edge
-//! length 1 (about); N segments, N + 1 points. Transcendental functions may differ in the last bit from one machine to the next,
-//! which the random walks amplify: compare counts, not bits.
+//! Deterministic polylines for contact benchmarks: plectoneme, plectoneme on a coil, worm-like chain, crowded sphere.
+//! Rod radius 1 and edge length 1 (about); N segments, N + 1 points. Transcendental functions may differ in the last
+//! bit from one machine to the next, which the random walks amplify: compare counts, not bits.
 
 use supercoil::math::{Mat3, Vec3};
 
@@ -52,8 +52,8 @@ impl Kind {
         }
     }
 
-    /// Counts found by an independent program: pairs i + 2 ≤ j with overlapping boxes inflated by the radius; of these, chords closer than
-    /// 2; of these, j − i above ⌈π r/h⌉ with h the mean edge.
+    /// Counts found by an independent program: pairs i + 2 ≤ j with overlapping boxes inflated by the radius; of these,
+    /// chords closer than 2; of these, j − i above ⌈π r/h⌉ with h the mean edge.
     pub const fn reference(self, n: usize) -> Option<[usize; 3]> {
         match (self, n) {
             (Self::Plecto, 10_000) => Some([54_476, 34_957, 14_974]),

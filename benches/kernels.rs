@@ -1,5 +1,6 @@
-//! Kernels by module: rod element (residual and tangent), contact terms of a supercoiled strand pair, one equilibrium search.
-//! Each checks its answer before it is timed. The tangent of a cubic element in space is also measured against its operations; the aim is 3 µs.
+//! Kernels by module: rod element (residual and tangent), contact terms of a supercoiled strand pair, one equilibrium
+//! search. Each checks its answer before it is timed. The tangent of a cubic element in space is also measured against
+//! its operations; the aim is 3 µs.
 //!
 //! `cargo bench --bench kernels`, of the element only with `-- element`
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
@@ -19,10 +20,12 @@ use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
-/// Additions, multiplications and divisions for residual and tangent of a cubic element in space, counted instruction by instruction.
+/// Additions, multiplications and divisions for residual and tangent of a cubic element in space, counted instruction
+/// by instruction.
 const FLOPS: f64 = 19.2e3;
 
-/// Least and median of 400 goes of 250 elements (other work on the machine hardly disturbs the least), and the rate of operations that the least makes.
+/// Least and median of 400 goes of 250 elements (other work on the machine hardly disturbs the least), and the rate of
+/// operations that the least makes.
 fn against_operations(mut tangent: impl FnMut() -> f64) {
     const ELEMENTS: u32 = 250;
     let mut micros: Vec<f64> = (0..400)
@@ -72,7 +75,8 @@ fn rod_element(c: &mut Criterion) {
     }
 }
 
-/// Two strands of a double helix that overlap a little: every facing pair is in contact and the forces on the strands balance.
+/// Two strands of a double helix that overlap a little: every facing pair is in contact and the forces on the strands
+/// balance.
 fn contact_terms(c: &mut Criterion) {
     let strand = |phase: f64| {
         let at = |k: usize| {

@@ -1,13 +1,15 @@
-//! Long supercoiled rods: what a Newton iteration costs, part by part, and how many a plectoneme start takes to come to rest.
+//! Long supercoiled rods: what a Newton iteration costs, part by part, and how many a plectoneme start takes to come to
+//! rest.
 //!
 //! ```text
 //! cargo bench --bench long_rods                       # iterations at 1e3 … 1e5 nodes, rest at 1e3
 //! cargo bench --bench long_rods -- --max 1000000 --rest 10000
 //! ```
 //!
-//! DNA in closed plectonemes at supercoiling density −0.06, D = 5 nm, nodes a third of D apart (`examples/ecoli_length.toml` is one of 1e6 nodes). An
-//! iteration's cost is the mean over the first iterations from the start shape, symbolic analysis included as often as it is made. Times on the clock, threads as
-//! rayon finds them. Writes `target/long_rods/long_rods.csv`.
+//! DNA in closed plectonemes at supercoiling density −0.06, D = 5 nm, nodes a third of D apart
+//! (`examples/ecoli_length.toml` is one of 1e6 nodes). An iteration's cost is the mean over the first iterations from
+//! the start shape, symbolic analysis included as often as it is made. Times on the clock, threads as rayon finds them.
+//! Writes `target/long_rods/long_rods.csv`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -22,7 +24,8 @@ use supercoil::solve::{NewtonOptions, Options, Solver, Status};
 const ITERATIONS: usize = 4;
 const SPACING: f64 = 5.0 / 3.0;
 
-/// `nudged`: a node out of place by a thousandth of D keeps the rod from being started from a short one at rest, so that the long one's first iterations are ordinary ones.
+/// `nudged`: a node out of place by a thousandth of D keeps the rod from being started from a short one at rest, so
+/// that the long one's first iterations are ordinary ones.
 fn solver(nodes: usize, max_iterations: usize, nudged: bool) -> Solver {
     let elements = nodes / 3;
     let length = SPACING * (3 * elements) as f64;

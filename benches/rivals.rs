@@ -1,4 +1,5 @@
-//! Rivals of the detector on one polyline: all pairs, a uniform grid, parry3d's tree used plainly (one leaf a segment), and a tree along the curve.
+//! Rivals of the detector on one polyline: all pairs, a uniform grid, parry3d's tree used plainly (one leaf a segment),
+//! and a tree along the curve.
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
@@ -20,7 +21,8 @@ pub fn boxes_overlap(points: &[Vec3], r: f64, i: usize, j: usize) -> bool {
     (0..3).all(|k| lo_i[k] <= hi_j[k] && lo_j[k] <= hi_i[k])
 }
 
-/// What no method can do without, as plain as can be: the box of every segment is written (f32, rounded outward), one after the other.
+/// What no method can do without, as plain as can be: the box of every segment is written (f32, rounded outward), one
+/// after the other.
 pub fn write_boxes(points: &[Vec3], r: f64, boxes: &mut Vec<[f32; 6]>) -> usize {
     boxes.clear();
     boxes.extend((0..points.len() - 1).map(|i| {
@@ -59,8 +61,9 @@ pub fn brute_force(points: &[Vec3], r: f64, neighbours: usize) -> Vec<[u32; 2]> 
     found
 }
 
-/// The same pairs by a uniform grid: segments sorted by the cell of their middle, cells as wide as the largest box; each cell is compared
-/// with itself and the 13 following neighbours, found by walking five rows of cells at once (no hashing). Sorted.
+/// The same pairs by a uniform grid: segments sorted by the cell of their middle, cells as wide as the largest box;
+/// each cell is compared with itself and the 13 following neighbours, found by walking five rows of cells at once (no
+/// hashing). Sorted.
 pub fn grid(points: &[Vec3], r: f64, neighbours: usize) -> Vec<[u32; 2]> {
     let n = points.len() - 1;
     let middle = |i: usize| (points[i] + points[i + 1]) * 0.5;

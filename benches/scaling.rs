@@ -1,4 +1,5 @@
-//! Cost of contact detection against the number of segments, stage by stage, with rivals on the same inputs in the same run.
+//! Cost of contact detection against the number of segments, stage by stage, with rivals on the same inputs in the same
+//! run.
 //!
 //! ```text
 //! cargo bench --bench scaling                       # 1e4, 1e5, 1e6 segments, 1 and 2 threads: a few minutes
@@ -7,12 +8,13 @@
 //! cargo bench --bench scaling -- --round packed --segments 100000 --write points.f64   # one round for rivals_external/compare.py
 //! ```
 //!
-//! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are medians: of the thread's processor time
-//! where there is one thread, of the clock where there are two. Beside the detector's exponents are printed those of two loops that do nothing but go
-//! through memory of its size: the boxes of all segments are written one after the other, and as many are read in no order. A search lies between these; what
-//! they grow by more than 1 is the machine's: 1e4 segments fit its caches, 1e6 do not. Bytes are what the detector holds after a detection, by the
-//! capacities of its lists; those of sites apart. Writes `target/scaling/scaling.csv` and
-//! `scaling.svg`.
+//! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are
+//! medians: of the thread's processor time where there is one thread, of the clock where there are two. Beside the
+//! detector's exponents are printed those of two loops that do nothing but go through memory of its size: the boxes of
+//! all segments are written one after the other, and as many are read in no order. A search lies between these; what
+//! they grow by more than 1 is the machine's: 1e4 segments fit its caches, 1e6 do not. Bytes are what the detector
+//! holds after a detection, by the capacities of its lists; those of sites apart. Writes `target/scaling/scaling.csv`
+//! and `scaling.svg`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -68,7 +70,8 @@ struct Row {
     found: usize,
 }
 
-/// Seconds of processor time of this thread, which other work on the machine does not count for; `None` where the system does not tell.
+/// Seconds of processor time of this thread, which other work on the machine does not count for; `None` where the
+/// system does not tell.
 fn thread_time() -> Option<f64> {
     // The system brings its account up to date when the thread offers to give way.
     std::thread::yield_now();
@@ -160,7 +163,8 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     push("bytes held", (0.0, kept));
     push("bytes of sites", (0.0, found));
     push("forces", median(repeat, || detector.forces(&curve, 1.0).unwrap().forces[0].len()));
-    // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond 1e5 gradients only.
+    // "assembly" makes Hessians, 5 kB a term: the 3e6 terms of a plectoneme of 1e6 segments would not fit, so beyond
+    // 1e5 gradients only.
     let few = if n > 100_000 { 1 } else { repeat.min(3) };
     if n <= 100_000 {
         push("assembly", median(few, || detector.terms(&curve, 1.0, Want::Hessian).unwrap().len()));
@@ -180,7 +184,8 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     }
 }
 
-/// What is compared with other programs: medians on one thread of an input, and its points as little-endian f64 in a file if asked for.
+/// What is compared with other programs: medians on one thread of an input, and its points as little-endian f64 in a
+/// file if asked for.
 fn round(name: &str, arguments: &Arguments) {
     let kind = *Kind::ALL.iter().find(|kind| kind.name() == name).unwrap();
     let points = kind.points(arguments.segments);

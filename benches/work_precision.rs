@@ -1,11 +1,13 @@
-//! What accuracy costs: errors against work over the knobs of `docs/ACCURACY.md`, with the Pareto front of each case and where the presets
-//! ([`Fidelity`]) lie on it.
+//! What accuracy costs: errors against work over the knobs of `docs/ACCURACY.md`, with the Pareto front of each case
+//! and where the presets ([`Fidelity`]) lie on it.
 //!
-//! `cargo bench --bench work_precision` writes `target/work_precision/*.csv` and one plot a case; a word behind `--` picks the cases whose names have it.
-//! Work is counted in node iterations (Newton iterations times nodes, from the start state to rest), which other work on the machine does not
-//! touch; the time of one run on one thread stands beside it. A mesh may be lucky: where ends of lines of contact and points lie between nodes makes two beams on 23, 24 and 26 elements
-//! wrong by 8e-4, 2e-5 and 5e-4 (κ' = 100). So in contact each setting runs on three meshes, some 4 % apart, and counts with the worst of their errors and the mean of their work. The last part measures condition: size of residual and increment where they stop falling, against slenderness
-//! and number of elements.
+//! `cargo bench --bench work_precision` writes `target/work_precision/*.csv` and one plot a case; a word behind `--`
+//! picks the cases whose names have it. Work is counted in node iterations (Newton iterations times nodes, from the
+//! start state to rest), which other work on the machine does not touch; the time of one run on one thread stands
+//! beside it. A mesh may be lucky: where ends of lines of contact and points lie between nodes makes two beams on 23,
+//! 24 and 26 elements wrong by 8e-4, 2e-5 and 5e-4 (κ' = 100). So in contact each setting runs on three meshes, some 4
+//! % apart, and counts with the worst of their errors and the mean of their work. The last part measures condition:
+//! size of residual and increment where they stop falling, against slenderness and number of elements.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
@@ -68,7 +70,8 @@ struct Numbers {
     tip: [f64; 3],
 }
 
-/// Mean work and worst errors over some meshes. Errors are relative to the reference; the gap's is the penetration over the contact radius.
+/// Mean work and worst errors over some meshes. Errors are relative to the reference; the gap's is the penetration over
+/// the contact radius.
 struct Row {
     case: &'static str,
     knobs: Knobs,
@@ -186,7 +189,8 @@ fn minicircle(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &[stage])
 }
 
-/// pUC19 at a supercoiling density of -0.06, brought to rest from a plectoneme: `examples/puc19.toml` without the way there from the circle.
+/// pUC19 at a supercoiling density of -0.06, brought to rest from a plectoneme: `examples/puc19.toml` without the way
+/// there from the circle.
 fn puc19(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
     let section = Section::isotropic(bending, twisting, stretching, stretching, 2.5);
@@ -247,7 +251,8 @@ fn finest(run: fn(&Knobs) -> Option<(Solver, Observation, usize)>, elements: usi
     Numbers { tip: [f64::NAN; 3], ..numbers(&solver, &seen) }
 }
 
-/// Worst errors and mean work over three meshes near the one given; without contact, where errors fall smoothly, on that alone.
+/// Worst errors and mean work over three meshes near the one given; without contact, where errors fall smoothly, on
+/// that alone.
 fn measure(case: &Case, reference: &Numbers, knobs: Knobs) -> Option<Row> {
     if case.rod[2] == 0.0 {
         return measure_once(case, reference, knobs);
@@ -421,7 +426,8 @@ fn bend_knobs() -> Vec<Knobs> {
     list
 }
 
-/// Smallest residual and increment that a search comes to, and the error of the tip, over slenderness and over elements: half a circle by an end moment.
+/// Smallest residual and increment that a search comes to, and the error of the tip, over slenderness and over
+/// elements: half a circle by an end moment.
 fn condition() {
     let mut text = "slenderness,elements,residual,increment,tip\n".to_owned();
     let mut lines = [(); 2].map(|()| ["residual", "increment", "tip error / L"].map(|name| (name, Vec::new())));

@@ -1,6 +1,8 @@
-//! Contact forces inside somebody else's explicit time stepper: two elastic chains thrown at each other bounce, and momentum is kept.
+//! Contact forces inside somebody else's explicit time stepper: two elastic chains thrown at each other bounce, and
+//! momentum is kept.
 //!
-//! Unit mass per bead, unit rest length, radius 0.3; springs along each chain; symplectic Euler. The detector keeps its lists between steps.
+//! Unit mass per bead, unit rest length, radius 0.3; springs along each chain; symplectic Euler. The detector keeps its
+//! lists between steps.
 
 #![allow(clippy::print_stdout)]
 

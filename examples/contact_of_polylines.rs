@@ -1,7 +1,8 @@
 //! Where do the strands in a file touch? Any polylines, no rods.
 //!
-//! `cargo run --example contact_of_polylines -- strands.csv 1.0` reads lines `x,y,z` (blank line between strands, `#` comments) and takes
-//! the second number as the strands' radius, in the file's unit. Without arguments it reads the small file beside it (nm).
+//! `cargo run --example contact_of_polylines -- strands.csv 1.0` reads lines `x,y,z` (blank line between strands, `#`
+//! comments) and takes the second number as the strands' radius, in the file's unit. Without arguments it reads the
+//! small file beside it (nm).
 
 #![allow(clippy::print_stdout)]
 

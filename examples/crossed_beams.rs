@@ -1,5 +1,6 @@
-//! How hard do two crossed beams press on each other? Each is clamped at both ends, one end free to slide along the beam; the
-//! upper one is lowered by δ beyond first touch. Linear theory: F = δ / (2 (ℓ³/192B + ℓ/4GA)). Units: any consistent ones.
+//! How hard do two crossed beams press on each other? Each is clamped at both ends, one end free to slide along the
+//! beam; the upper one is lowered by δ beyond first touch. Linear theory: F = δ / (2 (ℓ³/192B + ℓ/4GA)). Units: any
+//! consistent ones.
 //!
 //! `cargo run --release --example crossed_beams`
 #![allow(clippy::print_stdout)] // an example talks to its reader

@@ -1,6 +1,6 @@
 //! When do the legs of a planar elastica touch, and how hard do they press? A straight wire of length 1 m and bending
-//! stiffness 1 N m² is bent to a semicircle; its clamped ends are brought together, so that it bulges like a drop, and then
-//! turned inwards until the neck closes. Units: m, N.
+//! stiffness 1 N m² is bent to a semicircle; its clamped ends are brought together, so that it bulges like a drop, and
+//! then turned inwards until the neck closes. Units: m, N.
 //!
 //! `cargo run --release --example elastica`
 #![allow(clippy::print_stdout)] // an example talks to its reader

@@ -1,5 +1,6 @@
-//! How much can Lee's frame carry, and what does it do then? Two rods of length 120, joined rigidly at a right angle, hinged at their
-//! far ends, are loaded near the corner. Units: L = 120, loads in EI/L². The path through its limit points goes to `out/lee_frame/path.svg`.
+//! How much can Lee's frame carry, and what does it do then? Two rods of length 120, joined rigidly at a right angle,
+//! hinged at their far ends, are loaded near the corner. Units: L = 120, loads in EI/L². The path through its limit
+//! points goes to `out/lee_frame/path.svg`.
 //!
 //! `cargo run --release --example lee_frame`
 #![allow(clippy::print_stdout)] // an example talks to its reader

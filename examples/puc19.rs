@@ -1,5 +1,5 @@
-//! pUC19 supercoils from the flat circle to the supercoiling density of bacteria (units nm, pN; `examples/puc19.toml`): how long it takes, and
-//! the middle of its plectoneme beside the closed forms.
+//! pUC19 supercoils from the flat circle to the supercoiling density of bacteria (units nm, pN; `examples/puc19.toml`):
+//! how long it takes, and the middle of its plectoneme beside the closed forms.
 //!
 //! `cargo run --release --example puc19`
 #![allow(clippy::print_stdout)] // an example talks to its reader

@@ -1,5 +1,6 @@
-//! How does a ring collapse under outside pressure? A slight oval of mean radius 1 m and bending stiffness 1 N m², free of
-//! stress as it is, bends to a dog bone and closes in the middle. (A perfect circle buckles at 3 B/R³, Lévy 1884.) Units: m, N.
+//! How does a ring collapse under outside pressure? A slight oval of mean radius 1 m and bending stiffness 1 N m², free
+//! of stress as it is, bends to a dog bone and closes in the middle. (A perfect circle buckles at 3 B/R³, Lévy 1884.)
+//! Units: m, N.
 //!
 //! `cargo run --release --example ring_pressure`
 #![allow(clippy::print_stdout)] // an example talks to its reader

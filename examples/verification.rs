@@ -1,7 +1,9 @@
-//! Runs the tests, slow ones included, and writes their verification rows to VERIFICATION.md: a summary, then one table per physical case.
+//! Runs the tests, slow ones included, and writes their verification rows to VERIFICATION.md: a summary, then one table
+//! per physical case.
 //!
-//! `cargo run --example verification` for all (a quarter of an hour on two quiet cores), `cargo run --example verification -- lee_frame roll_up` for some tests only
-//! (to the terminal, without the slow ones).
+//! `cargo run --example verification` for all (a quarter of an hour on two quiet cores),
+//! `cargo run --example verification -- lee_frame roll_up` for some tests only (to the terminal, without the slow
+//! ones).
 #![allow(clippy::print_stdout)] // an example talks to its reader
 
 use std::fmt::Write;
@@ -135,7 +137,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// The rows that a test file prints, its ordinary or its slow tests, and whether all passed; `None` if cargo could not be run.
+/// The rows that a test file prints, its ordinary or its slow tests, and whether all passed; `None` if cargo could not
+/// be run.
 fn rows_of(root: &Path, test: &str, slow: bool) -> Option<(Vec<Row>, bool)> {
     let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
     cargo.args(["test", "--quiet", "--test", test, "--", "--nocapture", "--test-threads=1"]);
@@ -171,8 +174,8 @@ fn caption(source: &str) -> String {
     header.take_while(|l| !l.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Without repetitions (several tests of a file may pass through the same check); of rows that differ in their slenderness only the worst, which keeps its
-/// slenderness.
+/// Without repetitions (several tests of a file may pass through the same check); of rows that differ in their
+/// slenderness only the worst, which keeps its slenderness.
 fn condensed(rows: Vec<Row>) -> Vec<Row> {
     const SLENDERNESS: &str = ", L/ε = ";
     let key = |row: &Row| {
@@ -252,8 +255,8 @@ fn number(x: f64, known: f64) -> String {
     }
 }
 
-/// One digit, rounded up; below a hundredth of the tolerance, where it may be rounding, only the power of ten above it, never less than a thousandth
-/// of the tolerance.
+/// One digit, rounded up; below a hundredth of the tolerance, where it may be rounding, only the power of ten above it,
+/// never less than a thousandth of the tolerance.
 fn shown_error(error: f64, tolerance: f64) -> String {
     if error >= 1e-2 * tolerance {
         let unit = 10f64.powi(error.log10().floor() as i32);

@@ -1,7 +1,7 @@
 //! DNA in nanometres and piconewtons: material constants, well-known molecules, salt-dependent contact diameter.
 //!
-//! Units: length nm, force pN, energy pN·nm, bending and twist stiffness pN·nm². Temperature 298 K. The values are those
-//! of B-DNA in physiological conditions; sources stand beside each.
+//! Units: length nm, force pN, energy pN·nm, bending and twist stiffness pN·nm². Temperature 298 K. The values are
+//! those of B-DNA in physiological conditions; sources stand beside each.
 
 use crate::error::InputError;
 
@@ -11,8 +11,8 @@ pub const THERMAL_ENERGY: f64 = 4.114;
 /// Bending persistence length, nm (Hagerman 1988; Bustamante et al. 1994: 50 ± 3 at moderate salt).
 pub const BENDING_PERSISTENCE: f64 = 50.0;
 
-/// Twist persistence length at low tension, nm (cyclisation and thermal twist: Shore & Baldwin 1983; Moroz & Nelson 1997
-/// use 75 to 120).
+/// Twist persistence length at low tension, nm (cyclisation and thermal twist: Shore & Baldwin 1983; Moroz & Nelson
+/// 1997 use 75 to 120).
 pub const TWIST_PERSISTENCE_LOW: f64 = 75.0;
 
 /// Twist persistence length of stretched DNA, nm (single-molecule torque: Bryant et al. 2003; Lipfert et al. 2010).

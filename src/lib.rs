@@ -8,9 +8,9 @@
 //! W = ½ ∫ GA1 Γ1² + GA2 Γ2² + EA Γ3² + EI1 K1² + EI2 K2² + GJ K3² ds      Γ, K measured from their natural values
 //! ```
 //!
-//! and no two strands, each a tube of radius ε about its curve, may penetrate: gap = distance − ε_a − ε_b ≥ 0 wherever one
-//! point is an orthogonal projection of the other. Sought are the (stable) equilibria of frictionless rods under dead
-//! loads, moved supports, pressure in the plane, and link put into closed rods, followed in load steps.
+//! and no two strands, each a tube of radius ε about its curve, may penetrate: gap = distance − ε_a − ε_b ≥ 0 wherever
+//! one point is an orthogonal projection of the other. Sought are the (stable) equilibria of frictionless rods under
+//! dead loads, moved supports, pressure in the plane, and link put into closed rods, followed in load steps.
 //!
 //! # A first example
 //!
@@ -46,9 +46,9 @@
 //!
 //! # Units
 //!
-//! Any consistent ones: the library converts nothing and has no absolute tolerance. Docs give dimensions, \[L\] a length, \[F\]
-//! a force. Angles are in radians inside the library; link, twist, writhe and everything a user ramps are in turns.
-//! [`dna`] is in nm and pN.
+//! Any consistent ones: the library converts nothing and has no absolute tolerance. Docs give dimensions, \[L\] a
+//! length, \[F\] a force. Angles are in radians inside the library; link, twist, writhe and everything a user ramps are
+//! in turns. [`dna`] is in nm and pN.
 //!
 //! # Notation
 //!

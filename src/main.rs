@@ -38,7 +38,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a scene file and write its outputs. Ctrl-C ends the run with all files in order; a second one ends it at once.
+    /// Run a scene file and write its outputs. Ctrl-C ends the run with all files in order; a second one ends it at
+    /// once.
     Run {
         /// Scene file (TOML).
         file: PathBuf,
@@ -70,13 +71,16 @@ struct Choices {
     /// Threads; results do not depend on it [default: solver.threads of the scene, or all].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Write a checkpoint every so many accepted steps [default: output.checkpoint_steps of the scene, or by time only].
+    /// Write a checkpoint every so many accepted steps
+    /// [default: output.checkpoint_steps of the scene, or by time only].
     #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: Option<u32>,
-    /// Write a checkpoint when the last is so many seconds old [default: output.checkpoint_seconds of the scene, or 60].
+    /// Write a checkpoint when the last is so many seconds old
+    /// [default: output.checkpoint_seconds of the scene, or 60].
     #[arg(long, value_name = "S", value_parser = seconds)]
     checkpoint_seconds: Option<f64>,
-    /// Estimate the error of the final state, by settling it again on twice the elements and under a harder contact law.
+    /// Estimate the error of the final state, by settling it again on twice the elements and under a harder contact
+    /// law.
     #[arg(long)]
     error_estimate: bool,
     /// Print nothing but errors.

@@ -1,7 +1,8 @@
-//! Scenes of rods whose start shape is their natural one: what turns or twists the frames at the start does not change what that is.
+//! Scenes of rods whose start shape is their natural one: what turns or twists the frames at the start does not change
+//! what that is.
 //!
-//! An arc is at rest where it starts, however its section is rolled; excess link costs the same whether a rod starts with it or is given it in
-//! a stage, and whether its circle is called one or given by points.
+//! An arc is at rest where it starts, however its section is rolled; excess link costs the same whether a rod starts
+//! with it or is given it in a stage, and whether its circle is called one or given by points.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -66,8 +67,8 @@ fn link_costs_the_same_however_it_is_put_in() {
     let (start, stage) = ("excess_link = 0.3", "[[stages]]\nramp = { excess_link = { to = 0.3 } }\nsteps = 2");
     let total = |shape: &str, way: &str| rest(true, shape, ROUND, way).0.energies.total;
     let reference = total(circle, stage);
-    // more than a ring straight by nature would take, ½ C (2π ΔLk)²/L = .28, as turning its natural curvature out of the plane costs bending; less than
-    // twist spread evenly does
+    // more than a ring straight by nature would take, ½ C (2π ΔLk)²/L = .28, as turning its natural curvature out of
+    // the plane costs bending; less than twist spread evenly does
     assert!(reference > 0.3 && reference < 3.4, "{reference}");
     // the spline through 64 points of the circle is 1e-6 off
     for (shape, way, tolerance) in [(circle, start, 1e-10), (by_points, stage, 1e-6), (by_points, start, 1e-6)] {

@@ -7,17 +7,20 @@
 //!   1 point     2 points      3 points       line + 2       line, under pressure
 //! ```
 //!
-//! * Twisted ring, D/L = .03, B = 1, C = 1.5, EA = GA = 1e9 B/L², 96 cubic elements, at the excess links 1.5, 2.1, 2.36, 2.6; κ from 1e8 to 1e14 B/L⁴. Reference with
-//!   points: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`).
-//! * Ring under pressure p = 12 B/R³ (line contact begins at 10.3), D/R = .01, planar, EA = GA = 1e6 B/R², 64 cubic elements; κ from 1e5 to 1e11 B/R⁴.
+//! * Twisted ring, D/L = .03, B = 1, C = 1.5, EA = GA = 1e9 B/L², 96 cubic elements, at the excess links 1.5, 2.1,
+//!   2.36, 2.6; κ from 1e8 to 1e14 B/L⁴. Reference with points: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`).
+//! * Ring under pressure p = 12 B/R³ (line contact begins at 10.3), D/R = .01, planar, EA = GA = 1e6 B/R², 64 cubic
+//!   elements; κ from 1e5 to 1e11 B/R⁴.
 //!
-//! At each κ the penalty of that stiffness is brought to rest first, then the augmented Lagrangian, to a penetration of 1e-9 D. What is left of κ in its resultants
-//! is the width over which it spreads a point, ∝ κ^(−1/3), of second order. The number of augmentations (outer) and of Newton iterations (inner) is printed, and bounded
-//! here by 15 and 250; most take 1 … 3 and 10 … 60. (Beyond κ = 1e12 the nodes, .0035 L apart, are too far from each other for a line: a law ten or a hundred times softer
-//! stays in force, and is reported.)
+//! At each κ the penalty of that stiffness is brought to rest first, then the augmented Lagrangian, to a penetration of
+//! 1e-9 D. What is left of κ in its resultants is the width over which it spreads a point, ∝ κ^(−1/3), of second order.
+//! The number of augmentations (outer) and of Newton iterations (inner) is printed, and bounded here by 15 and 250;
+//! most take 1 … 3 and 10 … 60. (Beyond κ = 1e12 the nodes, .0035 L apart, are too far from each other for a line: a
+//! law ten or a hundred times softer stays in force, and is reported.)
 //!
-//! Three points: at κ = 1e8 B/L⁴ the outer points are only four layers (B/κ)^¼ of the law from the middle one, which does not come about (two sites, resultants 3e-3 off); from
-//! 1e9 on there are three, no false ones beside them, and the force of the middle one, small between large ones, comes to 20.36 B/L² with the law: 6.8, 17.4, 19.6, 20.1 …
+//! Three points: at κ = 1e8 B/L⁴ the outer points are only four layers (B/κ)^¼ of the law from the middle one, which
+//! does not come about (two sites, resultants 3e-3 off); from 1e9 on there are three, no false ones beside them, and
+//! the force of the middle one, small between large ones, comes to 20.36 B/L² with the law: 6.8, 17.4, 19.6, 20.1 …
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -38,7 +41,8 @@ const TOLERANCE: f64 = 2e-9;
 /// A resultant at each stiffness: writhe, torque M₃L/(2πB), contact force; zeros where the rod has none.
 type Resultants = [f64; 3];
 
-/// From the solver's state under penalties and augmented Lagrangians κ = 10^`first` … 10^(`first` + 6); with the forces of all sites, in order.
+/// From the solver's state under penalties and augmented Lagrangians κ = 10^`first` … 10^(`first` + 6); with the forces
+/// of all sites, in order.
 fn decades(solver: &mut Solver, radius: f64, first: i32) -> (Vec<Resultants>, Vec<Vec<f64>>) {
     let at = |decade: i32| {
         let stiffness = 10f64.powi(decade) * radius.powi(4);

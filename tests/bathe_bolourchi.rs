@@ -1,11 +1,10 @@
 //! The 45° bend of Bathe & Bolourchi (1979): a curved cantilever loaded out of its plane, in ONE load step.
 //!
-//! Set-up: a circular arc of radius 100 and 45° in the x-y plane, stress-free, clamped at the origin with its tangent along +x
-//! and turning towards +y; a dead force along z at the tip. Square section 1 × 1, E = 1e7, ν = 0: EA = 1e7, EI = E/12,
-//! GJ = 5e6/6, shear stiffness 5/6 · 5e6 (and 5e6 as a variant). 16 cubic elements.
-//! Reference: tip position of the continuous rod, solved as a boundary value problem to all printed digits. (The often quoted
-//! (47.23, 15.79, 53.37) at 600 of Simo & Vu-Quoc 1986 comes from coarse meshes.)
-//! Tolerance: 1e-7 absolute.
+//! Set-up: a circular arc of radius 100 and 45° in the x-y plane, stress-free, clamped at the origin with its tangent
+//! along +x and turning towards +y; a dead force along z at the tip. Square section 1 × 1, E = 1e7, ν = 0: EA = 1e7, EI
+//! = E/12, GJ = 5e6/6, shear stiffness 5/6 · 5e6 (and 5e6 as a variant). 16 cubic elements. Reference: tip position of
+//! the continuous rod, solved as a boundary value problem to all printed digits. (The often quoted (47.23, 15.79,
+//! 53.37) at 600 of Simo & Vu-Quoc 1986 comes from coarse meshes.) Tolerance: 1e-7 absolute.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

@@ -49,7 +49,8 @@ fn crossed_beams_press_with_the_exact_force() {
         let lower = beam("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x(), elements);
         let upper = beam("upper", Vec3::new(0.0, -0.5, 2.5 * RADIUS), Vec3::y(), elements);
         let last = upper.num_nodes() - 1;
-        // by the mesh κ' would be 10: normals turn by w/2ε over the point's zone, 2w long, which leaves 1.1e-6 between the sum of the forces and their resultant
+        // by the mesh κ' would be 10: normals turn by w/2ε over the point's zone, 2w long, which leaves 1.1e-6 between
+        // the sum of the forces and their resultant
         let law = ContactLaw::AugmentedLagrangian { stiffness: 100.0, tol_penetration: 1e-8 };
         let model = Model { contact: Contact { law }, ..clamped(vec![lower, upper]) };
         let mut solver = Solver::new(model, Options::default()).unwrap();
@@ -75,9 +76,10 @@ fn crossed_beams_press_with_the_exact_force() {
     }
 }
 
-/// A first light touch in one step, searched for without asking for stability. Symptom: 510 iterations and no rest, back and forth between forces of .36 and 6.2, where .081 balances.
-/// Mechanism: under a new law the first step starts from the pressures of the one before; plain Newton went on starting from them in all its steps, which makes the slope
-/// of another curve of it.
+/// A first light touch in one step, searched for without asking for stability. Symptom: 510 iterations and no rest,
+/// back and forth between forces of .36 and 6.2, where .081 balances. Mechanism: under a new law the first step starts
+/// from the pressures of the one before; plain Newton went on starting from them in all its steps, which makes the
+/// slope of another curve of it.
 #[test]
 fn a_light_touch_is_found_without_asking_for_stability() {
     let gap = 1e-3;
@@ -99,7 +101,8 @@ fn a_light_touch_is_found_without_asking_for_stability() {
     }
 }
 
-/// Beams that are soft along (EA = 100 B/L²), pressed together by δ = 1e-3 L: 96 B δ/L³ between clamps, 24 B δ/L³ simply supported.
+/// Beams that are soft along (EA = 100 B/L²), pressed together by δ = 1e-3 L: 96 B δ/L³ between clamps, 24 B δ/L³
+/// simply supported.
 #[test]
 fn crossed_beams_press_as_in_the_textbook() {
     let deflection = 1e-3;
@@ -181,7 +184,8 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
     for factor in [6.0, 12.0, 24.0] {
         let seen = at(factor);
         let q = factor * first;
-        // lift-off length ℓ at each end: the line spans L − 2ℓ and carries q plus end reactions qℓ/3... in all q(L − 2ℓ) + 2 qℓ/3
+        // lift-off length ℓ at each end: the line spans L − 2ℓ and carries q plus end reactions qℓ/3... in all q(L −
+        // 2ℓ) + 2 qℓ/3
         let lift_off = (36.0 * gap / q).powf(0.25);
         let exact = q * (1.0 - 2.0 * lift_off) + 2.0 * q * lift_off / 3.0;
         let from = seen.sites.iter().map(|s| s.arc_a[0]).fold(f64::INFINITY, f64::min);
@@ -195,8 +199,9 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
     }
 }
 
-/// A quarter of a beam that is guided at both ends and loaded in the middle by F: a cantilever of length L/4 with the dead end load
-/// P = F/2, B θ'' = −P cos θ, θ(0) = 0, θ'(L/4) = 0. Returns end deflection ∫sin θ, shortening ∫(1 − cos θ) and θ'(0).
+/// A quarter of a beam that is guided at both ends and loaded in the middle by F: a cantilever of length L/4 with the
+/// dead end load P = F/2, B θ'' = −P cos θ, θ(0) = 0, θ'(L/4) = 0. Returns end deflection ∫sin θ, shortening ∫(1 − cos
+/// θ) and θ'(0).
 fn elastica_quarter(force: f64) -> [f64; 3] {
     let (steps, length, load) = (4000, 0.25, 0.5 * force);
     let h = length / f64::from(steps);
@@ -222,8 +227,9 @@ fn elastica_quarter(force: f64) -> [f64; 3] {
     [end[2], end[3], low]
 }
 
-/// Two beams that cross at right angles, their ends guided (free to slide along the beam, not to turn), pressed into each other by 60 %
-/// of their length. Each is a planar elastica under a force in the middle: four cantilevers of a quarter of its length.
+/// Two beams that cross at right angles, their ends guided (free to slide along the beam, not to turn), pressed into
+/// each other by 60 % of their length. Each is a planar elastica under a force in the middle: four cantilevers of a
+/// quarter of its length.
 ///
 /// ```text
 ///      ──╮               ╭──   ends of the upper beam lowered by δ beyond touch
@@ -290,7 +296,8 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
         }
         let [_, shortening, curvature] = elastica_quarter(force);
         let name = "crossed beams, guided ends";
-        // what the supports carry: the site's ∫p adds up magnitudes, whose directions differ by the width of the zone over D
+        // what the supports carry: the site's ∫p adds up magnitudes, whose directions differ by the width of the zone
+        // over D
         let [below, above] =
             [0, 1].map(|rod| -> f64 { seen.reactions.iter().filter(|r| r.rod == rod).map(|r| r.force[2]).sum() });
         verify(name, &format!("force at δ/L = {depth}"), -above, force, 3e-6 * force);
@@ -317,8 +324,8 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
 ///  ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ ↑ q
 /// ```
 ///
-/// Exact for small displacements: point → line at 3 q₁ (the curvature in the middle vanishes), lift-off length ℓ = (36 B g/q)^¼.
-/// The beams are soft along (EA = 100 B/L²), so that the gap of 1e-4 L costs no tension, and stiff in shear.
+/// Exact for small displacements: point → line at 3 q₁ (the curvature in the middle vanishes), lift-off length ℓ = (36
+/// B g/q)^¼. The beams are soft along (EA = 100 B/L²), so that the gap of 1e-4 L costs no tension, and stiff in shear.
 #[test]
 fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     let gap = 1e-4;
@@ -397,7 +404,8 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     }
 }
 
-/// The load as the parameter of a path, through first contact at q₁ = 192 B g/L⁴ and back: a corner so mild that steps go past it.
+/// The load as the parameter of a path, through first contact at q₁ = 192 B g/L⁴ and back: a corner so mild that steps
+/// go past it.
 #[test]
 fn a_path_goes_through_first_contact_and_back() {
     let gap = 1e-4;

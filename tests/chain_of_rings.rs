@@ -6,12 +6,14 @@
 //!     \___/-b--\---/----\___/
 //! ```
 //!
-//! B = C = 1, EA = GA = 1e6, contact radius ε = .05, rings of radius 1, centres 1.7 apart. Where the outermost nodes are ℓ apart, each ring has been stretched to the
-//! width W = (ℓ + 4ε)/3 by forces at two opposite points, whose size is that of the closed inextensible elastica: a quarter of it, length π/2, has θ″ = −(F/2) sin θ between
-//! θ = π/2 at the force and π where it crosses its other axis. It is integrated here. (Tolerance: stretch and the zone over which points of contact are spread.)
+//! B = C = 1, EA = GA = 1e6, contact radius ε = .05, rings of radius 1, centres 1.7 apart. Where the outermost nodes
+//! are ℓ apart, each ring has been stretched to the width W = (ℓ + 4ε)/3 by forces at two opposite points, whose size
+//! is that of the closed inextensible elastica: a quarter of it, length π/2, has θ″ = −(F/2) sin θ between θ = π/2 at
+//! the force and π where it crosses its other axis. It is integrated here. (Tolerance: stretch and the zone over which
+//! points of contact are spread.)
 //!
-//! Before, the swing of a ring about the tangent where it is held, with the spin that takes it back, was left to rounding in models of several rods, and a ring just touched
-//! by one that drags it counted as unstable.
+//! Before, the swing of a ring about the tangent where it is held, with the spin that takes it back, was left to
+//! rounding in models of several rods, and a ring just touched by one that drags it counted as unstable.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -92,7 +94,8 @@ fn three_rings_pulled() {
     let pull =
         "[[stages]]\nramp = { displacement = { rod = \"c\", at = \"start\", to = [1.6, 0.0, 0.0] } }\nsteps = 6\n";
     let rings = ring("a", 0.0, "[0, 0, 1]") + &ring("b", 1.7, "[0, 1, 0]") + &ring("c", 3.4, "[0, 0, 1]");
-    // a contact's force is the sum of sizes over its zone, about which normals turn: a harder law than this mesh is given by itself, and a smaller zone
+    // a contact's force is the sum of sizes over its zone, about which normals turn: a harder law than this mesh is
+    // given by itself, and a smaller zone
     let law = "[contact]\nstiffness = 100.0\n";
     let state = rest(&(rings + law + &clamp("a", &format!("{{ arc = {PI} }}")) + &clamp("c", "\"start\"") + pull));
     let force = force_at((5.4 + 1.6 + 4.0 * 0.05) / 3.0);

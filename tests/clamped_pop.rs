@@ -1,22 +1,24 @@
-//! A long clamped rod, twisted and then slackened, buckles into a helix, winds it up at one place and pops into a loop that touches itself
-//! (Coyne 1990; van der Heijden, Neukirch, Goss & Thompson 2003).
+//! A long clamped rod, twisted and then slackened, buckles into a helix, winds it up at one place and pops into a loop
+//! that touches itself (Coyne 1990; van der Heijden, Neukirch, Goss & Thompson 2003).
 //!
 //! ```text
 //!   Φ ⤷|────────────────|   →   |──────∿∿──────|   →   |──────(loop, one contact)──────|
 //!      taut, 8 turns            D < D*                 D > D*: pop
 //! ```
 //!
-//! Set-up: L = B = C = 1, EA = GA = 1e7, contact radius .002, 96 cubic elements, both ends clamped along x; the right one is pulled, turned by
-//! Φ = 8 turns and brought in by D. The buckled shape can turn about x while its sections roll back, at no cost, and move along x at a cost of
-//! e^(−26): the middle node is kept in the plane z = 0 and half way between the ends (its reaction must be nothing).
+//! Set-up: L = B = C = 1, EA = GA = 1e7, contact radius .002, 96 cubic elements, both ends clamped along x; the right
+//! one is pulled, turned by Φ = 8 turns and brought in by D. The buckled shape can turn about x while its sections roll
+//! back, at no cost, and move along x at a cost of e^(−26): the middle node is kept in the plane z = 0 and half way
+//! between the ends (its reaction must be nothing).
 //!
 //! References, with m = M/(2√(BT)):
-//! * loss of stability of the straight rod: 2(b − a) sin(a/2) sin(b/2) = ab sin((b − a)/2), a, b = (M ± √(M² − 4BT))/2B (the linear
-//!   equations B y⁗ − iM y‴ − T y″ = 0 with clamped ends, solved here); M² → 4BT for a long rod;
-//! * after it, the localised state of an infinite rod (Coyne): Φ = ML/C + 4 arccos m, D = 4√(B/T)√(1 − m²), elastic energy
-//!   M²L/2C + 4√(BT)√(1 − m²); its ends are e^(−L√(T(1 − m²)/B)/2) from straight;
-//! * the pop: the largest D* that Φ allows on it; beyond, only the loop is left, which stays when the ends are moved back. The pop releases
-//!   energy, the way back takes up the work of the end; Tw + Wr of the rod with straight tails stays Φ/2π, which a passage would change by 2.
+//! * loss of stability of the straight rod: 2(b − a) sin(a/2) sin(b/2) = ab sin((b − a)/2), a, b = (M ± √(M² − 4BT))/2B
+//!   (the linear equations B y⁗ − iM y‴ − T y″ = 0 with clamped ends, solved here); M² → 4BT for a long rod;
+//! * after it, the localised state of an infinite rod (Coyne): Φ = ML/C + 4 arccos m, D = 4√(B/T)√(1 − m²), elastic
+//!   energy M²L/2C + 4√(BT)√(1 − m²); its ends are e^(−L√(T(1 − m²)/B)/2) from straight;
+//! * the pop: the largest D* that Φ allows on it; beyond, only the loop is left, which stays when the ends are moved
+//!   back. The pop releases energy, the way back takes up the work of the end; Tw + Wr of the rod with straight tails
+//!   stays Φ/2π, which a passage would change by 2.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

@@ -1,6 +1,8 @@
-//! The contact stiffness that a model has if none is given, `ContactLaw::ByMesh`: nodes two layers (B/κ)^¼ apart, between a least stiffness and 10⁴.
+//! The contact stiffness that a model has if none is given, `ContactLaw::ByMesh`: nodes two layers (B/κ)^¼ apart,
+//! between a least stiffness and 10⁴.
 //!
-//! What it is for is held by `ring_thickness`: rings from thin to thick show their points and lines of contact as hard contact does, on coarse and fine meshes.
+//! What it is for is held by `ring_thickness`: rings from thin to thick show their points and lines of contact as hard
+//! contact does, on coarse and fine meshes.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 

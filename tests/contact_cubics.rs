@@ -1,5 +1,6 @@
-//! Contact of cubics: the same sites and zones after motions, changes of unit, far from the origin, reversed and exchanged; and hard cases for the certified
-//! search: wild cubics with many minima a pair, contact lines whose depth varies by 1e-7, parallel and coincident curves.
+//! Contact of cubics: the same sites and zones after motions, changes of unit, far from the origin, reversed and
+//! exchanged; and hard cases for the certified search: wild cubics with many minima a pair, contact lines whose depth
+//! varies by 1e-7, parallel and coincident curves.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -141,8 +142,8 @@ fn between_two(a: &[Cubic], b: &[Cubic], range: f64) -> Vec<Site> {
     detect(&[Curve::cubics(a, RADIUS), Curve::cubics(b, RADIUS)], options).unwrap().sites
 }
 
-/// Wild cubics (random control points): wherever a descent of the distance ends inside both, there is a site; each site is told once, is a minimum, and
-/// none is left undecided.
+/// Wild cubics (random control points): wherever a descent of the distance ends inside both, there is a site; each site
+/// is told once, is a minimum, and none is left undecided.
 #[test]
 fn all_minima_of_wild_cubics() {
     let mut rng = Random(5);
@@ -189,8 +190,8 @@ fn helix(n: usize, phase: f64, shift: f64) -> Vec<Cubic> {
     (0..n).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
 }
 
-/// Two coaxial helices touch along two lines. As strings of cubics their distance varies along a line by 1e-7 of it, several times a segment: the minima are
-/// those of the distance sampled along the line, all of them and no others.
+/// Two coaxial helices touch along two lines. As strings of cubics their distance varies along a line by 1e-7 of it,
+/// several times a segment: the minima are those of the distance sampled along the line, all of them and no others.
 #[test]
 fn all_minima_along_contact_lines() {
     const N: usize = 40;
@@ -238,8 +239,8 @@ fn all_minima_along_contact_lines() {
     }
 }
 
-/// Parallel and coincident strings of straight cubics: for each pair that runs side by side one flat site in the middle of the common part, and nothing where pairs
-/// only meet at a joint.
+/// Parallel and coincident strings of straight cubics: for each pair that runs side by side one flat site in the middle
+/// of the common part, and nothing where pairs only meet at a joint.
 #[test]
 fn parallel_cubics_have_a_flat_site_each() {
     let d = Vec3::new(0.3, 0.5, 0.7).normalize();
@@ -263,8 +264,8 @@ fn parallel_cubics_have_a_flat_site_each() {
     }
 }
 
-/// However far apart two crossing cubics are, straight or bulging towards each other, their soft minimum is isolated: up to 1e11 of their
-/// length, where the distance along them changes by no more than its rounding.
+/// However far apart two crossing cubics are, straight or bulging towards each other, their soft minimum is isolated:
+/// up to 1e11 of their length, where the distance along them changes by no more than its rounding.
 #[test]
 fn soft_minima_of_far_cubics_are_isolated() {
     let v = Vec3::new;

@@ -58,7 +58,8 @@ fn curves(walks: &[(Vec<Vec3>, bool)], radius: f64) -> Vec<Curve<'_>> {
     walks.iter().map(|(p, closed)| Curve { closed: *closed, ..Curve::polyline(p, radius) }).collect()
 }
 
-/// Brute force over all pairs of segments: candidates must hold all pairs in range and none beyond; returns how many pairs were tried.
+/// Brute force over all pairs of segments: candidates must hold all pairs in range and none beyond; returns how many
+/// pairs were tried.
 fn candidates_are_exact(seed: u64, cases: usize) -> usize {
     let mut rng = Random(seed);
     let mut tried = 0;
@@ -118,7 +119,8 @@ fn candidates_match_brute_force_at_length() {
     assert!(tried >= 1_000_000, "{tried}");
 }
 
-/// Counts of an independent program, 1e4 segments: overlapping boxes, close chords, close chords that are not neighbours.
+/// Counts of an independent program, 1e4 segments: overlapping boxes, close chords, close chords that are not
+/// neighbours.
 #[test]
 fn reference_counts() {
     for kind in Kind::ALL {
@@ -335,8 +337,8 @@ fn terms_are_the_slope_of_the_energy() {
     }
 }
 
-/// Forces are the sums of the terms: polylines, closed too, cubics and radii per segment, all among each other; in equilibrium with themselves; the
-/// same from a detector in use and whatever its range.
+/// Forces are the sums of the terms: polylines, closed too, cubics and radii per segment, all among each other; in
+/// equilibrium with themselves; the same from a detector in use and whatever its range.
 #[test]
 fn forces_are_the_sums_of_terms() {
     let line = |k: usize, turns: f64| {
@@ -403,7 +405,8 @@ fn forces_are_the_sums_of_terms() {
     assert!(none.forces[0].len() == 30 && none.forces[0].iter().all(|f| *f == Vec3::zeros()));
 }
 
-/// Where centrelines coincide there is energy, but no direction: forces and Hessians stay finite and in balance, for lines and for cubics.
+/// Where centrelines coincide there is energy, but no direction: forces and Hessians stay finite and in balance, for
+/// lines and for cubics.
 #[test]
 fn crossing_centrelines_have_finite_forces() {
     let line = |d: Vec3| [-d, d];
@@ -424,8 +427,9 @@ fn crossing_centrelines_have_finite_forces() {
     }
 }
 
-/// Far from the origin terms and zones are those at the origin, if the shift itself rounds nothing: pairs are looked at in coordinates of their own. (In global
-/// ones the ends of zones drowned in rounding, and were looked for until the iterations ran out.)
+/// Far from the origin terms and zones are those at the origin, if the shift itself rounds nothing: pairs are looked at
+/// in coordinates of their own. (In global ones the ends of zones drowned in rounding, and were looked for until the
+/// iterations ran out.)
 #[test]
 fn terms_and_zones_do_not_know_the_origin() {
     let exact = |c: &[Cubic]| -> Vec<Cubic> {
@@ -454,7 +458,8 @@ fn terms_and_zones_do_not_know_the_origin() {
     }
 }
 
-/// The memory that the documents state: 130 bytes a segment, 8 a pair of the list and 32 to look for its site, in lists that have grown by a half at most.
+/// The memory that the documents state: 130 bytes a segment, 8 a pair of the list and 32 to look for its site, in lists
+/// that have grown by a half at most.
 #[test]
 fn memory_is_what_is_stated() {
     for kind in Kind::ALL {

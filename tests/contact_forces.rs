@@ -1,5 +1,5 @@
-//! Forces of polylines and curved strands as a stepper sees them: the exact slope of the energy, also over kinks, and the energy of the curve that
-//! a polyline stands for.
+//! Forces of polylines and curved strands as a stepper sees them: the exact slope of the energy, also over kinks, and
+//! the energy of the curve that a polyline stands for.
 //!
 //! ```text
 //!        outside: the corner is nearest          inside: two feet, the corner counted off
@@ -107,8 +107,8 @@ fn forces_of_a_polyline_on_itself_are_the_slope_of_the_energy() {
     assert!(touching > 60, "{touching}");
 }
 
-/// Two rings in one plane that overlap all round, as polygons: what the outer one feels of the corners it sees from outside, and the inner one of
-/// those it sees from inside, is neither lost nor counted twice.
+/// Two rings in one plane that overlap all round, as polygons: what the outer one feels of the corners it sees from
+/// outside, and the inner one of those it sees from inside, is neither lost nor counted twice.
 #[test]
 fn polygons_have_the_energy_of_the_rings_they_stand_for() {
     let (inner, outer, radius) = (1.0, 1.15, 0.1);
@@ -134,7 +134,8 @@ fn polygons_have_the_energy_of_the_rings_they_stand_for() {
     }
 }
 
-/// The other law: C¹ through corners as well, its forces the slope of its energy; without limit at its depth; bad numbers refused by name.
+/// The other law: C¹ through corners as well, its forces the slope of its energy; without limit at its depth; bad
+/// numbers refused by name.
 #[test]
 fn any_law_may_be_given() {
     let own = [Vec3::new(-1.0, 0.1, 0.0), Vec3::zeros(), Vec3::new(1.0, 0.2, 0.1)];

@@ -1,4 +1,5 @@
-//! Contact geometry against brute force: Bernstein roots, projection, capsules, broad phase, exclusion, clearance; and the refusal of bad input.
+//! Contact geometry against brute force: Bernstein roots, projection, capsules, broad phase, exclusion, clearance; and
+//! the refusal of bad input.
 
 use std::f64::consts::PI;
 
@@ -49,7 +50,8 @@ fn wiggle(rng: &mut Random, n: usize, closed: bool, radius: f64, unit: f64, cent
     CurveInput { segments, lengths: vec![h * unit; n], closed, radius: radius * unit }
 }
 
-// ---- Bernstein roots ------------------------------------------------------------------------------------------------------------
+// ---- Bernstein roots
+// ------------------------------------------------------------------------------------------------------------
 
 /// Bernstein coefficients of c Π (t − r_k).
 fn from_roots(r: &[f64], c: f64) -> Vec<f64> {
@@ -70,7 +72,8 @@ fn from_roots(r: &[f64], c: f64) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Every sign change of a dense sampling is bracketed by exactly an odd number of crossing roots; every root is one of p.
+    /// Every sign change of a dense sampling is bracketed by exactly an odd number of crossing roots; every root is one
+    /// of p.
     #[test]
     fn roots_match_dense_sampling(coeffs in prop::collection::vec(-1.0..1.0f64, 1..=8), exponent in -150i32..150) {
         let coeffs: Vec<f64> = coeffs.iter().map(|c| c * 10f64.powi(exponent)).collect();
@@ -129,7 +132,8 @@ proptest! {
     }
 }
 
-// ---- Projection -----------------------------------------------------------------------------------------------------------------
+// ---- Projection
+// -----------------------------------------------------------------------------------------------------------------
 
 fn random_cubic(rng: &mut Random) -> Cubic {
     let mut b = [rng.vector(), rng.vector(), rng.vector(), rng.vector()];
@@ -190,8 +194,8 @@ fn projection_misses_and_invents_nothing() {
                 assert!(near >= 1, "case {case}: missed the minimum at {u}: {feet:?}");
             }
         }
-        // None invented: the slope rises through zero there, as far as rounding lets one see; and where the minimum is pronounced
-        // the distance grows at once on both sides.
+        // None invented: the slope rises through zero there, as far as rounding lets one see; and where the minimum is
+        // pronounced the distance grows at once on both sides.
         let slope = stationarity(&relative, &Vec3::zeros());
         let slope_noise = 1e-13 * slope.iter().fold(0.0f64, |m, c| m.max(c.abs()));
         for foot in feet.as_slice() {
@@ -212,7 +216,8 @@ fn projection_misses_and_invents_nothing() {
     assert!(total > 15_000, "the oracle saw only {total} minima");
 }
 
-/// Walking a curve finds each minimum once: compare with the sampled whole curve, points in joints' normal planes included.
+/// Walking a curve finds each minimum once: compare with the sampled whole curve, points in joints' normal planes
+/// included.
 #[test]
 fn feet_over_a_curve_match_sampling() {
     let mut rng = Random(2);
@@ -254,7 +259,8 @@ fn feet_over_a_curve_match_sampling() {
     }
 }
 
-// ---- Capsules -------------------------------------------------------------------------------------------------------------------
+// ---- Capsules
+// -------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn capsule_bound_is_below_the_sampled_distance() {
@@ -308,7 +314,8 @@ fn segment_distance_against_sampling_and_swaps() {
     }
 }
 
-// ---- Broad phase ----------------------------------------------------------------------------------------------------------------
+// ---- Broad phase
+// ----------------------------------------------------------------------------------------------------------------
 
 fn some_curves(rng: &mut Random, unit: f64, centre: Vec3) -> CurveSet {
     let count = 1 + rng.below(4) as usize;
@@ -349,7 +356,8 @@ fn candidates_contain_brute_force_in_any_unit_and_place() {
     assert!(listed > 1000, "{listed}");
 }
 
-/// A list kept while curves deform stays a superset, exclusion included; it is not rebuilt at every step, and not kept too long.
+/// A list kept while curves deform stays a superset, exclusion included; it is not rebuilt at every step, and not kept
+/// too long.
 #[test]
 fn kept_lists_stay_supersets_while_curves_move() {
     let mut rng = Random(6);
@@ -411,8 +419,8 @@ fn a_list_is_dropped_when_curves_have_closed_in() {
     }
 }
 
-/// A straight rod crumples into short waves moving less than half the margin: distances alone would keep the list, but neighbours have
-/// ceased to be neighbours.
+/// A straight rod crumples into short waves moving less than half the margin: distances alone would keep the list, but
+/// neighbours have ceased to be neighbours.
 #[test]
 fn a_list_is_dropped_when_neighbours_cease_to_be() {
     let n = 100;
@@ -457,10 +465,11 @@ fn tiny_sets_and_thread_counts() {
     assert_eq!(with(1), with(4));
 }
 
-// ---- Exclusion ------------------------------------------------------------------------------------------------------------------
+// ---- Exclusion
+// ------------------------------------------------------------------------------------------------------------------
 
-/// A thick straight rod then a tight loop: many segments within a diameter of each other on the straight part are neighbours, while in the loop
-/// parts a short arc apart touch. No one arc length separates the two.
+/// A thick straight rod then a tight loop: many segments within a diameter of each other on the straight part are
+/// neighbours, while in the loop parts a short arc apart touch. No one arc length separates the two.
 #[test]
 fn exclusion_is_by_turning_not_arc_length() {
     let radius = 0.5;
@@ -495,7 +504,8 @@ fn exclusion_is_by_turning_not_arc_length() {
     assert!((c.arc_b - c.arc_a).abs() < 4.0 && c.upper < 0.1, "{c:?}");
 }
 
-// ---- Clearance ------------------------------------------------------------------------------------------------------------------
+// ---- Clearance
+// ------------------------------------------------------------------------------------------------------------------
 
 /// Smallest sampled gap over pairs certainly in the domain (turning of sampled tangents ≥ π both ways on one curve).
 fn sampled_gap(set: &CurveSet, m: usize) -> f64 {
@@ -570,7 +580,8 @@ fn clearance_of_overlapping_and_identical_curves() {
     }
 }
 
-// ---- Refusals -------------------------------------------------------------------------------------------------------------------
+// ---- Refusals
+// -------------------------------------------------------------------------------------------------------------------
 
 fn message(result: Result<CurveSet, InputError>) -> String {
     result.expect_err("must be refused").to_string()

@@ -1,9 +1,11 @@
 //! Under the augmented Lagrangian no contact carries force over a gap beside another one that touches.
 //!
-//! A minicircle of 336 base pairs (nm, pN) with three turns taken out: a line of contact in the middle and others beside it, within an element or two
-//! layers. The offsets of the augmented Lagrangian follow the smallest gap in such a window, so a contact next to one that touches used to keep what its offset
-//! gave it: .81 of 19.5 pN over 1.6e-3 radii at κ' = 100, in a state that was stable and reported as converged, and that one way to it led to and the other did not.
-//! The energy was too high by the work Σ force × gap; the two ways were 9e-5 (κ' = 100) and 5e-5 (300) of it apart.
+//! A minicircle of 336 base pairs (nm, pN) with three turns taken out: a line of contact in the middle and others
+//! beside it, within an element or two layers. The offsets of the augmented Lagrangian follow the smallest gap in such
+//! a window, so a contact next to one that touches used to keep what its offset gave it: .81 of 19.5 pN over 1.6e-3
+//! radii at κ' = 100, in a state that was stable and reported as converged, and that one way to it led to and the other
+//! did not. The energy was too high by the work Σ force × gap; the two ways were 9e-5 (κ' = 100) and 5e-5 (300) of it
+//! apart.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -24,7 +26,8 @@ const STEPS: usize = 20;
 const RADIUS: f64 = 2.5;
 /// Gap that offsets may hold open, over the contact radius.
 const OPEN: f64 = 1e-6;
-/// What is left between the ways, relative to the energy: offsets along one and the same contact, whose ends the way sets.
+/// What is left between the ways, relative to the energy: offsets along one and the same contact, whose ends the way
+/// sets.
 const WAYS_APART: f64 = 5e-5;
 
 fn minicircle(stiffness: f64) -> Model {
@@ -67,8 +70,9 @@ fn elastic(seen: &Observation) -> f64 {
     seen.energies.total - seen.energies.contact
 }
 
-/// Neither way leaves a contact that is open but carries force, and both lead to nearly the same energy; the report's figure is what the sites tell. (At
-/// κ' = 1000 two points half a node spacing long, a third of one beside a line, cannot be told from it by offsets at the nodes: .28 pN each.)
+/// Neither way leaves a contact that is open but carries force, and both lead to nearly the same energy; the report's
+/// figure is what the sites tell. (At κ' = 1000 two points half a node spacing long, a third of one beside a line,
+/// cannot be told from it by offsets at the nodes: .28 pN each.)
 #[test]
 fn neighbours_do_not_hold_contacts_open() {
     for (stiffness, held) in [(100.0, 1e-8), (300.0, 1e-8), (1000.0, 5e-6)] {
@@ -102,8 +106,8 @@ fn neighbours_do_not_hold_contacts_open() {
     }
 }
 
-/// Nor where the work is small: rings wound up turn by turn, in each state of which no contact is open, be its force as light as it may. (Gaps of 2e-4 radii were left there, under up
-/// to 2 % of the force.)
+/// Nor where the work is small: rings wound up turn by turn, in each state of which no contact is open, be its force as
+/// light as it may. (Gaps of 2e-4 radii were left there, under up to 2 % of the force.)
 #[test]
 fn light_contacts_are_closed() {
     for (diameter, turns) in [(0.0134, 8), (0.0181, 5)] {

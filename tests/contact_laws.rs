@@ -1,9 +1,12 @@
-//! What the two contact laws cost in accuracy: the penalty's error against its stiffness, the augmented Lagrangian's freedom from it.
+//! What the two contact laws cost in accuracy: the penalty's error against its stiffness, the augmented Lagrangian's
+//! freedom from it.
 //!
-//! * Point: two clamped beams of length L = 1, B = 1, crossing at right angles, pressed into each other by δ = .01 L. In an overlap
-//!   c two round rods share a zone of length ∝ √c, so F ∝ κ c^{3/2}: penetration and error of the force fall as κ^(−2/3).
-//! * Line: two parallel clamped beams pushed together along most of their length by a line load q (see `beams`). In the middle the
-//!   penetration is q/κ; at the ends of the line the end force qℓ/3 spreads over (B/κ)^¼, so it falls as κ^(−3/4) only.
+//! * Point: two clamped beams of length L = 1, B = 1, crossing at right angles, pressed into each other by δ = .01 L.
+//!   In an overlap c two round rods share a zone of length ∝ √c, so F ∝ κ c^{3/2}: penetration and error of the force
+//!   fall as κ^(−2/3).
+//! * Line: two parallel clamped beams pushed together along most of their length by a line load q (see `beams`). In the
+//!   middle the penetration is q/κ; at the ends of the line the end force qℓ/3 spreads over (B/κ)^¼, so it falls as
+//!   κ^(−3/4) only.
 //!
 //! ```text
 //!        ‖               ▌‾‾╲___________╱‾‾▐
@@ -11,8 +14,8 @@
 //!        ‖
 //! ```
 //!
-//! The augmented Lagrangian is asked for a penetration of 1e-9 contact distances. What is left of κ in its resultants is the width over
-//! which a point is spread, second order in it.
+//! The augmented Lagrangian is asked for a penetration of 1e-9 contact distances. What is left of κ in its resultants
+//! is the width over which a point is spread, second order in it.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -151,8 +154,9 @@ fn penalty_errors_along_a_line_fall_with_the_first_power() {
     verify(name, "exponent of the penetration at the ends", slope(&rows[1..], |r| r[2]), -0.75, 0.02);
 }
 
-/// Augmented Lagrangians of all stiffnesses, each from the penalty state of the same stiffness: outer loops, inner iterations, penetration,
-/// and what the supports of rod 1 carry, whose change from κ = 10^`decades`\[0\] on and from 10^`decades`\[1\] on is verified.
+/// Augmented Lagrangians of all stiffnesses, each from the penalty state of the same stiffness: outer loops, inner
+/// iterations, penetration, and what the supports of rod 1 carry, whose change from κ = 10^`decades`\[0\] on and from
+/// 10^`decades`\[1\] on is verified.
 fn augmented_over(name: &str, case: (Solver, impl AsRef<[Ramp]>), decades: [i32; 3], tolerances: [f64; 2]) {
     let (mut solver, ramps) = case;
     let _ = solver.step_to(ramps.as_ref()).unwrap();
@@ -191,17 +195,18 @@ fn augmented_resultant_of_a_point_does_not_depend_on_the_stiffness() {
     augmented_over("augmented Lagrangian, crossed beams", case, [6, 8, 12], [3e-5, 1e-6]);
 }
 
-/// Six decades along a line. Softer laws take longer, as an augmentation mends only a share κ/(κ + Bq⁴) of wave number q (κ = 1e7: 12; 1e6,
-/// a layer (B/κ)^¼ longer than the contact distance: more than 40). The stiffest law is given by rounding: gaps are known to 1e-16 L, so pressures to 1e-16 κL, here 1e-3 of the load at
-/// κ = 1e14. The spacing of the nodes, .0035, as long as the layer at 1e10, sets no limit.
+/// Six decades along a line. Softer laws take longer, as an augmentation mends only a share κ/(κ + Bq⁴) of wave number
+/// q (κ = 1e7: 12; 1e6, a layer (B/κ)^¼ longer than the contact distance: more than 40). The stiffest law is given by
+/// rounding: gaps are known to 1e-16 L, so pressures to 1e-16 κL, here 1e-3 of the load at κ = 1e14. The spacing of the
+/// nodes, .0035, as long as the layer at 1e10, sets no limit.
 #[test]
 fn augmented_resultant_of_a_line_does_not_depend_on_the_stiffness() {
     let case = parallel(50.0 * GAP, penalty(1e5));
     augmented_over("augmented Lagrangian, parallel beams", case, [8, 9, 14], [1e-4, 1e-5]);
 }
 
-/// A minicircle whose line of contact ends between two nodes: the gap that stays at its edge must not lower the offset there for ever, little by
-/// little.
+/// A minicircle whose line of contact ends between two nodes: the gap that stays at its edge must not lower the offset
+/// there for ever, little by little.
 #[test]
 fn a_gap_at_the_edge_of_a_zone_gives_way() {
     let shape = Shape::Circle { length: 114.24, center: Vec3::zeros(), normal: Vec3::z() };

@@ -1,7 +1,9 @@
-//! A law sets in over a layer (B/κ)^¼ along lines of contact. Where the mesh resolves it, nodes no more than 1.4 layers apart, the twisting moment of a long plectoneme
-//! depends on neither law nor mesh; where it does not, the pressure gathers between nodes and the moment swings with the number of elements (`docs/ACCURACY.md`).
+//! A law sets in over a layer (B/κ)^¼ along lines of contact. Where the mesh resolves it, nodes no more than 1.4 layers
+//! apart, the twisting moment of a long plectoneme depends on neither law nor mesh; where it does not, the pressure
+//! gathers between nodes and the moment swings with the number of elements (`docs/ACCURACY.md`).
 //!
-//! pUC19: 2686 base pairs, link lowered by fifteen, from a plectoneme. Limit of 640 to 1024 elements at κ' = 100 and 10³: M = −3.95355 pN nm to 1e-5.
+//! pUC19: 2686 base pairs, link lowered by fifteen, from a plectoneme. Limit of 640 to 1024 elements at κ' = 100 and
+//! 10³: M = −3.95355 pN nm to 1e-5.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

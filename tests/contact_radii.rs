@@ -102,8 +102,8 @@ fn candidates_match_brute_force() {
     assert!(tried > 50_000 && near > 300, "{tried} {near}");
 }
 
-/// The minima of the distance do not depend on radii: with one thick radius for all they are the same points, of which those within both
-/// local radii + range must be told.
+/// The minima of the distance do not depend on radii: with one thick radius for all they are the same points, of which
+/// those within both local radii + range must be told.
 #[test]
 fn sites_are_the_minima_within_their_own_radii() {
     let mut rng = Random(11);
@@ -198,7 +198,8 @@ fn smallest_clearance_matches_brute_force() {
     }
 }
 
-/// A list of equal radii is the same as one radius, bit for bit, for polylines and cubics, forces too; and the list is kept only while radii stay.
+/// A list of equal radii is the same as one radius, bit for bit, for polylines and cubics, forces too; and the list is
+/// kept only while radii stay.
 #[test]
 fn equal_radii_are_one_radius() {
     let mut rng = Random(21);

@@ -38,7 +38,8 @@ fn sampled_minima(a: &[Vec3], b: &[Vec3], per_segment: usize, max: f64) -> Vec<(
     found
 }
 
-/// Every sampled minimum of two random polylines has a site near it that is at least as deep, and every site is a minimum among its surroundings.
+/// Every sampled minimum of two random polylines has a site near it that is at least as deep, and every site is a
+/// minimum among its surroundings.
 #[test]
 fn sites_of_polylines_match_sampling() {
     let mut rng = Random(3);

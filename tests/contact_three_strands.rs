@@ -1,6 +1,7 @@
 //! Strands touched from two sides at one place, by forces that differ: each contact is closed at its own pressure.
 //!
-//! **Beams.** Three parallel clamped beams (L = 1, B = 1, EA = 100, contact radius ε = .05), in the plane, a gap g = 5e-4 apart, q = 192 B g/L⁴; line loads press the lower one up or the upper one down.
+//! **Beams.** Three parallel clamped beams (L = 1, B = 1, EA = 100, contact radius ε = .05), in the plane, a gap g =
+//! 5e-4 apart, q = 192 B g/L⁴; line loads press the lower one up or the upper one down.
 //!
 //! ```text
 //!      ═══════════════  upper, pressed down by q₂        A = ½q₁ − 192 B g/L⁴        F₁ = (2A + B)/3   (lower on middle)
@@ -8,16 +9,19 @@
 //!      ═══════════════  lower, pressed up by q₁
 //! ```
 //!
-//! Clamped beams deflect by q/384 and F/192 at mid-span, so these are the forces while contact is a point: at q₁ = 0, q₂ = 6 q the middle beam just
-//! reaches the lower one, F₁ = 0. Offsets of the augmented Lagrangian that were the same for all that a node touches held F₁ = 3.6e-3 over 5.6e-4 ε there (κ' = .1), and
-//! at 8 q F₁ = .0517 over 2.1e-3 ε (κ' = .01; .0320 by the closed form).
+//! Clamped beams deflect by q/384 and F/192 at mid-span, so these are the forces while contact is a point: at q₁ = 0,
+//! q₂ = 6 q the middle beam just reaches the lower one, F₁ = 0. Offsets of the augmented Lagrangian that were the same
+//! for all that a node touches held F₁ = 3.6e-3 over 5.6e-4 ε there (κ' = .1), and at 8 q F₁ = .0517 over 2.1e-3 ε (κ'
+//! = .01; .0320 by the closed form).
 //!
-//! **Ply.** Three strands of bending stiffness 1, 2, 5 wound about each other by one turn, clamped ends, each shorter than its way by another
-//! share: each presses on two others all along, by different pressures. Reference: penalties of 3e3 and 3e4 B/ε⁴, extrapolated. The shared
-//! offsets made the energy 4.1e-3 too high at κ' = 100; 1.5e-3 is left, and less the stiffer the law.
+//! **Ply.** Three strands of bending stiffness 1, 2, 5 wound about each other by one turn, clamped ends, each shorter
+//! than its way by another share: each presses on two others all along, by different pressures. Reference: penalties of
+//! 3e3 and 3e4 B/ε⁴, extrapolated. The shared offsets made the energy 4.1e-3 too high at κ' = 100; 1.5e-3 is left, and
+//! less the stiffer the law.
 //!
-//! **Knot.** Torus knot 2, 7, contact radius 1, pulled to a length of 80 under penalties of 3e3 and 3e4, which are the reference as before, then at κ' = 100. The shared offsets held contacts open
-//! by 2.1e-3 ε, at 1.4e-4 of the energy, and took 101 iterations instead of 60.
+//! **Knot.** Torus knot 2, 7, contact radius 1, pulled to a length of 80 under penalties of 3e3 and 3e4, which are the
+//! reference as before, then at κ' = 100. The shared offsets held contacts open by 2.1e-3 ε, at 1.4e-4 of the energy,
+//! and took 101 iterations instead of 60.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

@@ -1,7 +1,9 @@
-//! Contact that is on but far away is not felt: the same iterations and the same bits as without it. And what is in the way is.
+//! Contact that is on but far away is not felt: the same iterations and the same bits as without it. And what is in the
+//! way is.
 //!
-//! A cantilever of length 1 along x, EI = 1; its contact radius from a twentieth to a hundred-thousandth of its length. A search that is felt shows in
-//! the count: with steps cut to sixteen radii the first case took 26 iterations at radius 1e-3 and 212 at 1e-4 where it takes 7 without contact.
+//! A cantilever of length 1 along x, EI = 1; its contact radius from a twentieth to a hundred-thousandth of its length.
+//! A search that is felt shows in the count: with steps cut to sixteen radii the first case took 26 iterations at
+//! radius 1e-3 and 212 at 1e-4 where it takes 7 without contact.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -53,8 +55,9 @@ fn assert_unfelt(case: &str, model: &Model) {
     }
 }
 
-/// Bent by forces and moments, up to three quarters of a circle, in one step. (Symptom before, with moments: 500 iterations and
-/// `MaxIterations`, because each step was cut and the search that bends a rod through a circle was given up for it.)
+/// Bent by forces and moments, up to three quarters of a circle, in one step. (Symptom before, with moments: 500
+/// iterations and `MaxIterations`, because each step was cut and the search that bends a rod through a circle was given
+/// up for it.)
 #[test]
 fn a_cantilever() {
     for radius in [0.05, 1e-2, 1e-3, 1e-5] {
@@ -87,7 +90,8 @@ fn rods_that_move_together() {
     }
 }
 
-/// A bar stands in the way. Without contact the rod comes to rest behind it and touches nothing there; with contact it stops at the bar.
+/// A bar stands in the way. Without contact the rod comes to rest behind it and touches nothing there; with contact it
+/// stops at the bar.
 #[test]
 fn a_bar_in_the_way_is_felt() {
     let radius = 0.01;

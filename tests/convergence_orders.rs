@@ -1,11 +1,12 @@
 //! Orders of convergence in a spatial case, for elements of order 1, 2, 3 at slenderness 1e1 to 1e6.
 //!
-//! Set-up: a stress-free circular arc of 90° and length 1 in the x-y plane, clamped at the origin, under a dead tip force
-//! (0.8, −1.1, 2.5) B/L²: bending about both axes and twist. Solid disc of slenderness L/ε with E = 2G: EA = 4B/ε², GA = 2B/ε².
-//! Reference: the same rod on 96 cubic elements; its internal moment by equilibrium, m(s) = (r(L) − r(s)) × F.
-//! Required: with p the order of the elements, the tip's position and rotation and the energy converge with order 2p, the largest
-//! error of position over all nodes with 2, 4, 4, the internal moment at the integration points with p + 1, the internal force there is
-//! exact but for rounding, and neither errors nor orders depend on the slenderness (no locking), in any of six decades.
+//! Set-up: a stress-free circular arc of 90° and length 1 in the x-y plane, clamped at the origin, under a dead tip
+//! force (0.8, −1.1, 2.5) B/L²: bending about both axes and twist. Solid disc of slenderness L/ε with E = 2G: EA =
+//! 4B/ε², GA = 2B/ε². Reference: the same rod on 96 cubic elements; its internal moment by equilibrium, m(s) = (r(L) −
+//! r(s)) × F. Required: with p the order of the elements, the tip's position and rotation and the energy converge with
+//! order 2p, the largest error of position over all nodes with 2, 4, 4, the internal moment at the integration points
+//! with p + 1, the internal force there is exact but for rounding, and neither errors nor orders depend on the
+//! slenderness (no locking), in any of six decades.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -139,16 +140,17 @@ fn orders_do_not_depend_on_the_slenderness() {
     }
 }
 
-/// Floors of double precision. The load put on in one step, with a rest on the way, and from beyond: what differs in the end is
-/// rounding, and what the search leaves when it stops (1e-12). With u = 2⁻⁵² and lengths, forces and moments in L, B/L², B/L:
+/// Floors of double precision. The load put on in one step, with a rest on the way, and from beyond: what differs in
+/// the end is rounding, and what the search leaves when it stops (1e-12). With u = 2⁻⁵² and lengths, forces and moments
+/// in L, B/L², B/L:
 ///
 /// | what | floor | at L/ε = 1e6 |
 /// |---|---|---|
 /// | position and rotation of the tip, energy | 1e-12 + 1e-6 (L/ε)² u | 2e-10 |
 /// | internal force at the integration points: EA times a rounding of the stretch, over the element's length | 8 EA u n | 7e-3 n |
 ///
-/// n is the number of elements. The internal force has no error of discretisation: p equations an element hold its p values. Its rounding
-/// balances from point to point, which is why the first row is so much smaller.
+/// n is the number of elements. The internal force has no error of discretisation: p equations an element hold its p
+/// values. Its rounding balances from point to point, which is why the first row is so much smaller.
 #[test]
 fn floors_of_double_precision() {
     for (order, elements) in [(1, 96), (2, 48), (3, 12), (3, FINE)] {
@@ -191,8 +193,8 @@ fn an_arc_stress_free_as_shaped() {
     }
 }
 
-/// Natural strains measured on interpolated nodes are themselves in error by order p + 1, which then bounds the order of everything: cubic
-/// elements lose two orders against natural strains given exactly.
+/// Natural strains measured on interpolated nodes are themselves in error by order p + 1, which then bounds the order
+/// of everything: cubic elements lose two orders against natural strains given exactly.
 #[test]
 fn nodes_stress_free_as_they_are() {
     for order in 1..=3 {

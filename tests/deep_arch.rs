@@ -1,12 +1,12 @@
 //! The deep clamped-hinged arch (DaDeppo & Schmidt 1975): a limit point of the load.
 //!
-//! Set-up: a circular arch of radius R = 100 that opens over 215°, stress-free, in the x-y plane; clamped at one end, pinned at the other;
-//! bending stiffness EI = 1e6; a dead load P at the apex, downwards. Load control ends at the limit point; the path goes on.
-//! Reference: the first maximum of P by shooting on the continuous equations (8th-order Runge–Kutta, tolerance 1e-13; P as a function of the
-//! apex' height, maximum of a Chebyshev interpolant): 897.3089970 for an inextensible arch, 897.2891338 with EA = GA = 1e8.
-//! (Values 6e-5 higher, 897.3090536 and 897.2891905, were given to this project; shooting and these elements agree on the lower ones. A test here
-//! repeats the shooting by other means, to 1e-7.)
-//! Cubic elements. Tolerance on the finest mesh: 2e-9 relative.
+//! Set-up: a circular arch of radius R = 100 that opens over 215°, stress-free, in the x-y plane; clamped at one end,
+//! pinned at the other; bending stiffness EI = 1e6; a dead load P at the apex, downwards. Load control ends at the
+//! limit point; the path goes on. Reference: the first maximum of P by shooting on the continuous equations (8th-order
+//! Runge–Kutta, tolerance 1e-13; P as a function of the apex' height, maximum of a Chebyshev interpolant): 897.3089970
+//! for an inextensible arch, 897.2891338 with EA = GA = 1e8. (Values 6e-5 higher, 897.3090536 and 897.2891905, were
+//! given to this project; shooting and these elements agree on the lower ones. A test here repeats the shooting by
+//! other means, to 1e-7.) Cubic elements. Tolerance on the finest mesh: 2e-9 relative.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -81,9 +81,10 @@ fn inextensible_limit_load() {
     verify("deep arch, inextensible", "limit load, extrapolated from EA = 1e8, 1e9", found, RIGID, 1e-8 * RIGID);
 }
 
-/// The continuous arch by shooting, independent of the elements: r′ = (1 + N/EA) t + Q/GA n, θ′ = −1/R + M/EI, M′ = −r′ × F; the internal force F is constant but for
-/// the jump P at the apex. From the clamp to the pin, Runge–Kutta of fourth order extrapolated to fifth; unknown are the forces and the moment at the clamp
-/// and P, at a given height of the apex. Returns P.
+/// The continuous arch by shooting, independent of the elements: r′ = (1 + N/EA) t + Q/GA n, θ′ = −1/R + M/EI, M′ = −r′
+/// × F; the internal force F is constant but for the jump P at the apex. From the clamp to the pin, Runge–Kutta of
+/// fourth order extrapolated to fifth; unknown are the forces and the moment at the clamp and P, at a given height of
+/// the apex. Returns P.
 fn load_at_height(compliance: f64, height: f64, guess: &mut [f64; 4]) -> f64 {
     const STEPS: usize = 400;
     let (radius, angle) = (100.0, 215f64.to_radians());

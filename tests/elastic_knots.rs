@@ -1,5 +1,5 @@
-//! Elastic knots pulled loosely: trefoil and cinquefoil tied into a long rod under tension, towards no thickness (Audoly, Clauvelin &
-//! Neukirch 2007).
+//! Elastic knots pulled loosely: trefoil and cinquefoil tied into a long rod under tension, towards no thickness
+//! (Audoly, Clauvelin & Neukirch 2007).
 //!
 //! ```text
 //!                  ______
@@ -10,18 +10,21 @@
 //!                  braid: two strands wound about each other by 3 (5) half turns
 //! ```
 //!
-//! Set-up: B = C = 1, T = 1, EA = GA = 1e7, h = D/2 from .01 to .00125 (R = .7071), tails 7 √(B/T) long, one end clamped, the other guided along the
-//! line of the tension and free to spin, so that no torque acts. The knot could turn about that line while its sections roll back, at no cost:
-//! the middle of the loop is kept in its plane. The rod starts as a circle with two strands wound by hand where it closes.
-//! Penalty of 1e3 B/h²: penetration below 1e-4 h on lines, 1e-2 h at points.
+//! Set-up: B = C = 1, T = 1, EA = GA = 1e7, h = D/2 from .01 to .00125 (R = .7071), tails 7 √(B/T) long, one end
+//! clamped, the other guided along the line of the tension and free to spin, so that no torque acts. The knot could
+//! turn about that line while its sections roll back, at no cost: the middle of the loop is kept in its plane. The rod
+//! starts as a circle with two strands wound by hand where it closes. Penalty of 1e3 B/h²: penetration below 1e-4 h on
+//! lines, 1e-2 h at points.
 //!
-//! Reference: in the limit h/R → 0 the difference of the two strands, w(s) ∈ ℝ², minimises ∫½|w″|² with |w| ≥ 1 and the loop's curvature at
-//! infinity, in lengths √(2hR) along and 2h across. The contact force is σ B R^(−3/2) h^(−1/2) in all, and the contacts, a line between two
-//! points, reach over e (h²B/T)^¼ from point to point: σ = .4923009, e = 6.377669 for the trefoil (bvp), σ = 1.4668, e = 16.2064
-//! for the cinquefoil (by finite differences and a penalty, `common/braid.rs`, which a test here runs and compares for both). The elastic energy is that of the circle, πB/R.
-//! Corrections are powers of √(h/R): values at thicknesses halved from one to the next are extrapolated (Richardson in √h). Forces depend on
-//! the mesh by 1e-4 even where it is fine: the knot slides along the rod at next to no cost, and rests in a hollow of the mesh's ripple.
-//! Extrapolation multiplies that by ten for three thicknesses, by thirty for four, which bounds what is gained by thinner rods.
+//! Reference: in the limit h/R → 0 the difference of the two strands, w(s) ∈ ℝ², minimises ∫½|w″|² with |w| ≥ 1 and the
+//! loop's curvature at infinity, in lengths √(2hR) along and 2h across. The contact force is σ B R^(−3/2) h^(−1/2) in
+//! all, and the contacts, a line between two points, reach over e (h²B/T)^¼ from point to point: σ = .4923009, e =
+//! 6.377669 for the trefoil (bvp), σ = 1.4668, e = 16.2064 for the cinquefoil (by finite differences and a penalty,
+//! `common/braid.rs`, which a test here runs and compares for both). The elastic energy is that of the circle, πB/R.
+//! Corrections are powers of √(h/R): values at thicknesses halved from one to the next are extrapolated (Richardson in
+//! √h). Forces depend on the mesh by 1e-4 even where it is fine: the knot slides along the rod at next to no cost, and
+//! rests in a hollow of the mesh's ripple. Extrapolation multiplies that by ten for three thicknesses, by thirty for
+//! four, which bounds what is gained by thinner rods.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -131,8 +134,8 @@ fn compare(name: &str, found: [f64; 3], reference: [f64; 3], tolerance: [f64; 3]
     }
 }
 
-/// The references themselves, recomputed by other means: the trefoil's against those of shooting; those of the cinquefoil are from here, and do not
-/// depend on how far the tails reach.
+/// The references themselves, recomputed by other means: the trefoil's against those of shooting; those of the
+/// cinquefoil are from here, and do not depend on how far the tails reach.
 #[test]
 fn references_of_the_limit() {
     for (crossings, reach, reference) in

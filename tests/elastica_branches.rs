@@ -1,13 +1,14 @@
 //! Columns that buckle: the straight path, its branch points, the buckled branches on both sides, by continuation.
 //!
-//!  * Euler's column (1744), length 1, clamped at its foot, free at its top, dead load P along it. Buckles at P = π²/4; with k = sin(α/2), α
-//!    the angle of the top, P = K(k)², top at x = 2E(k)/K(k) − 1, y = 2k/K(k) (Love 1927, §263).
-//!  * Upright column of weight q per length (Greenhill 1881): buckles at q = 7.8373474389; beyond, θ″ + q(1 − s) sin θ = 0, θ(0) = 0,
-//!    θ′(1) = 0, integrated here from the top down by Runge–Kutta.
+//!  * Euler's column (1744), length 1, clamped at its foot, free at its top, dead load P along it. Buckles at P = π²/4;
+//!    with k = sin(α/2), α the angle of the top, P = K(k)², top at x = 2E(k)/K(k) − 1, y = 2k/K(k) (Love 1927, §263).
+//!  * Upright column of weight q per length (Greenhill 1881): buckles at q = 7.8373474389; beyond, θ″ + q(1 − s) sin θ
+//!    = 0, θ(0) = 0, θ′(1) = 0, integrated here from the top down by Runge–Kutta.
 //!
-//! B = 1; 24 cubic elements. EA = GA = 1e8 along Euler's branch, 1e7 in the second case; branch points of Euler's column with EA = GA = 1e5: stretch and shear
-//! then cancel in its critical load (Reissner 1982), and rounding of the tangent, which grows with EA, decides how well an eigenvalue's
-//! zero is known. Tolerances: branch points 1e-7 absolute or 2e-7 relative, branches 2e-6.
+//! B = 1; 24 cubic elements. EA = GA = 1e8 along Euler's branch, 1e7 in the second case; branch points of Euler's
+//! column with EA = GA = 1e5: stretch and shear then cancel in its critical load (Reissner 1982), and rounding of the
+//! tangent, which grows with EA, decides how well an eigenvalue's zero is known. Tolerances: branch points 1e-7
+//! absolute or 2e-7 relative, branches 2e-6.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -109,8 +110,9 @@ fn euler_elastica_on_both_sides() {
     assert!((ends[0].y + ends[1].y).abs() < 1e-7 && ends[0].y.abs() > 0.1, "mirror images: {ends:?}");
 }
 
-/// Back along the branch, through its root, onto the other side: there the load turns and no eigenvalue changes sign. (A column ten times as slender has a
-/// hundred times the rounding: its root moves by some 1e-7 with the order in which its elements add up.)
+/// Back along the branch, through its root, onto the other side: there the load turns and no eigenvalue changes sign.
+/// (A column ten times as slender has a hundred times the rounding: its root moves by some 1e-7 with the order in which
+/// its elements add up.)
 #[test]
 fn the_root_seen_from_the_branch() {
     let mut solver = column(1e4, Vec3::x(), true, false);

@@ -1,8 +1,8 @@
 //! The estimate of a state's own error against errors that are known.
 //!
-//! Promise of [`estimate_error`]: where one of its parts, mesh or contact law, makes the error, error and estimate are within a factor of two of each
-//! other; where both do, the error is not above one and a half times their sum (Bathe bend and twisted ring, references as in
-//! `bathe_bolourchi` and `twisted_ring`).
+//! Promise of [`estimate_error`]: where one of its parts, mesh or contact law, makes the error, error and estimate are
+//! within a factor of two of each other; where both do, the error is not above one and a half times their sum (Bathe
+//! bend and twisted ring, references as in `bathe_bolourchi` and `twisted_ring`).
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

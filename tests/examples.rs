@@ -46,8 +46,8 @@ fn the_elastica_touches_itself() {
     assert!((0..3).all(|k| (a[k] + b[k]).abs() < 1e-6 * a[0].abs()), "{:?}", state.reactions);
 }
 
-/// Above the buckling pressure of the circle, 3 B/R³, the ring collapses until its long sides touch in the middle, at quarter
-/// and three quarters of its length.
+/// Above the buckling pressure of the circle, 3 B/R³, the ring collapses until its long sides touch in the middle, at
+/// quarter and three quarters of its length.
 #[test]
 fn the_ring_collapses() {
     let summary = ring_pressure::run(6.0, 30).unwrap();

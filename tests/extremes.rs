@@ -1,7 +1,8 @@
 //! One rod at the extremes: each case says *returns* (to which accuracy) or *refuses* (by which error), and holds it.
 //!
-//! References: roll-up by an end moment (exact), a cantilever under a dead tip load by shooting on the planar continuous equations
-//! (fourth-order Runge–Kutta, secant on the clamp's moment), uniform twist (exact). L = 1, EI = 1 unless said.
+//! References: roll-up by an end moment (exact), a cantilever under a dead tip load by shooting on the planar
+//! continuous equations (fourth-order Runge–Kutta, secant on the clamp's moment), uniform twist (exact). L = 1, EI = 1
+//! unless said.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -96,8 +97,9 @@ fn slender(slenderness: f64) -> Section {
     Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0)
 }
 
-/// *Returns* up to slenderness 1e6 with the error of the mesh, none of it by slenderness. Beyond, the stiffness no longer holds bending in its digits
-/// ([`the_stiffness_holds_no_bending_at_slenderness_1e7`]): coarse meshes still *return* at 3e6, and 1e7 is *refused* by `MaxIterations`.
+/// *Returns* up to slenderness 1e6 with the error of the mesh, none of it by slenderness. Beyond, the stiffness no
+/// longer holds bending in its digits ([`the_stiffness_holds_no_bending_at_slenderness_1e7`]): coarse meshes still
+/// *return* at 3e6, and 1e7 is *refused* by `MaxIterations`.
 #[test]
 fn slenderness_from_3_to_1e7() {
     for half_decades in 1..=14 {
@@ -128,9 +130,11 @@ fn slenderness_from_3_to_1e7() {
     }
 }
 
-/// Why slenderness 1e7 is refused: entries of the assembled tangent are of size GA h, bending gives EI/h of it, and a double keeps sixteen digits. A cantilever of six elements
-/// that lies across the axes, under a tip load that bends it next to nothing: the first Newton step is right to percents at 1e6, and off by half in some directions at 1e7, where signs of pivots are as
-/// uncertain. On finer meshes it is worse. (Before positions had two parts, tensions were lost first.)
+/// Why slenderness 1e7 is refused: entries of the assembled tangent are of size GA h, bending gives EI/h of it, and a
+/// double keeps sixteen digits. A cantilever of six elements that lies across the axes, under a tip load that bends it
+/// next to nothing: the first Newton step is right to percents at 1e6, and off by half in some directions at 1e7, where
+/// signs of pivots are as uncertain. On finer meshes it is worse. (Before positions had two parts, tensions were lost
+/// first.)
 #[test]
 fn the_stiffness_holds_no_bending_at_slenderness_1e7() {
     let worst = |slenderness: f64| {
@@ -157,9 +161,10 @@ fn the_stiffness_holds_no_bending_at_slenderness_1e7() {
     assert!(plain < 1e-4 && fine < 0.1 && lost > 0.3, "{plain:e} {fine:e} {lost:e}");
 }
 
-/// *Returns* for ratios of stiffnesses from 1e-8 to 1e8 with the error of the mesh, in two load steps; twist against bending from 1e-6 on: below, the eigenvalues of twist
-/// drown in the rounding of the others, and the search *refuses* by `MaxIterations`. (In one step the order of additions decides at 1e-6 already, in two at 1e-7: Newton's first steps move the tip by
-/// sixty node spacings, and what rounding adds out of the plane is a million times as soft.)
+/// *Returns* for ratios of stiffnesses from 1e-8 to 1e8 with the error of the mesh, in two load steps; twist against
+/// bending from 1e-6 on: below, the eigenvalues of twist drown in the rounding of the others, and the search *refuses*
+/// by `MaxIterations`. (In one step the order of additions decides at 1e-6 already, in two at 1e-7: Newton's first
+/// steps move the tip by sixty node spacings, and what rounding adds out of the plane is a million times as soft.)
 #[test]
 fn ratios_of_stiffnesses() {
     let case = |name: &str, section: Section, force: Vec3, exact: Vec3| {
@@ -213,9 +218,10 @@ fn twist(solver: &mut Solver, turns: f64) -> (StepReport, f64) {
     (report, moment)
 }
 
-/// Rotations per element. *Returns* the moment up to .4 turns between neighbouring nodes, to an accuracy that depends on the turn;
-/// *refuses* beyond by `TooTwisted`, in one step and in small ones. (Symptom before the check: past half a turn elements take the other way
-/// round; two quadratic elements twisted by two turns were in equilibrium with no moment, and nothing said so.)
+/// Rotations per element. *Returns* the moment up to .4 turns between neighbouring nodes, to an accuracy that depends
+/// on the turn; *refuses* beyond by `TooTwisted`, in one step and in small ones. (Symptom before the check: past half a
+/// turn elements take the other way round; two quadratic elements twisted by two turns were in equilibrium with no
+/// moment, and nothing said so.)
 #[test]
 fn rotations_up_to_the_limit_and_beyond() {
     for order in 1..=3 {
@@ -262,8 +268,9 @@ fn first_failure(reports: impl Iterator<Item = StepReport>) -> StepReport {
     last.unwrap()
 }
 
-/// Thousands of turns. A shaft of 600 cubic elements *returns* the moment of 300 turns to 2e-3, what cubic elements make of a sixth of a turn between nodes; 2000 turns on it are *refused* (1.1 turns between
-/// nodes); on 6000 elements they *return* to 2e-4. A closed ring asked for 3000 turns at 48 nodes is *refused*.
+/// Thousands of turns. A shaft of 600 cubic elements *returns* the moment of 300 turns to 2e-3, what cubic elements
+/// make of a sixth of a turn between nodes; 2000 turns on it are *refused* (1.1 turns between nodes); on 6000 elements
+/// they *return* to 2e-4. A closed ring asked for 3000 turns at 48 nodes is *refused*.
 #[test]
 fn hundreds_and_thousands_of_turns() {
     for (elements, turns, tolerance) in [(600, 300.0, 2e-3), (6000, 2000.0, 2e-4)] {
@@ -303,8 +310,8 @@ fn one_element() {
     }
 }
 
-/// A single unknown left by the supports, and unknowns that have nothing to do with each other: *return* at rest, after one iteration. (Found by fuzzing: broke down,
-/// see `sparse::factor`.)
+/// A single unknown left by the supports, and unknowns that have nothing to do with each other: *return* at rest, after
+/// one iteration. (Found by fuzzing: broke down, see `sparse::factor`.)
 #[test]
 fn one_unknown() {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
@@ -322,8 +329,8 @@ fn one_unknown() {
     }
 }
 
-/// A million elements without contact *return*: three quarters of a circle by an end moment, to the rounding that a chain of a million links
-/// piles up.
+/// A million elements without contact *return*: three quarters of a circle by an end moment, to the rounding that a
+/// chain of a million links piles up.
 #[test]
 #[ignore = "slow: a million elements, half a minute and some gigabytes"]
 fn a_million_elements() {
@@ -337,7 +344,8 @@ fn a_million_elements() {
     assert!(error < 1e-4, "{error:e}");
 }
 
-/// A load step ten times too large *returns* the state of small steps: a cantilever under PL²/EI = 100 at once, and through a full circle.
+/// A load step ten times too large *returns* the state of small steps: a cantilever under PL²/EI = 100 at once, and
+/// through a full circle.
 #[test]
 fn a_load_step_ten_times_too_large() {
     let section = slender(1e2);

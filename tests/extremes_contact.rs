@@ -1,8 +1,9 @@
-//! Contact at the extremes: each case says *returns* (to which accuracy) or *refuses* (by which error or status), and holds it.
+//! Contact at the extremes: each case says *returns* (to which accuracy) or *refuses* (by which error or status), and
+//! holds it.
 //!
-//! Rings of circumference L with D/L = .04, B = 1, C/B = 1.5, 16 cubic elements; beams of length 1, D = .04. No exact values are needed but those
-//! of beams (192 B δ/L³ for a clamped beam pushed at its middle by δ); the rest is consistency: the same in other units and elsewhere in space, no
-//! overlap, no force without cause.
+//! Rings of circumference L with D/L = .04, B = 1, C/B = 1.5, 16 cubic elements; beams of length 1, D = .04. No exact
+//! values are needed but those of beams (192 B δ/L³ for a clamped beam pushed at its middle by δ); the rest is
+//! consistency: the same in other units and elsewhere in space, no overlap, no force without cause.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -36,8 +37,8 @@ fn ring(unit: f64, force: f64, center: Vec3, law: ContactLaw, elements: usize) -
 
 /// Units of length and force from 1e-12 to 1e12 *return* the same numbers: all to 1e-9, in the same iterations.
 ///
-/// (Symptom before: from 1e6 on, the energy differed by 2e-5. The direction in which the flat ring is left was sought from a start vector that
-/// mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh.)
+/// (Symptom before: from 1e6 on, the energy differed by 2e-5. The direction in which the flat ring is left was sought
+/// from a start vector that mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh.)
 #[test]
 fn units_of_length_and_force() {
     let run = |unit: f64, force: f64| {
@@ -75,7 +76,8 @@ fn units_of_length_and_force() {
     }
 }
 
-/// Two clamped beams pressed together along a line by line loads: energies of bending, stretching and shear, and contact force, in units.
+/// Two clamped beams pressed together along a line by line loads: energies of bending, stretching and shear, and
+/// contact force, in units.
 fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     let b = force * unit * unit;
     let section = Section::isotropic(b, b, 1e5 * force, 1e5 * force, 0.02 * unit);
@@ -102,8 +104,9 @@ fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     [energies[0], energies[1], energies[2], seen.total_contact_force / force]
 }
 
-/// The same along a line of contact, where an augmented Lagrangian leaves some freedom (`StepReport::held_open`): decisions must not hang on rounding. (Windows as long as an element reached one segment
-/// farther in units in which 3·(h) < 3h: 8e-6 to 1e-4 apart, two states in all.)
+/// The same along a line of contact, where an augmented Lagrangian leaves some freedom (`StepReport::held_open`):
+/// decisions must not hang on rounding. (Windows as long as an element reached one segment farther in units in which
+/// 3·(h) < 3h: 8e-6 to 1e-4 apart, two states in all.)
 #[test]
 fn units_along_a_line() {
     let units =
@@ -122,8 +125,9 @@ fn units_along_a_line() {
     }
 }
 
-/// Away from the origin start positions carry ε × offset, but searches know them in two parts. A ring with radius .02 L *returns* energy, writhe, twisting moment and contact
-/// force as at the origin: to 1e-11 at up to 1e8 radii, to 1e-10 at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is *refused*.
+/// Away from the origin start positions carry ε × offset, but searches know them in two parts. A ring with radius .02 L
+/// *returns* energy, writhe, twisting moment and contact force as at the origin: to 1e-11 at up to 1e8 radii, to 1e-10
+/// at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is *refused*.
 #[test]
 fn offset_from_the_origin() {
     let away = Vec3::new(0.6, 0.64, 0.48);
@@ -153,9 +157,10 @@ fn offset_from_the_origin() {
     }
 }
 
-/// Penalties from 1e-2 to 1e12 times κ' = 100. A plain penalty *returns* up to 1e6 times that with a penetration that falls as
-/// κ^(−2/3), and is *refused* by `MaxIterations` beyond: without a soft start it rattles. The augmented Lagrangian *returns* a gap within the tolerance everywhere; at 1e12
-/// times 100 rounding of the gap leaves five digits of the force.
+/// Penalties from 1e-2 to 1e12 times κ' = 100. A plain penalty *returns* up to 1e6 times that with a penetration that
+/// falls as κ^(−2/3), and is *refused* by `MaxIterations` beyond: without a soft start it rattles. The augmented
+/// Lagrangian *returns* a gap within the tolerance everywhere; at 1e12 times 100 rounding of the gap leaves five digits
+/// of the force.
 #[test]
 fn penalties() {
     let (mut before, mut last) = (f64::INFINITY, 0);
@@ -215,9 +220,10 @@ fn beams(angle: f64, height: f64, elements: usize) -> Solver {
     Solver::new(Model { rods, supports, ..Model::default() }, Options::default()).unwrap()
 }
 
-/// Crossed strands at the start, in each other up to nearly a full diameter, *return*: the gap is closed within its tolerance, and force and energy are those of
-/// beams that start apart and are pushed together until their ends are where the others start; a little overlap gives the force of two crossed
-/// beams, 96 B δ/L³ for δ missing. Right through each other there is no direction to part in: *refused* by `MaxIterations`.
+/// Crossed strands at the start, in each other up to nearly a full diameter, *return*: the gap is closed within its
+/// tolerance, and force and energy are those of beams that start apart and are pushed together until their ends are
+/// where the others start; a little overlap gives the force of two crossed beams, 96 B δ/L³ for δ missing. Right
+/// through each other there is no direction to part in: *refused* by `MaxIterations`.
 #[test]
 fn crossed_starts() {
     let right = std::f64::consts::FRAC_PI_2;
@@ -265,9 +271,9 @@ fn crossed_starts() {
     }
 }
 
-/// Grazing strands, exactly touching without load, parallel or at angles down to 1e-9: they *return* where they are, without force.
-/// (Symptom before: 150 iterations with increments of 3e-14 and `MaxIterations`. Mechanism: a force-free state has a relative residual of 1, which
-/// rounding keeps there, and the guarded search asked for a smaller one.)
+/// Grazing strands, exactly touching without load, parallel or at angles down to 1e-9: they *return* where they are,
+/// without force. (Symptom before: 150 iterations with increments of 3e-14 and `MaxIterations`. Mechanism: a force-free
+/// state has a relative residual of 1, which rounding keeps there, and the guarded search asked for a smaller one.)
 #[test]
 fn strands_that_just_touch_without_load() {
     for angle in [0.0, 1e-9, 1e-6, 1e-3, 0.1] {
@@ -309,9 +315,10 @@ fn assert_at_rest(height: f64, (report, seen): (StepReport, Observation)) {
     assert!(seen.total_contact_force < 1e-3, "{height}: {}", seen.total_contact_force);
 }
 
-/// Two free rings, one in the other, in contact all along: they *return* apart, flat and without force, from overlaps up to nine tenths of a diameter;
-/// nearly coincident and coincident ones are *refused* by `MaxIterations`, with the penetration in the report. (Symptom before: infinite energies. Mechanism: the
-/// core law, infinite from two fifths of the contact distance on, was put in force though the search that parts such strands had failed.)
+/// Two free rings, one in the other, in contact all along: they *return* apart, flat and without force, from overlaps
+/// up to nine tenths of a diameter; nearly coincident and coincident ones are *refused* by `MaxIterations`, with the
+/// penetration in the report. (Symptom before: infinite energies. Mechanism: the core law, infinite from two fifths of
+/// the contact distance on, was put in force though the search that parts such strands had failed.)
 #[test]
 fn parallel_starts() {
     for height in [0.999, 0.9, 0.75, 0.5, 0.1] {
@@ -324,8 +331,9 @@ fn parallel_starts() {
     }
 }
 
-/// Two free rings near each other but apart, or just touching: *return* at rest. (Symptom before: 150 iterations with increments of 1e-5 and
-/// `MaxIterations`. Mechanism: nothing resists the motions of one against the other, so that rounding moves them for ever.)
+/// Two free rings near each other but apart, or just touching: *return* at rest. (Symptom before: 150 iterations with
+/// increments of 1e-5 and `MaxIterations`. Mechanism: nothing resists the motions of one against the other, so that
+/// rounding moves them for ever.)
 #[test]
 fn free_rings_near_but_apart() {
     for height in [1.0, 1.02, 1.2, 1.5, 3.0] {
@@ -333,7 +341,8 @@ fn free_rings_near_but_apart() {
     }
 }
 
-/// Curvature at the thickness limit: a circle of radius R takes part in contact with a radius up to .999 R and *returns*; at R it is *refused*.
+/// Curvature at the thickness limit: a circle of radius R takes part in contact with a radius up to .999 R and
+/// *returns*; at R it is *refused*.
 #[test]
 fn curvature_at_the_thickness_limit() {
     let ring = |radius: f64| {
@@ -353,11 +362,14 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, and one a little thicker too as long as the rod can be stretched to the ideal length:
-/// EA = 1e5 B/L² lets it by 1.2 % at L/D = 16.3, 2.5 % at 16 (under κ' = 100 neither came to rest: feet of normals are not unique where the radius of curvature falls to the contact
-/// distance). From 15 on it is *refused* by `MaxIterations` or `Penetration`. (Symptom before, from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be
-/// factorised" and infinite energy. Mechanism: the law was hardened to one of infinite energy from .08 D on while pressure still held strands deeper in each
-/// other. Threshold: the energy under the harder law must be finite where it begins, as that of the linear laws is that it is hardened to now.)
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, and one a
+/// little thicker too as long as the rod can be stretched to the ideal length: EA = 1e5 B/L² lets it by 1.2 % at L/D =
+/// 16.3, 2.5 % at 16 (under κ' = 100 neither came to rest: feet of normals are not unique where the radius of curvature
+/// falls to the contact distance). From 15 on it is *refused* by `MaxIterations` or `Penetration`. (Symptom before,
+/// from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be factorised" and infinite
+/// energy. Mechanism: the law was hardened to one of infinite energy from .08 D on while pressure still held strands
+/// deeper in each other. Threshold: the energy under the harder law must be finite where it begins, as that of the
+/// linear laws is that it is hardened to now.)
 #[test]
 fn a_knot_at_its_limit() {
     let ratios = [30.0, 20.0, 17.0, 16.6, 16.5, 16.45, 16.3, 16.0];
@@ -387,7 +399,8 @@ fn a_knot_at_its_limit() {
     }
 }
 
-/// Link ten times too much at once, from the flat ring past its buckling and touching into a line of contact: *returns* a state with that link and no overlap.
+/// Link ten times too much at once, from the flat ring past its buckling and touching into a line of contact: *returns*
+/// a state with that link and no overlap.
 #[test]
 fn link_ten_times_too_much_at_once() {
     let mut solver = ring(1.0, 1.0, Vec3::zeros(), law(100.0), 16);
@@ -399,8 +412,10 @@ fn link_ten_times_too_much_at_once() {
     assert!(seen.min_gap.unwrap().lower > -1e-6 * 0.02);
 }
 
-/// Beams of one element each, of every order, crossing: *return* without overlap, and the force of the shape that the element can take. On simple supports a beam that gives way by δ at its middle
-/// takes 48 B δ/L³; the best parabola takes 64, which is what elements of order 1 and 2 give (their contact curve is a cubic with the nodes' own tangents), cubic ones to 6 %, and two elements of order 2 or 3 take it to 1e-4.
+/// Beams of one element each, of every order, crossing: *return* without overlap, and the force of the shape that the
+/// element can take. On simple supports a beam that gives way by δ at its middle takes 48 B δ/L³; the best parabola
+/// takes 64, which is what elements of order 1 and 2 give (their contact curve is a cubic with the nodes' own
+/// tangents), cubic ones to 6 %, and two elements of order 2 or 3 take it to 1e-4.
 #[test]
 fn beams_of_one_element() {
     for (order, elements, stiffer, tolerance) in

@@ -1,7 +1,8 @@
 //! NaN, infinities and denormals in every number of a problem, one at a time.
 //!
-//! What is not finite is *refused* with an `InputError` that names a field; a finite number, however small or large, is *refused*, by an error or by the status
-//! that a run ends with, or *returns* what the number next to it that is neither would. Never a panic.
+//! What is not finite is *refused* with an `InputError` that names a field; a finite number, however small or large, is
+//! *refused*, by an error or by the status that a run ends with, or *returns* what the number next to it that is
+//! neither would. Never a panic.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -221,8 +222,9 @@ fn expected(name: &str) -> [End; 6] {
     }
 }
 
-/// (Symptom before: an axis of 1e308 turned nothing and converged, one of 1e-160 turned by a wrong angle, one of 5e-324 broke down. Mechanism: its square over- or
-/// underflows. A rod of length 1e30 whose nodes are 1 apart was refused for want of supports.)
+/// (Symptom before: an axis of 1e308 turned nothing and converged, one of 1e-160 turned by a wrong angle, one of 5e-324
+/// broke down. Mechanism: its square over- or underflows. A rod of length 1e30 whose nodes are 1 apart was refused for
+/// want of supports.)
 #[test]
 fn tiny_and_huge_numbers_are_refused_or_return() {
     for (name, field) in fields() {
@@ -266,8 +268,9 @@ fn tiny_and_huge_numbers_are_refused_or_return() {
     }
 }
 
-/// Natural curvature that turns by more than .4 turns from node to node is *refused*, below that it *returns*. (Symptom before: 1.8e308 was taken, and a run ended with
-/// numbers that broke down. Mechanism: squares of it overflow, and far below that elements take the other way round.)
+/// Natural curvature that turns by more than .4 turns from node to node is *refused*, below that it *returns*. (Symptom
+/// before: 1.8e308 was taken, and a run ended with numbers that broke down. Mechanism: squares of it overflow, and far
+/// below that elements take the other way round.)
 #[test]
 fn natural_curvature_beyond_the_mesh() {
     let most = 0.4 * std::f64::consts::TAU * 8.0;

@@ -6,7 +6,8 @@
 //!           |
 //! ```
 //!
-//! B_a = 1, L_a = 1, ε_a = .02, δ = 2e-4; EA = 1e4 B/L², GA = 1e6 B/L², which shear makes softer by 5e-5; 16 cubic elements unless said.
+//! B_a = 1, L_a = 1, ε_a = .02, δ = 2e-4; EA = 1e4 B/L², GA = 1e6 B/L², which shear makes softer by 5e-5; 16 cubic
+//! elements unless said.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -104,10 +105,12 @@ fn one_far_finer_than_the_other() {
     }
 }
 
-/// One far thinner than the other, ε_b = 10 to 1e-6 times ε_a. The law goes by the thinner one, κ = κ'B/ε_b⁴, and a force light for it, here 1e-13 B/ε_b² at 1e-4, overlaps the
-/// strands by no more than (.53 F/κ√d)^⅔ = 5e-18, d their contact distance: less than frames tell. At 1e-3 it is 2.4e-15, of which rounding of gaps, two or three units in the last
-/// place of d, takes 4e-3, and of the force half as much again. Down to 1e-2 force and shape *return*, at 1e-3 the force to 6e-3, at 1e-4 to 2e-2 or not at all, at 1e-6 it is
-/// *refused* by `MaxIterations`. A softer law brings it back.
+/// One far thinner than the other, ε_b = 10 to 1e-6 times ε_a. The law goes by the thinner one, κ = κ'B/ε_b⁴, and a
+/// force light for it, here 1e-13 B/ε_b² at 1e-4, overlaps the strands by no more than (.53 F/κ√d)^⅔ = 5e-18, d their
+/// contact distance: less than frames tell. At 1e-3 it is 2.4e-15, of which rounding of gaps, two or three units in the
+/// last place of d, takes 4e-3, and of the force half as much again. Down to 1e-2 force and shape *return*, at 1e-3 the
+/// force to 6e-3, at 1e-4 to 2e-2 or not at all, at 1e-6 it is *refused* by `MaxIterations`. A softer law brings it
+/// back.
 #[test]
 fn one_far_thinner_than_the_other() {
     let thin = |decade: i32| Beam { radius: LIKE.radius * 10f64.powi(decade), ..LIKE };

@@ -27,8 +27,9 @@ fn rest(rod: &Rod, law: ContactLaw, spacings: f64, links: &[f64]) -> (f64, Obser
     (solver.engine().relative_residual(), last.unwrap())
 }
 
-/// At the origin and a million node spacings away: residual at rest within a factor of 3 (where both are above `floor`, the rounding of forces that no
-/// coordinate has a part in), contact force and twisting moment as the start shape is the same to the rounding of its coordinates.
+/// At the origin and a million node spacings away: residual at rest within a factor of 3 (where both are above `floor`,
+/// the rounding of forces that no coordinate has a part in), contact force and twisting moment as the start shape is
+/// the same to the rounding of its coordinates.
 fn compare(name: &str, rod: &Rod, law: ContactLaw, links: &[f64]) {
     let [(near, here), (far, there)] = [0.0, 1e6].map(|spacings| rest(rod, law, spacings, links));
     println!("{name}: relative residual {near:.1e} at the origin, {far:.1e} a million node spacings away");

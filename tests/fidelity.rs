@@ -1,13 +1,17 @@
 //! Presets keep to the errors they state ([`Fidelity::accuracy`]), on cases that they were not chosen on.
 //!
-//! Chosen on (`benches/work_precision.rs`): twisted rings with D/L = .01 and .03 at excess links of 1.8, 2.2, 2.8 and 3.2, a minicircle, plectonemes with D/L = .01 and .005,
-//! clamped crossed and parallel beams, the Bathe–Bolourchi bend. Here:
+//! Chosen on (`benches/work_precision.rs`): twisted rings with D/L = .01 and .03 at excess links of 1.8, 2.2, 2.8 and
+//! 3.2, a minicircle, plectonemes with D/L = .01 and .005, clamped crossed and parallel beams, the Bathe–Bolourchi
+//! bend. Here:
 //!
-//! * twisted ring, C/B = 1.5, D/L = .02: contact force at one point (excess link 1.9), writhe and energy in line contact (3);
-//!   D/L = .03 where three points become a line, and as a plectoneme: writhe, twisting moment, energy. Kirchhoff rod with hard contact, recomputed by shooting.
+//! * twisted ring, C/B = 1.5, D/L = .02: contact force at one point (excess link 1.9), writhe and energy in line
+//!   contact (3); D/L = .03 where three points become a line, and as a plectoneme: writhe, twisting moment, energy.
+//!   Kirchhoff rod with hard contact, recomputed by shooting.
 //! * crossed beams on simple supports: 24 B δ/L³ each.
-//! * no contact: Princeton beam; a rod bent into an eighth of a circle and into ten (Ibrahimbegović). Boundary value problems, to all digits.
-//! * scenes as files, whose meshes come from what they ask for: a circle of C/B = 1, closed trefoil, elastica that touches itself; reference: half as many elements again as `Reference` and a law ten times as hard.
+//! * no contact: Princeton beam; a rod bent into an eighth of a circle and into ten (Ibrahimbegović). Boundary value
+//!   problems, to all digits.
+//! * scenes as files, whose meshes come from what they ask for: a circle of C/B = 1, closed trefoil, elastica that
+//!   touches itself; reference: half as many elements again as `Reference` and a law ten times as hard.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -273,7 +277,8 @@ fn scenes() {
     }
 }
 
-/// The minicircle of the examples, from the flat circle through the figure-eight to its supercoil, with meshes of the presets: runs to its end, on every one.
+/// The minicircle of the examples, from the flat circle through the figure-eight to its supercoil, with meshes of the
+/// presets: runs to its end, on every one.
 #[test]
 fn the_minicircle_with_every_preset() {
     let text = include_str!("../examples/minicircle.toml").replace("elements = 48", "").replace("tol_penetration", "#");

@@ -28,7 +28,8 @@ fn planar_scenes_carry_three_unknowns_a_node_and_a_quarter_of_the_matrix() {
     assert!(planar.factor_entries as f64 <= full.factor_entries as f64 / 2.8, "{planar:?} {full:?}");
 }
 
-/// No tree, no candidate, no site: contact off, or on where no rod has a radius, leaves nothing of contact in the engine.
+/// No tree, no candidate, no site: contact off, or on where no rod has a radius, leaves nothing of contact in the
+/// engine.
 #[test]
 fn contact_off_is_nothing() {
     let on = sizes(false, Contact::default(), 0.01, Natural::Straight);
@@ -56,8 +57,8 @@ fn natural_strains_are_kept_only_where_they_vary() {
     assert_eq!(engine.footprint().unwrap().natural_strains, 120);
 }
 
-/// Strands that move but stay apart keep their (empty) list of candidates, and with it the pattern of the matrix and its symbolic analysis; strands that come near
-/// change it.
+/// Strands that move but stay apart keep their (empty) list of candidates, and with it the pattern of the matrix and
+/// its symbolic analysis; strands that come near change it.
 #[test]
 fn strands_apart_keep_their_list() {
     let line = |z: f64| -> Vec<Vec3> { (0..40).map(|i| Vec3::new(f64::from(i), 0.0, z)).collect() };
@@ -75,7 +76,8 @@ fn strands_apart_keep_their_list() {
     }
 }
 
-/// A margin trades candidates for changes of the list (and of the pattern of the matrix with it): two strands wound around each other, one sliding by a fiftieth of a radius a step.
+/// A margin trades candidates for changes of the list (and of the pattern of the matrix with it): two strands wound
+/// around each other, one sliding by a fiftieth of a radius a step.
 #[test]
 fn a_margin_saves_changes_and_costs_candidates() {
     let (radius, count) = (0.5, 1500);

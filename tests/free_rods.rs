@@ -7,8 +7,10 @@
 //!     apart            linked              |___|
 //! ```
 //!
-//! Rings of B = C = 1, EA = GA = 1e4, contact radius 1, some drawn as stadia, relax to circles of energy 2π²B/L wherever they have room to. Each of them can then move as a rigid body and spin about its
-//! centreline at no cost. (Motions of all but one rod were held by springs of 1e-9 B/h³ before, and rounding decided: stadia 20 ε apart ended as unstable after 59 iterations.)
+//! Rings of B = C = 1, EA = GA = 1e4, contact radius 1, some drawn as stadia, relax to circles of energy 2π²B/L
+//! wherever they have room to. Each of them can then move as a rigid body and spin about its centreline at no cost.
+//! (Motions of all but one rod were held by springs of 1e-9 B/h³ before, and rounding decided: stadia 20 ε apart ended
+//! as unstable after 59 iterations.)
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

@@ -1,7 +1,10 @@
-//! Library inputs with anything in them: rods from any nodes, curves through any points, models with any supports, loads, laws and ramps.
+//! Library inputs with anything in them: rods from any nodes, curves through any points, models with any supports,
+//! loads, laws and ramps.
 //!
-//! Promise: refused with an `InputError`, or taken; what is taken ends in bounded work, with finite numbers where it says it converged, sites
-//! within the range asked for, link conserved. Never a panic. `SUPERCOIL_FUZZ_SEED=7 cargo test --release --test fuzz_library -- --ignored` takes other inputs than the usual ones.
+//! Promise: refused with an `InputError`, or taken; what is taken ends in bounded work, with finite numbers where it
+//! says it converged, sites within the range asked for, link conserved. Never a panic.
+//! `SUPERCOIL_FUZZ_SEED=7 cargo test --release --test fuzz_library -- --ignored` takes other inputs than the usual
+//! ones.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

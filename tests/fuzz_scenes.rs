@@ -1,7 +1,9 @@
-//! Scenes with anything in them: the examples, with elements given and with a preset, with numbers replaced by extreme ones, keys dropped, doubled or misspelt, types swapped.
+//! Scenes with anything in them: the examples, with elements given and with a preset, with numbers replaced by extreme
+//! ones, keys dropped, doubled or misspelt, types swapped.
 //!
-//! Promise: a scene is refused with an [`InputError`](supercoil::InputError), or accepted; an accepted one runs a bounded search
-//! that ends with a status (or an error) and, if it says it converged, in finite numbers. Never a panic. `SUPERCOIL_FUZZ_SEED` as in `fuzz_library`.
+//! Promise: a scene is refused with an [`InputError`](supercoil::InputError), or accepted; an accepted one runs a
+//! bounded search that ends with a status (or an error) and, if it says it converged, in finite numbers. Never a panic.
+//! `SUPERCOIL_FUZZ_SEED` as in `fuzz_library`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)] // helpers of tests
 

@@ -1,12 +1,11 @@
 //! Greenhill's problem (1883): a straight rod under twist and tension loses stability.
 //!
-//! Set-up: a rod of length L = 1 along x, its first end clamped; its last end kept on the axis, its frame turned about the axis
-//! by a prescribed angle, free to slide along the axis, with a dead tension T along it. Isotropic, B = 1, C = 1.3; stretch and
-//! shear stiffness 1e8 B/L², so that the section is that of an inextensible rod. On the straight branch the
-//! moment is M = C · angle/L. 24 cubic elements.
-//! Reference: M L/B at which the first bending mode becomes unstable, for TL²/B from −30 to 100, from the buckling
-//! determinant of the clamped rod (all digits). Found by bisection on the number of unstable directions.
-//! Tolerance: 1e-5 relative.
+//! Set-up: a rod of length L = 1 along x, its first end clamped; its last end kept on the axis, its frame turned about
+//! the axis by a prescribed angle, free to slide along the axis, with a dead tension T along it. Isotropic, B = 1, C =
+//! 1.3; stretch and shear stiffness 1e8 B/L², so that the section is that of an inextensible rod. On the straight
+//! branch the moment is M = C · angle/L. 24 cubic elements. Reference: M L/B at which the first bending mode becomes
+//! unstable, for TL²/B from −30 to 100, from the buckling determinant of the clamped rod (all digits). Found by
+//! bisection on the number of unstable directions. Tolerance: 1e-5 relative.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -52,8 +51,8 @@ fn straight(solver: &Solver, moment: f64, tension: f64) -> State {
     state
 }
 
-/// Twisting moment at which the straight rod becomes unstable: inertia of the tangent at the exact straight state. (A search that
-/// close to the critical moment would only amplify rounding.)
+/// Twisting moment at which the straight rod becomes unstable: inertia of the tangent at the exact straight state. (A
+/// search that close to the critical moment would only amplify rounding.)
 fn critical_moment(tension: f64, guess: f64) -> f64 {
     let (mut solver, _) = rod_under(tension, 3, 24);
     let mut unstable = |moment: f64| {
@@ -64,7 +63,8 @@ fn critical_moment(tension: f64, guess: f64) -> f64 {
     threshold(0.98 * guess, 1.02 * guess, 1e-7 * guess, &mut unstable)
 }
 
-/// The solver itself, turning the end, arrives at that straight state, stable below the critical moment and unstable above.
+/// The solver itself, turning the end, arrives at that straight state, stable below the critical moment and unstable
+/// above.
 #[test]
 fn the_solver_finds_the_straight_state() {
     let (tension, critical) = (5.0, 9.717_748);

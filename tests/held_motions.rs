@@ -1,4 +1,5 @@
-//! Rods whose supports hold less than all of their neutral motions: they come to rest as rods do that are free or held well.
+//! Rods whose supports hold less than all of their neutral motions: they come to rest as rods do that are free or held
+//! well.
 //!
 //! ```text
 //!      _  _             ___
@@ -6,14 +7,17 @@
 //!     \_/\_/▒        >  ) (  < ▒
 //! ```
 //!
-//! * A twisted closed ring, L = 1, B = 1, C = 1.5, D/L = .02, 144 cubic elements, held at one node: clamped it may travel along its own shape through the clamp, and swing
-//!   about the tangent there; on a ball joint it may turn and spin besides.
+//! * A twisted closed ring, L = 1, B = 1, C = 1.5, D/L = .02, 144 cubic elements, held at one node: clamped it may
+//!   travel along its own shape through the clamp, and swing about the tangent there; on a ball joint it may turn and
+//!   spin besides.
 //! * A ring under pressure in the plane (see `planar_touch`), clamped at one node: it may travel.
 //! * A heavy ring, clamped at one node: it may swing there if its tangent is vertical.
 //!
-//! None of these motions costs energy. Reference: the same rings, free. Contact that lies elsewhere between nodes differs by the elements' compliance inside
-//! themselves, up to 2e-5 of its force (6e-5 on 96 elements); the support carries the ripple that sliding has in the discrete energy, up to 1e-4 of it. Searches must end quadratically, as they do without
-//! supports: before the motions were known they went on with increments of 1e-5 for ever, and 60 iterations became 500.
+//! None of these motions costs energy. Reference: the same rings, free. Contact that lies elsewhere between nodes
+//! differs by the elements' compliance inside themselves, up to 2e-5 of its force (6e-5 on 96 elements); the support
+//! carries the ripple that sliding has in the discrete energy, up to 1e-4 of it. Searches must end quadratically, as
+//! they do without supports: before the motions were known they went on with increments of 1e-5 for ever, and 60
+//! iterations became 500.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -37,7 +41,8 @@ fn seen(solver: &Solver, report: &StepReport) -> Observation {
     observed(solver, report)
 }
 
-/// The last search of a step ended with increments that fell at least a thousandfold at once, or below 1e-9 in one step.
+/// The last search of a step ended with increments that fell at least a thousandfold at once, or below 1e-9 in one
+/// step.
 fn assert_at_rest(report: &StepReport) {
     let last = report.history.last().unwrap();
     let sizes: Vec<f64> = last.iter().map(|i| i.increment).collect();
@@ -94,8 +99,9 @@ fn pressed_ring_clamped_at_one_node() {
     }
 }
 
-/// A heavy ring clamped where its tangent is vertical swings about it at no cost, whatever it weighs; the same ring in the plane cannot. Before, it ended as unstable
-/// before any weight was on it, and so did one in a tilted plane, which weight turns.
+/// A heavy ring clamped where its tangent is vertical swings about it at no cost, whatever it weighs; the same ring in
+/// the plane cannot. Before, it ended as unstable before any weight was on it, and so did one in a tilted plane, which
+/// weight turns.
 #[test]
 fn heavy_ring_clamped_at_one_node() {
     let hung = |normal: [f64; 3], weight: [f64; 3], planar: bool| {

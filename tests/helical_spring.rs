@@ -1,15 +1,19 @@
-//! Love's helical spring (A. E. H. Love, Treatise, §271): a helix pulled and turned by a wrench about its axis stays a helix, at any size of the deformation.
+//! Love's helical spring (A. E. H. Love, Treatise, §271): a helix pulled and turned by a wrench about its axis stays a
+//! helix, at any size of the deformation.
 //!
-//! Radius 1, pitch ½, four turns, natural as shaped, B = 1, C = .8 (EA = GA = 1e8), under the axial force F and couple T. With r the radius, 2πc the pitch, q = r² + c²,
-//! curvature κ = r/q, torsion τ = c/q and sin α = c/√q, the moments B (κ − κ₀) about the binormal and C (τ − τ₀) about the tangent balance the wrench:
+//! Radius 1, pitch ½, four turns, natural as shaped, B = 1, C = .8 (EA = GA = 1e8), under the axial force F and couple
+//! T. With r the radius, 2πc the pitch, q = r² + c², curvature κ = r/q, torsion τ = c/q and sin α = c/√q, the moments B
+//! (κ − κ₀) about the binormal and C (τ − τ₀) about the tangent balance the wrench:
 //!
 //! ```text
 //! T   =  B (κ − κ₀) cos α + C (τ − τ₀) sin α
 //! F r = −B (κ − κ₀) sin α + C (τ − τ₀) cos α
 //! ```
 //!
-//! The end bears force and moment of the wrench where it comes to be; the start is clamped and turned to its final slope, so that what the clamp exerts is the wrench,
-//! too. A scene in one file; its natural strains are measured on the start shape. (Tolerance: these are known to the fourth order of the mesh, 24 elements a turn: 48 in all are 16 times as far off.)
+//! The end bears force and moment of the wrench where it comes to be; the start is clamped and turned to its final
+//! slope, so that what the clamp exerts is the wrench, too. A scene in one file; its natural strains are measured on
+//! the start shape. (Tolerance: these are known to the fourth order of the mesh, 24 elements a turn: 48 in all are 16
+//! times as far off.)
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

@@ -1,13 +1,12 @@
 //! A straight cantilever bent into a helix by an end moment and an end force (Ibrahimbegović 1997).
 //!
-//! Set-up: a straight rod of length 10 along x, clamped at the origin; EA = GA = 1e4, EI = GJ = 100; at the tip a dead moment
-//! λ·200π about the fixed axis z (ten full circles at λ = 1) and a dead force λ·50 along z. And the same rod
-//! under moment 2.5π and force 1/16.
-//! Reference: tip of the continuous rod, solved as a boundary value problem to all printed digits.
-//! Tolerance: 1e-6 with 120 cubic elements (twelve to a circle), 1e-9 with 16 (an eighth of a circle).
+//! Set-up: a straight rod of length 10 along x, clamped at the origin; EA = GA = 1e4, EI = GJ = 100; at the tip a dead
+//! moment λ·200π about the fixed axis z (ten full circles at λ = 1) and a dead force λ·50 along z. And the same rod
+//! under moment 2.5π and force 1/16. Reference: tip of the continuous rod, solved as a boundary value problem to all
+//! printed digits. Tolerance: 1e-6 with 120 cubic elements (twelve to a circle), 1e-9 with 16 (an eighth of a circle).
 //!
-//! A fixed-axis moment has no potential in space: the inertia of the symmetrised tangent does not decide stability here, so
-//! the search takes the equilibrium it finds.
+//! A fixed-axis moment has no potential in space: the inertia of the symmetrised tangent does not decide stability
+//! here, so the search takes the equilibrium it finds.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

@@ -1,19 +1,20 @@
 //! What interpolating *increments* of rotation would lose: strains that depend on the path (Crisfield & Jelenić 1999).
 //!
-//! The classical rod element (Simo & Vu-Quoc 1986) keeps a frame R and a curvature k at each integration point and brings both up to date with the
-//! interpolated increments θ(s) = Σ N_a θ_a of its nodes:
+//! The classical rod element (Simo & Vu-Quoc 1986) keeps a frame R and a curvature k at each integration point and
+//! brings both up to date with the interpolated increments θ(s) = Σ N_a θ_a of its nodes:
 //!
 //! ```text
 //! R ← exp(θ) R        k ← exp(θ) k + T(θ) θ′        T(θ) = sinθ/θ 1 + (1 − sinθ/θ) n nᵀ + (1 − cosθ)/θ n×,  θ = |θ|, n = θ/θ
 //! ```
 //!
-//! It is written out here, in the test, for comparison only. The engine interpolates the nodes' frames themselves, so that its strains are a
-//! function of where the nodes are.
+//! It is written out here, in the test, for comparison only. The engine interpolates the nodes' frames themselves, so
+//! that its strains are a function of where the nodes are.
 //!
-//! Set-up: (1) one element, its far end turned by 1 rad about x and then y, against the same end frames in one step; there and back by
-//! another way; under a rigid turn on top. (2) The same on 1, 2, 4, 8 elements and in 1 to 64 steps. (3) A rod of length 1 between clamps (B = 1,
-//! C = 1.3), taken by the engine round a closed cycle of turns and pushes of its far clamp, its nodes' increments fed to the incremental scheme.
-//! Required: the engine loses nothing (rounding). The incremental scheme's loss does not go away with smaller steps, only with smaller elements.
+//! Set-up: (1) one element, its far end turned by 1 rad about x and then y, against the same end frames in one step;
+//! there and back by another way; under a rigid turn on top. (2) The same on 1, 2, 4, 8 elements and in 1 to 64 steps.
+//! (3) A rod of length 1 between clamps (B = 1, C = 1.3), taken by the engine round a closed cycle of turns and pushes
+//! of its far clamp, its nodes' increments fed to the incremental scheme. Required: the engine loses nothing
+//! (rounding). The incremental scheme's loss does not go away with smaller steps, only with smaller elements.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

@@ -1,10 +1,11 @@
 //! Rods curved and twisted by nature: the free state, and the state straightened by constant moments.
 //!
-//! Set-up: a rod of length 1 with intrinsic curvature and twist u0 = (2.0, −1.5, 4.0) in its own frame, anisotropic section
-//! K = diag(1, 2.5, 1.6), EA = GA = 1e6.
-//!  * clamped at one end only it takes the stress-free helix R(s) = exp(s u0×), r(s) = ∫R e3 ds (closed form: rotation by |u0| s
-//!    about u0);
-//!  * held straight and untwisted by clamps at both ends, the material moment is −K u0 at every point and the force is 0;
+//! Set-up: a rod of length 1 with intrinsic curvature and twist u0 = (2.0, −1.5, 4.0) in its own frame, anisotropic
+//! section K = diag(1, 2.5, 1.6), EA = GA = 1e6.
+//!  * clamped at one end only it takes the stress-free helix R(s) = exp(s u0×), r(s) = ∫R e3 ds (closed form: rotation
+//!    by |u0| s about u0);
+//!  * held straight and untwisted by clamps at both ends, the material moment is −K u0 at every point and the force is
+//!    0;
 //!  * the same end moment −K u0, dead, straightens the free rod again.
 //!
 //! All closed form. Tolerances: discretisation (16 cubic elements) for the helix, rounding for the straight states.

@@ -1,11 +1,12 @@
 //! Loss of stability under dead forces: a strip tips over, a column falls under its own weight.
 //!
-//!  * Cantilever strip of length 1 along x, tip force P along −z, soft bending B = 1 in y, stiff bending 1e7 in z, GJ = 0.6:
-//!    P L²/√(B GJ) = 4.0125993436 (Prandtl, Michell 1899), for a strip that does not bend before it tips over.
-//!  * Upright column of length 1, isotropic, clamped at its foot, weight q per length: q L³/B = 7.8373474389 (Greenhill 1881).
+//!  * Cantilever strip of length 1 along x, tip force P along −z, soft bending B = 1 in y, stiff bending 1e7 in z, GJ =
+//!    0.6: P L²/√(B GJ) = 4.0125993436 (Prandtl, Michell 1899), for a strip that does not bend before it tips over.
+//!  * Upright column of length 1, isotropic, clamped at its foot, weight q per length: q L³/B = 7.8373474389 (Greenhill
+//!    1881).
 //!
-//! Found by bisection on the number of unstable directions. Tolerance: 1e-5 relative; 24 cubic elements; stretch and shear
-//! stiffness 1e6 and more.
+//! Found by bisection on the number of unstable directions. Tolerance: 1e-5 relative; 24 cubic elements; stretch and
+//! shear stiffness 1e6 and more.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

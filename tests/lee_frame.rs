@@ -1,10 +1,11 @@
 //! Lee's frame (Lee, Manuel & Rossow 1968): two rods joined at a right angle, the load snaps through and back.
 //!
-//! Set-up: a column of length L = 120 from a hinge at the origin up to the corner, a beam of the same length from the corner to a hinge at
-//! (L, L); rigid corner; A = 6, I = 2, ν = 0.3, so EA = 3 EI, GA = k EA/2.6; a dead load P downwards on the beam, 24 from the corner.
-//! In the x-y plane. Followed by arc length from P = 0: P rises to a maximum, falls below zero, rises for good.
-//! Reference: first maximum of P L²/EI = 18.54655874 (shear factor k = 1), 18.54452709 (k = 5/6), from shooting on the continuous
-//! equations (all digits). Cubic elements. Tolerance: 1e-8 relative.
+//! Set-up: a column of length L = 120 from a hinge at the origin up to the corner, a beam of the same length from the
+//! corner to a hinge at (L, L); rigid corner; A = 6, I = 2, ν = 0.3, so EA = 3 EI, GA = k EA/2.6; a dead load P
+//! downwards on the beam, 24 from the corner. In the x-y plane. Followed by arc length from P = 0: P rises to a
+//! maximum, falls below zero, rises for good. Reference: first maximum of P L²/EI = 18.54655874 (shear factor k = 1),
+//! 18.54452709 (k = 5/6), from shooting on the continuous equations (all digits). Cubic elements. Tolerance: 1e-8
+//! relative.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

@@ -19,7 +19,8 @@ const TURNS: f64 = -0.06 * LENGTH / (0.34 * 10.5);
 const LENGTH: f64 = 5.0 * ELEMENTS as f64;
 const ELEMENTS: usize = 960;
 
-/// At rest in a few iterations on the long rod, with the link that was asked for; and the rod goes on from there like any other.
+/// At rest in a few iterations on the long rod, with the link that was asked for; and the rod goes on from there like
+/// any other.
 #[test]
 fn long_plectonemes_rest_after_short_ones() {
     let shape = Shape::Plectoneme(Plectoneme::of_link(LENGTH, 5.0, 205.7, 308.6, TURNS).unwrap());

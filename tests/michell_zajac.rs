@@ -1,10 +1,11 @@
 //! The twisted ring (Michell 1889, Zajac 1962): a naturally straight rod, bent to a closed circle, twisted, buckles.
 //!
-//! Set-up: a closed flat circle of length 1, isotropic, B = 1, C/B = 1.0, 1.5, 2.0, nothing held; the excess link is raised. The
-//! rod spins about its own centreline freely, so the twist is even and the circle stays an equilibrium.
-//! Reference: unstable from ΔLk = √3·B/C on, by two modes at once (out-of-plane cos 2φ, sin 2φ with one frequency; they are
-//! the same shape moved along the ring). Exact for an inextensible, unshearable rod; stretch and shear stiffness 1e8 B/L².
-//! Found by bisection on the number of unstable directions. Tolerance: 1e-5 with 24 cubic elements (required: 1e-3 with 64).
+//! Set-up: a closed flat circle of length 1, isotropic, B = 1, C/B = 1.0, 1.5, 2.0, nothing held; the excess link is
+//! raised. The rod spins about its own centreline freely, so the twist is even and the circle stays an equilibrium.
+//! Reference: unstable from ΔLk = √3·B/C on, by two modes at once (out-of-plane cos 2φ, sin 2φ with one frequency; they
+//! are the same shape moved along the ring). Exact for an inextensible, unshearable rod; stretch and shear stiffness
+//! 1e8 B/L². Found by bisection on the number of unstable directions. Tolerance: 1e-5 with 24 cubic elements (required:
+//! 1e-3 with 64).
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

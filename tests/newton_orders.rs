@@ -6,12 +6,14 @@
 //!    ────┼────        ‾‾‾‾‾‾‾‾‾‾‾     (__======__)     ΔLk 1.5   2.2        2.34       2.6
 //! ```
 //!
-//! B = 1, EA = GA = 1e6 (parallel beams 100 along, so that bending does not stretch them), cubic elements. From a state at rest under a penalty the load goes on
-//! by steps, each half the one before, each from that same state; the search goes on down to increments of 1e-12. Increments e (largest
-//! displacement over node spacing, or rotation) obey e′ ≈ c e²: the order is the slope of log e′ against log e. Beams and pressed ring: e the first
-//! increment of a search, e′ the second, five steps. Twisted ring: the least power in e′ = eᵖ of all pairs of six steps with 1e-5 < e < 1e-3, but for the first of
-//! each: the first increment contains the turn of the seam, and what is left after it has a share of 1e-4 that is linear and gone with the next.
-//! Near rest each step is corrected once or more on its own factorisation by all that is out of balance after it: the order is 3 in places.
+//! B = 1, EA = GA = 1e6 (parallel beams 100 along, so that bending does not stretch them), cubic elements. From a state
+//! at rest under a penalty the load goes on by steps, each half the one before, each from that same state; the search
+//! goes on down to increments of 1e-12. Increments e (largest displacement over node spacing, or rotation) obey e′ ≈ c
+//! e²: the order is the slope of log e′ against log e. Beams and pressed ring: e the first increment of a search, e′
+//! the second, five steps. Twisted ring: the least power in e′ = eᵖ of all pairs of six steps with 1e-5 < e < 1e-3, but
+//! for the first of each: the first increment contains the turn of the seam, and what is left after it has a share of
+//! 1e-4 that is linear and gone with the next. Near rest each step is corrected once or more on its own factorisation
+//! by all that is out of balance after it: the order is 3 in places.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

@@ -1,13 +1,13 @@
 //! Objectivity and path independence (Crisfield & Jelenić 1999).
 //!
-//! Strains and energy do not change under a rigid motion put on top; the end state depends on the ends of the path only: on
-//! where the clamps are and how often they were turned, not on the order or the number of the steps.
+//! Strains and energy do not change under a rigid motion put on top; the end state depends on the ends of the path
+//! only: on where the clamps are and how often they were turned, not on the order or the number of the steps.
 //!
-//! Set-up: (1) rods of order 1, 2, 3 in arbitrary strained states, moved rigidly; (2) a rod of length 1 along x, clamped at both
-//! ends, its far clamp pushed in, moved sideways and turned about x, in different orders and steps, and back again; (3) the
-//! same rod turned about space axes by many turns of both clamps, loaded by a dead force.
-//! References: the same state before and after. Tolerance: 1e-13 relative for (1); for (2) and (3) what rounding makes of
-//! lengths with EA/B = 1e4, 1e-11.
+//! Set-up: (1) rods of order 1, 2, 3 in arbitrary strained states, moved rigidly; (2) a rod of length 1 along x,
+//! clamped at both ends, its far clamp pushed in, moved sideways and turned about x, in different orders and steps, and
+//! back again; (3) the same rod turned about space axes by many turns of both clamps, loaded by a dead force.
+//! References: the same state before and after. Tolerance: 1e-13 relative for (1); for (2) and (3) what rounding makes
+//! of lengths with EA/B = 1e4, 1e-11.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -162,7 +162,8 @@ fn turns_of_a_loaded_cantilever_leave_no_trace() {
     }
 }
 
-/// Half a turn of a pushed clamp at once: the rod passes tangents that are nearly singular, on all meshes and about all axes.
+/// Half a turn of a pushed clamp at once: the rod passes tangents that are nearly singular, on all meshes and about all
+/// axes.
 #[test]
 fn half_a_turn_of_a_clamp_comes_to_rest_in_one_step() {
     for (order, elements) in [(1, 12), (2, 6), (3, 4), (3, 8), (3, 16)] {

@@ -29,8 +29,8 @@ fn ring(natural: Natural, shearing: f64) -> Model {
     Model { rods: vec![Rod::new("ring", &circle, true, section, 24, 3, natural).unwrap()], ..Model::default() }
 }
 
-/// From the flat ring through the figure-eight: Lk = Tw + Wr is the excess link put in, at every step; the flat ring does
-/// not writhe, the figure-eight writhes by almost a turn.
+/// From the flat ring through the figure-eight: Lk = Tw + Wr is the excess link put in, at every step; the flat ring
+/// does not writhe, the figure-eight writhes by almost a turn.
 #[test]
 fn link_is_what_was_put_in() {
     let steps =

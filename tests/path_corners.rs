@@ -1,7 +1,8 @@
 //! Paths of equilibria round corners where one contact of several begins or ends, there and back.
 //!
-//! **Stack.** A shallow arch snaps through under a load P at its apex, along an unstable path on which P falls, onto a soft beam, which then comes
-//! down on a stiff one. Both beams run along z, the arch along x; all ends are clamped, all bend in upright planes only, clear distances .05 and .01.
+//! **Stack.** A shallow arch snaps through under a load P at its apex, along an unstable path on which P falls, onto a
+//! soft beam, which then comes down on a stiff one. Both beams run along z, the arch along x; all ends are clamped, all
+//! bend in upright planes only, clear distances .05 and .01.
 //!
 //! ```text
 //!         P
@@ -12,16 +13,20 @@
 //!         ●         y = 0       |  /      \/
 //! ```
 //!
-//! L = 1 (beams) and span 1 (arch), B = 1 (arch), .2 and 5 (beams), EA = 1e4, contact diameter .02, 16 cubic elements each. The soft beam only bends the path; at the stiff
-//! one, with the other contact under load, P turns back and a contact force sets in. By geometry the apex stands .02 above the soft beam's rest
-//! at the first corner, and .01 lower at the second. Independent of path following, load steps that prescribe the height of the apex (which the path
-//! lowers all the way) must find the same P on both sides of both corners: they pass the limit point and the corners without noticing.
+//! L = 1 (beams) and span 1 (arch), B = 1 (arch), .2 and 5 (beams), EA = 1e4, contact diameter .02, 16 cubic elements
+//! each. The soft beam only bends the path; at the stiff one, with the other contact under load, P turns back and a
+//! contact force sets in. By geometry the apex stands .02 above the soft beam's rest at the first corner, and .01 lower
+//! at the second. Independent of path following, load steps that prescribe the height of the apex (which the path
+//! lowers all the way) must find the same P on both sides of both corners: they pass the limit point and the corners
+//! without noticing.
 //!
-//! **Ring.** The closed twisted ring, L = 1, B = 1, C/B = 1.5, D/L = .03, EA = GA = 1e7 (which moves M₃L/2πB at first contact by 4e-6), 96 cubic elements: from the root of the buckled branch on the flat circle over its fold to first
-//! contact, round it and on to two and three contacts, and back. Reference for first contact and two → three: Kirchhoff rod by shooting
-//! (`common/kirchhoff_ring.rs`). What a penalty κ makes of the latter is a matter of κ (the gap in the middle is tiny between two points): its error must fall
-//! with κ. One → two is seen where the zone of contact parts in two, which under a penalty is later than the point opens.
-//! Load steps to the same excess links on both sides of every corner must give the same states.
+//! **Ring.** The closed twisted ring, L = 1, B = 1, C/B = 1.5, D/L = .03, EA = GA = 1e7 (which moves M₃L/2πB at first
+//! contact by 4e-6), 96 cubic elements: from the root of the buckled branch on the flat circle over its fold to first
+//! contact, round it and on to two and three contacts, and back. Reference for first contact and two → three: Kirchhoff
+//! rod by shooting (`common/kirchhoff_ring.rs`). What a penalty κ makes of the latter is a matter of κ (the gap in the
+//! middle is tiny between two points): its error must fall with κ. One → two is seen where the zone of contact parts in
+//! two, which under a penalty is later than the point opens. Load steps to the same excess links on both sides of every
+//! corner must give the same states.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -185,8 +190,8 @@ fn one_contact_after_the_other() {
     }
 }
 
-/// Harder laws; a stiffer arch; and beams close together under a load from which long steps back would skip both corners and go on along the path of the arch
-/// alone.
+/// Harder laws; a stiffer arch; and beams close together under a load from which long steps back would skip both
+/// corners and go on along the path of the arch alone.
 #[test]
 fn other_stacks() {
     let hard = ContactLaw::AugmentedLagrangian { stiffness: 1e5, tol_penetration: 1e-9 };
@@ -281,8 +286,9 @@ fn ring_from_no_contact_to_three_and_back() {
                 1e-8,
             );
         }
-        // Each step from where the loop of the path lay on its mesh, which rounding decides at the branch point and steps shift: a twentieth of an element further the ripple of the
-        // mesh makes 1e-6 to 3e-6 of the writhe at ΔLk = 1.97, near where one point becomes two.
+        // Each step from where the loop of the path lay on its mesh, which rounding decides at the branch point and
+        // steps shift: a twentieth of an element further the ripple of the mesh makes 1e-6 to 3e-6 of the writhe at ΔLk
+        // = 1.97, near where one point becomes two.
         for (k, to) in links.into_iter().enumerate() {
             let mut stepped = ring(kappa, Options::default());
             stepped.engine_mut().set_state(states[k.saturating_sub(1)].clone()).unwrap();
@@ -316,7 +322,8 @@ fn ring_from_no_contact_to_three_and_back() {
     }
 }
 
-/// A planar ring under pressure, D/R = .05, over its first touch into contact and back: p R³/B there by shooting (`tests/planar_touch.rs`).
+/// A planar ring under pressure, D/R = .05, over its first touch into contact and back: p R³/B there by shooting
+/// (`tests/planar_touch.rs`).
 #[test]
 fn ring_under_pressure_there_and_back() {
     let mut solver = Solver::new(oval_ring(48, 0.05, 1e6, Contact::default().law), Options::default()).unwrap();

@@ -1,7 +1,8 @@
-//! A planar model is the model in space with what leaves the plane left out: the same states to rounding, wherever leaving it costs energy.
+//! A planar model is the model in space with what leaves the plane left out: the same states to rounding, wherever
+//! leaving it costs energy.
 //!
-//! * Cantilevers, B = 1 and 2, L = 1, under a force and a moment at the tip: orders 1 to 3; straight, evenly curved or stress-free as shaped; sections with d1 or
-//!   d2 normal to the plane, isotropic ones slanting.
+//! * Cantilevers, B = 1 and 2, L = 1, under a force and a moment at the tip: orders 1 to 3; straight, evenly curved or
+//!   stress-free as shaped; sections with d1 or d2 normal to the plane, isotropic ones slanting.
 //! * Two cantilevers, one pressed on the other along a line of contact.
 
 #![allow(clippy::unwrap_used)] // helpers of tests

@@ -1,7 +1,7 @@
 //! Planar rods up to their first self-touch, against shooting on the continuous equations (inextensible, unshearable).
 //!
-//! * Elastica of length L, both ends clamped along x and brought together: end shortening over L and end force P L²/B when
-//!   it first touches itself, for diameters D/L = .01 and .02, and extrapolated from .02, .01, .005 to none.
+//! * Elastica of length L, both ends clamped along x and brought together: end shortening over L and end force P L²/B
+//!   when it first touches itself, for diameters D/L = .01 and .02, and extrapolated from .02, .01, .005 to none.
 //! * Ring of radius R under uniform pressure p: p R³/B when opposite sides first touch, for D/R = .01, .05 and .1.
 //!
 //! The touch is found by the secant method on the certified gap, from the side without contact.
@@ -106,9 +106,9 @@ fn ring_under_pressure_touches_itself() {
     }
 }
 
-/// Pressure p R³/B at which the single point between the two strands of a ring opens into a line. At that load the strands are
-/// straight where they touch: the indicator is their curvature there, extrapolated from the elements on both sides, interpolated to
-/// zero over loads at which a point carries the force.
+/// Pressure p R³/B at which the single point between the two strands of a ring opens into a line. At that load the
+/// strands are straight where they touch: the indicator is their curvature there, extrapolated from the elements on
+/// both sides, interpolated to zero over loads at which a point carries the force.
 ///
 /// ```text
 ///   __      __          __         __
@@ -118,9 +118,10 @@ fn ring_under_pressure_touches_itself() {
 ///     point              line, p ≥ 10.336 B/R³
 /// ```
 ///
-/// Reference: rods of no thickness; diameters D/R = .001, .002 and .003 are extrapolated to none. Neither the point nor its place is
-/// imposed: the ring starts as a slight oval (straight by nature), so that it folds about an element boundary. The penalty goes
-/// up to 1e13 B/R⁴; what spreading the point does to the curvature is put right (`tangent_and_curvature`).
+/// Reference: rods of no thickness; diameters D/R = .001, .002 and .003 are extrapolated to none. Neither the point nor
+/// its place is imposed: the ring starts as a slight oval (straight by nature), so that it folds about an element
+/// boundary. The penalty goes up to 1e13 B/R⁴; what spreading the point does to the curvature is put right
+/// (`tangent_and_curvature`).
 #[test]
 fn ring_under_pressure_goes_from_a_point_to_a_line() {
     let found = [1e-3f64, 2e-3, 3e-3].map(|diameter| {
@@ -163,10 +164,11 @@ fn ring_under_pressure_goes_from_a_point_to_a_line() {
     verify("ring under pressure", "p R³/B, point → line", 3.0 * (found[0] - found[1]) + found[2], 10.3360330, 1e-5);
 }
 
-/// A ring a thousand times as wide as it is thick, on 32 elements: between two nodes the strand bulges by as much as it is thick.
-/// Symptom: loads past the touch (5.2469) ended without a contact site, as not converged or even as converged. Mechanisms: the
-/// step bound took the bulge off the strands' distance, so that steps shrank by a quarter each time before anything touched; and a
-/// step cut to nothing expects a decrease below rounding, which was taken for rest.
+/// A ring a thousand times as wide as it is thick, on 32 elements: between two nodes the strand bulges by as much as it
+/// is thick. Symptom: loads past the touch (5.2469) ended without a contact site, as not converged or even as
+/// converged. Mechanisms: the step bound took the bulge off the strands' distance, so that steps shrank by a quarter
+/// each time before anything touched; and a step cut to nothing expects a decrease below rounding, which was taken for
+/// rest.
 #[test]
 fn coarse_thin_ring_is_carried_into_contact() {
     for diameter in [1e-3, 2e-3] {
@@ -188,7 +190,8 @@ fn coarse_thin_ring_is_carried_into_contact() {
     }
 }
 
-/// A penalty too soft to keep the strands apart: whatever becomes of the search, it never calls a state at rest that is not.
+/// A penalty too soft to keep the strands apart: whatever becomes of the search, it never calls a state at rest that is
+/// not.
 #[test]
 fn a_step_cut_short_is_not_rest() {
     let diameter = 2e-3;

@@ -8,15 +8,19 @@
 //!                 ╰╯
 //! ```
 //!
-//! B = 1, C = 1.3, EA = GA = 1e5 B/ε², ε = 1; the default contact law, whose stiffness goes by the mesh; nodes .3 ε apart, .2 ε at the steepest angle. Start: tails, a
-//! double helix of two turns, a wide end loop, drawn by hand; then the tension, then one turn of an end, by halves.
+//! B = 1, C = 1.3, EA = GA = 1e5 B/ε², ε = 1; the default contact law, whose stiffness goes by the mesh; nodes .3 ε
+//! apart, .2 ε at the steepest angle. Start: tails, a double helix of two turns, a wide end loop, drawn by hand; then
+//! the tension, then one turn of an end, by halves.
 //!
-//! In a long plectoneme the tension alone decides: F = (B sin⁴α/R²)(½ + 1/cos 2α) tells α, then the twisting moment is M = 2B sin³α cosα/(R cos 2α) whatever the turns, and each
-//! turn winds up ℓ = 4πR/sin 2α more of the rod. By ℓ the ends approach; the contact force grows by p ℓ/2, p = B sin⁴α/(R³ cos 2α), as the strands share it; the bending
-//! energy by ½B sin⁴α ℓ/R². Tails and end loop take the same from turn to turn. What a moment that changes a little (the mesh has a ripple, which holds the strands where they are) puts into
-//! the twist of the whole rod is left out of the turn and of the energy. With nodes .4 ε apart M scatters by 1e-3, at α = .45 with .3 ε, too.
+//! In a long plectoneme the tension alone decides: F = (B sin⁴α/R²)(½ + 1/cos 2α) tells α, then the twisting moment is
+//! M = 2B sin³α cosα/(R cos 2α) whatever the turns, and each turn winds up ℓ = 4πR/sin 2α more of the rod. By ℓ the
+//! ends approach; the contact force grows by p ℓ/2, p = B sin⁴α/(R³ cos 2α), as the strands share it; the bending
+//! energy by ½B sin⁴α ℓ/R². Tails and end loop take the same from turn to turn. What a moment that changes a little
+//! (the mesh has a ripple, which holds the strands where they are) puts into the twist of the whole rod is left out of
+//! the turn and of the energy. With nodes .4 ε apart M scatters by 1e-3, at α = .45 with .3 ε, too.
 //!
-//! The plectoneme can swing about x, and everything move along x, at next to no cost: the middle node is kept in the planes x = 0 and y = 0 (its reaction must be nothing).
+//! The plectoneme can swing about x, and everything move along x, at next to no cost: the middle node is kept in the
+//! planes x = 0 and y = 0 (its reaction must be nothing).
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -42,7 +46,8 @@ fn moment(alpha: f64) -> f64 {
     2.0 * alpha.sin().powi(3) * alpha.cos() / (2.0 * alpha).cos()
 }
 
-/// Tails of a length, two turns of the pair, a wide end loop; drawn so that no contact is needed and nothing is bent sharply.
+/// Tails of a length, two turns of the pair, a wide end loop; drawn so that no contact is needed and nothing is bent
+/// sharply.
 fn shape(alpha: f64, tail: f64) -> Shape {
     const TURNS: f64 = 2.0;
     const WIDE: f64 = 1.15;

@@ -1,10 +1,10 @@
 //! The Princeton beam (Dowell & Traybar 1975): a flat cantilever with a tip weight, its section turned about its axis.
 //!
-//! Set-up: length 0.508 m along x; the chord (stiff direction) along y, the flap (soft direction) along z; a dead tip force
-//! P = 8.896 N at the angle θ from the chord. EI 2.42873444 (flap), 36.27936354 (chord), GJ = 3.10333828 N m²,
-//! shear stiffness 9.039150e5, EA = 2.841909e6 N.
-//! Reference: |flap| and |chord| displacement of the continuous rod, solved as a boundary value problem to all printed digits
-//! (8 decimals of a metre). Tolerance: half of the last printed digit.
+//! Set-up: length 0.508 m along x; the chord (stiff direction) along y, the flap (soft direction) along z; a dead tip
+//! force P = 8.896 N at the angle θ from the chord. EI 2.42873444 (flap), 36.27936354 (chord), GJ = 3.10333828 N m²,
+//! shear stiffness 9.039150e5, EA = 2.841909e6 N. Reference: |flap| and |chord| displacement of the continuous rod,
+//! solved as a boundary value problem to all printed digits (8 decimals of a metre). Tolerance: half of the last
+//! printed digit.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 

@@ -1,8 +1,8 @@
-//! Random supercoiling runs: closed rods of random thickness, C/B and excess link from randomly perturbed starts, unknots and trefoils. Every run
-//! must keep its link and its knot, or say that it did not come to rest.
+//! Random supercoiling runs: closed rods of random thickness, C/B and excess link from randomly perturbed starts,
+//! unknots and trefoils. Every run must keep its link and its knot, or say that it did not come to rest.
 //!
-//! The knot is watched by its determinant |Δ(−1)|, from the crossings of a projection: 1 for the unknot, 3 for the trefoil. A passage of a
-//! strand through another changes the link by two, whatever it does to the knot.
+//! The knot is watched by its determinant |Δ(−1)|, from the crossings of a projection: 1 for the unknot, 3 for the
+//! trefoil. A passage of a strand through another changes the link by two, whatever it does to the knot.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; numbers for whoever asks with --nocapture
 

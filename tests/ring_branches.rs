@@ -1,18 +1,20 @@
-//! The twisted ring's buckled branch (Zajac 1962): entered at Michell's instability without noise, subcritical and supercritical, its fold.
+//! The twisted ring's buckled branch (Zajac 1962): entered at Michell's instability without noise, subcritical and
+//! supercritical, its fold.
 //!
-//! Set-up: a closed flat circle of length 1, isotropic, B = 1, C/B = 1 or 1.5, nothing held, no contact; its excess link is the parameter of
-//! the path. At ΔLk = √3·B/C two modes (one shape, anywhere along the ring) become unstable; the path along the flat circle is left along
-//! one of them.
-//! Reference: the moment M3 of the buckled rod as a function of its writhe does not depend on C, and near the circle
-//! M3 L/2πB = √3 − (11/8) Wr, since ΔLk = Wr + (M3 L/2πB)·(B/C) rises with Wr exactly when C/B > 11/8. So dΔLk/dWr = 1 − (11/8)·B/C at the
-//! root: −3/8 for C/B = 1, 1/12 for 1.5. For C/B = 1.5 the branch folds at ΔLk = 1.16279433, Wr = 0.18733722 (Kirchhoff rod, all digits).
+//! Set-up: a closed flat circle of length 1, isotropic, B = 1, C/B = 1 or 1.5, nothing held, no contact; its excess
+//! link is the parameter of the path. At ΔLk = √3·B/C two modes (one shape, anywhere along the ring) become unstable;
+//! the path along the flat circle is left along one of them. Reference: the moment M3 of the buckled rod as a function
+//! of its writhe does not depend on C, and near the circle M3 L/2πB = √3 − (11/8) Wr, since ΔLk = Wr + (M3 L/2πB)·(B/C)
+//! rises with Wr exactly when C/B > 11/8. So dΔLk/dWr = 1 − (11/8)·B/C at the root: −3/8 for C/B = 1, 1/12 for 1.5. For
+//! C/B = 1.5 the branch folds at ΔLk = 1.16279433, Wr = 0.18733722 (Kirchhoff rod, all digits).
 //!
-//! With contact the unstable branch beyond the fold ends where the ring first touches itself, and with it turns the path: ΔLk rises again, the ring is
-//! stable. Writhe, moment and bending energy there, and ΔLk from them, for D/L = .01 and .03: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`). EA = GA = 1e8
-//! lowers the energy by 4e-6.
+//! With contact the unstable branch beyond the fold ends where the ring first touches itself, and with it turns the
+//! path: ΔLk rises again, the ring is stable. Writhe, moment and bending energy there, and ΔLk from them, for D/L = .01
+//! and .03: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`). EA = GA = 1e8 lowers the energy by 4e-6.
 //!
-//! EA = GA = 1e8, for the fold extrapolated from 1e6 and 1e7 (stretch lowers its ΔLk by 3e-6 at 1e7; rounding of the tangent, which grows with EA, decides how well its place is known); 48 cubic elements. Tolerances: root 1e-6,
-//! slope 2e-6, fold 3e-8 in ΔLk and 1e-5 in Wr (ΔLk is stationary there).
+//! EA = GA = 1e8, for the fold extrapolated from 1e6 and 1e7 (stretch lowers its ΔLk by 3e-6 at 1e7; rounding of the
+//! tangent, which grows with EA, decides how well its place is known); 48 cubic elements. Tolerances: root 1e-6, slope
+//! 2e-6, fold 3e-8 in ΔLk and 1e-5 in Wr (ΔLk is stationary there).
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on and tells what it found
 
@@ -120,7 +122,8 @@ fn fold() {
     verify("twisted ring, C/B = 1.5, extrapolated from EA = 1e6, 1e7", "Wr at the fold", writhe, 0.187_337_22, 1e-5);
 }
 
-/// What is looked at along a path with contact: ΔLk, writhe, M3 L/2πB, contact force, bending energy over that of the ring.
+/// What is looked at along a path with contact: ΔLk, writhe, M3 L/2πB, contact force, bending energy over that of the
+/// ring.
 fn numbers(point: &PathPoint) -> [f64; 5] {
     let seen = observe(&point.progress);
     let moment = seen.links[0].seam_moment / TAU;
@@ -175,8 +178,9 @@ fn first_contact_turns_the_path_round() {
         assert_eq!(report.unwrap().end, PathEnd::Stopped);
         verify(&case, "ΔLk where contact ends, over that where it begins", back.unwrap()[0] / touch[0], 1.0, 1e-6);
 
-        // the state at 1.6 is the one that load steps arrive at, as far as gaps are known: offsets may hold strands 1e-6 radii apart; from where the loop lies on its
-        // mesh, which rounding decides at the branch point: elsewhere on it the ripple of the mesh makes 1e-5 of the force
+        // the state at 1.6 is the one that load steps arrive at, as far as gaps are known: offsets may hold strands
+        // 1e-6 radii apart; from where the loop lies on its mesh, which rounding decides at the branch point: elsewhere
+        // on it the ripple of the mesh makes 1e-5 of the force
         let mut stepped = ring_at_the_root(1.5, 1e8, Contact::default(), diameter);
         *stepped.options_mut() = Options::default();
         stepped.engine_mut().set_state(followed).unwrap();

@@ -8,31 +8,39 @@
 //!   circle      1 point     2 points      3 points       line + 2 points
 //! ```
 //!
-//! A naturally straight isotropic rod, L = 1, B = 1, C = 1.5, diameters D/L = .03 and .01, is closed into a flat circle and
-//! turned by the excess link ΔLk. It is followed under a soft penalty on 96 cubic elements through whatever states the engine finds, without any symmetry
-//! imposed. Near an event each state is interpolated to meshes of twice the elements, once or four times, and brought to rest there under penalties raised to
-//! κ = 1e14 B/L⁴ (penetration below 1e-6 D). EA = GA = 1e9 B/L²: their effect is about 1e-6, but for the last event of the thick ring.
+//! A naturally straight isotropic rod, L = 1, B = 1, C = 1.5, diameters D/L = .03 and .01, is closed into a flat circle
+//! and turned by the excess link ΔLk. It is followed under a soft penalty on 96 cubic elements through whatever states
+//! the engine finds, without any symmetry imposed. Near an event each state is interpolated to meshes of twice the
+//! elements, once or four times, and brought to rest there under penalties raised to κ = 1e14 B/L⁴ (penetration below
+//! 1e-6 D). EA = GA = 1e9 B/L²: their effect is about 1e-6, but for the last event of the thick ring.
 //!
-//! Reference: writhe, torque M₃L/(2πB) and bending energy of the Kirchhoff rod (inextensible, unshearable, hard contact) at the four events, by
-//! shooting (`common/kirchhoff_ring.rs`), which a test here compares with an earlier computation, five decimals. ΔLk = Wr + (M₃L/2πB)(B/C).
+//! Reference: writhe, torque M₃L/(2πB) and bending energy of the Kirchhoff rod (inextensible, unshearable, hard
+//! contact) at the four events, by shooting (`common/kirchhoff_ring.rs`), which a test here compares with an earlier
+//! computation, five decimals. ΔLk = Wr + (M₃L/2πB)(B/C).
 //!
-//! What vanishes at an event is extrapolated to it from states on one side (polynomial through six, each half as far from the event as the one before):
+//! What vanishes at an event is extrapolated to it from states on one side (polynomial through six, each half as far
+//! from the event as the one before):
 //! * first contact, two → three: the force of the contact in the middle, from the side where it is; it starts linearly;
-//! * one → two, three → line: the smaller eigenvalue of the Hessian of the distance |r(s) − r(t)| at the contact point in the middle.
-//!   With positive curvature of the gap one point carries the force; at zero it opens to two points or a line. The
-//!   curvature of the rods there is extrapolated from the elements left and right, so that what the spread force does to it between
-//!   them (∝ κ^(−1/3)) does not enter.
+//! * one → two, three → line: the smaller eigenvalue of the Hessian of the distance |r(s) − r(t)| at the contact point
+//!   in the middle. With positive curvature of the gap one point carries the force; at zero it opens to two points or a
+//!   line. The curvature of the rods there is extrapolated from the elements left and right, so that what the spread
+//!   force does to it between them (∝ κ^(−1/3)) does not enter.
 //!
-//! What the states themselves are off by is the penetration, ∝ κ^(−2/3) at a point, which two laws a decade apart tell and Richardson's rule takes away; and the
-//! elements' compliance to forces that lie inside them, ∝ h³ and dependent on where they lie. Of writhe and torque this leaves 1e-6, and one → two, where the contact lies on a
-//! node, is found as well on 192 elements as on 1536. But the gap in the middle is so small between two and three points that a hundredth of that moves the later
-//! events: by 1e-4 on 192 elements; on 768 two → three by 1e-5, three → line by 6e-5 at most; on 1536 by 1e-6 and 1e-6 … 8e-6. What the latter is made of was found by
-//! comparing the eigenvalue in states with three points with shooting, state by state (thick ring, ΔLk 2.345 … 2.3793, divided by its slope, 1.8 per turn). Stretch and shear: 9e-6 of ΔLk at EA = GA = 1e9, ten
-//! times as much at 1e8 (a strain N/EA changes D/L by 1e-8, and the gap in the middle with it). The mesh: a wave in the place of the outer contacts within their elements, of mean zero,
-//! ± 3e-5 on 768 elements, ± 5e-6 on 1536. The law: less than 1e-6 after Richardson's rule. So EA = 1e10 alone does not reach 1e-6 (on 1536 elements two → three was then 2e-6 off);
-//! with 3072 elements it brings three → line from 8e-6 to 2.7e-6 in writhe, 5e-6 to 1.6e-6 in torque. The curvature is taken from elements
-//! outside the layer (B/κ)^¼ of the law (with those beside the contact one → two got worse with refinement: 3e-8, 6e-7, 3e-6 on 192, 384, 768 elements). A polynomial through the
-//! last four states left 7e-6 of one → two of the thin ring, whose writhe turns steeply there; through all six it leaves 2e-6.
+//! What the states themselves are off by is the penetration, ∝ κ^(−2/3) at a point, which two laws a decade apart tell
+//! and Richardson's rule takes away; and the elements' compliance to forces that lie inside them, ∝ h³ and dependent on
+//! where they lie. Of writhe and torque this leaves 1e-6, and one → two, where the contact lies on a node, is found as
+//! well on 192 elements as on 1536. But the gap in the middle is so small between two and three points that a hundredth
+//! of that moves the later events: by 1e-4 on 192 elements; on 768 two → three by 1e-5, three → line by 6e-5 at most;
+//! on 1536 by 1e-6 and 1e-6 … 8e-6. What the latter is made of was found by comparing the eigenvalue in states with
+//! three points with shooting, state by state (thick ring, ΔLk 2.345 … 2.3793, divided by its slope, 1.8 per turn).
+//! Stretch and shear: 9e-6 of ΔLk at EA = GA = 1e9, ten times as much at 1e8 (a strain N/EA changes D/L by 1e-8, and
+//! the gap in the middle with it). The mesh: a wave in the place of the outer contacts within their elements, of mean
+//! zero, ± 3e-5 on 768 elements, ± 5e-6 on 1536. The law: less than 1e-6 after Richardson's rule. So EA = 1e10 alone
+//! does not reach 1e-6 (on 1536 elements two → three was then 2e-6 off); with 3072 elements it brings three → line from
+//! 8e-6 to 2.7e-6 in writhe, 5e-6 to 1.6e-6 in torque. The curvature is taken from elements outside the layer (B/κ)^¼
+//! of the law (with those beside the contact one → two got worse with refinement: 3e-8, 6e-7, 3e-6 on 192, 384, 768
+//! elements). A polynomial through the last four states left 7e-6 of one → two of the thin ring, whose writhe turns
+//! steeply there; through all six it leaves 2e-6.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -140,7 +148,8 @@ impl Ring {
         hard
     }
 
-    /// Where the indicator vanishes: from states at two excess links, then half the way towards where it seems to, four times.
+    /// Where the indicator vanishes: from states at two excess links, then half the way towards where it seems to, four
+    /// times.
     fn locate(&mut self, from: [f64; 2], indicator: Indicator) -> Numbers {
         let mut states: Vec<Numbers> = from.iter().map(|&link| self.hard(link, indicator)).collect();
         let at_zero = |states: &[Numbers], value: usize| {
@@ -215,8 +224,8 @@ const EVENTS: [(Event, &str); 4] = [
     (Event::ThreeToLine, "three points → line"),
 ];
 
-/// Follows the ring, locates the events that tolerances are given for, and compares writhe and torque; energy, which changes by twice as much along
-/// the path, to twice the tolerance.
+/// Follows the ring, locates the events that tolerances are given for, and compares writhe and torque; energy, which
+/// changes by twice as much along the path, to twice the tolerance.
 fn compare(case: &Case, fineness: Fineness, tolerances: &[Option<f64>]) {
     let diameter = case.diameter;
     let mut ring = Ring::new(diameter, fineness);

@@ -1,4 +1,5 @@
-//! The twisted closed ring at thicknesses that no table has: D/L = .005, .02, .05, in a state with one point of contact, with two, with three, and beyond.
+//! The twisted closed ring at thicknesses that no table has: D/L = .005, .02, .05, in a state with one point of
+//! contact, with two, with three, and beyond.
 //!
 //! ```text
 //!    _  _        _  _          _   _          _   _
@@ -7,12 +8,16 @@
 //!   1 point     2 points      3 points       line + 2 points
 //! ```
 //!
-//! L = 1, B = 1, C = 1.5, EA = GA = 1e8 B/L², cubic elements, augmented Lagrangian. The excess links are midway between the events of the Kirchhoff rod with hard contact, which are found by shooting
-//! (`common/kirchhoff_ring.rs`), and so are writhe, twisting moment and contact force there. Three points are a narrow range: .15 turns of excess link on the thin ring, .03 on the thick one.
+//! L = 1, B = 1, C = 1.5, EA = GA = 1e8 B/L², cubic elements, augmented Lagrangian. The excess links are midway between
+//! the events of the Kirchhoff rod with hard contact, which are found by shooting (`common/kirchhoff_ring.rs`), and so
+//! are writhe, twisting moment and contact force there. Three points are a narrow range: .15 turns of excess link on
+//! the thin ring, .03 on the thick one.
 //!
-//! Thin and thick rings have the default contact stiffness, by the mesh (`ContactLaw::ByMesh`). One and the same number does not do for both: κ' = 100 on the thin ring's 96 elements shows points
-//! for lines (nodes are 4.4 layers (B/κ)^¼ apart), on the thick ring's 128 two points for three, .036 L apart and its layer .008 L (writhe 7e-4 off; the moment of the state with two 5e-3 off).
-//! Two layers from node to node are the limit: on the ring between, 96 elements, the default shows the line in two parts, from .0002 L to .02 L on each side of its middle, with energies and forces as
+//! Thin and thick rings have the default contact stiffness, by the mesh (`ContactLaw::ByMesh`). One and the same number
+//! does not do for both: κ' = 100 on the thin ring's 96 elements shows points for lines (nodes are 4.4 layers (B/κ)^¼
+//! apart), on the thick ring's 128 two points for three, .036 L apart and its layer .008 L (writhe 7e-4 off; the moment
+//! of the state with two 5e-3 off). Two layers from node to node are the limit: on the ring between, 96 elements, the
+//! default shows the line in two parts, from .0002 L to .02 L on each side of its middle, with energies and forces as
 //! exact; κ' = 100, 1.1 layers, shows one.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests

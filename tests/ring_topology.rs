@@ -1,4 +1,5 @@
-//! How the contact of the closed twisted ring looks as its link is raised: one point, two, three, a line between two points.
+//! How the contact of the closed twisted ring looks as its link is raised: one point, two, three, a line between two
+//! points.
 //!
 //! ```text
 //!    _  _        _  _          _   _          _   _
@@ -7,12 +8,14 @@
 //!   1 point     2 points      3 points       line + 2 points
 //! ```
 //!
-//! L = 1, B = 1, C = 1.5, EA = GA = 1e7 B/L², cubic elements, D/L = .01 and .03. Reported points and lines must be those of hard contact: the events
-//! lie at ΔLk = 1.9464, 2.4593, 2.5814 (D/L = .01) and 1.9126, 2.3205, 2.3804 (.03), from writhe and torque of the Kirchhoff rod
-//! (Coleman & Swigon 2000; values recomputed by shooting). Under laws of very different stiffness: what is a point must not depend on it.
+//! L = 1, B = 1, C = 1.5, EA = GA = 1e7 B/L², cubic elements, D/L = .01 and .03. Reported points and lines must be
+//! those of hard contact: the events lie at ΔLk = 1.9464, 2.4593, 2.5814 (D/L = .01) and 1.9126, 2.3205, 2.3804 (.03),
+//! from writhe and torque of the Kirchhoff rod (Coleman & Swigon 2000; values recomputed by shooting). Under laws of
+//! very different stiffness: what is a point must not depend on it.
 //!
-//! Second: a ring under pressure. The zone of its point contact at the load at which it opens into a line (10.336033 B/R³ for no thickness,
-//! 10.32919 for D/R = .001, `tests/planar_touch.rs`) must be 2 · 1.0955 (2B/κ)^¼ long (see `observe::sites`), whatever κ.
+//! Second: a ring under pressure. The zone of its point contact at the load at which it opens into a line (10.336033
+//! B/R³ for no thickness, 10.32919 for D/R = .001, `tests/planar_touch.rs`) must be 2 · 1.0955 (2B/κ)^¼ long (see
+//! `observe::sites`), whatever κ.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -109,7 +112,8 @@ fn thick_ring_under_penalties() {
     under_penalties(128, 0.03, THICK, 11..=11);
 }
 
-/// The default law: gaps closed to 1e-8 ε by offsets. κ ε⁴/B = 100: 1.6e11 B/L⁴ for the thin ring, 2e9 for the thick one.
+/// The default law: gaps closed to 1e-8 ε by offsets. κ ε⁴/B = 100: 1.6e11 B/L⁴ for the thin ring, 2e9 for the thick
+/// one.
 fn under_the_default_law(elements: usize, diameter: f64, expected: Expected) {
     let mut solver = ring(elements, diameter, Contact::default().law);
     let (mut iterations, mut augmentations) = (0, 0);
@@ -135,7 +139,8 @@ fn thin_ring_under_the_default_law() {
 /// Middle contacts within two contact distances of the outer ones: nothing else may be reported beside them.
 #[test]
 fn thick_ring_under_the_default_law() {
-    // at 2.41 the line is .010 L long: under κ' = 100 the longest point is .018 L; by the mesh κ' = 10⁴ and it is .006 L
+    // at 2.41 the line is .010 L long: under κ' = 100 the longest point is .018 L; by the mesh κ' = 10⁴ and it is .006
+    // L
     under_the_default_law(128, 0.03, THICK);
 }
 

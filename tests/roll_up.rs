@@ -1,9 +1,9 @@
 //! A cantilever rolled into a full circle by an end moment, in ONE load step.
 //!
-//! Set-up: a straight rod of length L = 1 along x, clamped at the origin, with the end moment 2πB/L about z. Closed form: a
-//! circle of circumference L, the tip back at the clamp; k times the moment, k circles. (Simo & Vu-Quoc 1986, §5.1.)
-//! Parameters: B = 1, slenderness L/ε from 1e1 to 1e6 through EA = 4B/ε², GA = 2B/ε² (a solid disc, E = 2G); orders 1, 2, 3.
-//! Required: at most 10 iterations, the error of the tip falls with orders 2, 4, 6.
+//! Set-up: a straight rod of length L = 1 along x, clamped at the origin, with the end moment 2πB/L about z. Closed
+//! form: a circle of circumference L, the tip back at the clamp; k times the moment, k circles. (Simo & Vu-Quoc 1986,
+//! §5.1.) Parameters: B = 1, slenderness L/ε from 1e1 to 1e6 through EA = 4B/ε², GA = 2B/ε² (a solid disc, E = 2G);
+//! orders 1, 2, 3. Required: at most 10 iterations, the error of the tip falls with orders 2, 4, 6.
 //!
 //! A moment about a fixed axis has no potential in space, so the search in space takes whatever equilibrium it finds
 //! (the inertia of the symmetrised tangent says nothing about stability there); in the plane it has one.
@@ -59,9 +59,9 @@ fn a_full_circle_in_space_takes_one_step_and_at_most_ten_iterations() {
     full_circles(false, &[(1, 16), (2, 8), (3, 4)], &SLENDERNESS);
 }
 
-/// On 48 nodes at slenderness 1e6 the linear solve has one or two digits: how many iterations there are, and whether one step will do at all, differs from load to
-/// load within rounding (of 500 loads 16 cubic elements took 9 or fewer in 42 %, 10 in 32 %, more in 17 %, and 10 % did not come to rest). So there the
-/// middle of many loads is told.
+/// On 48 nodes at slenderness 1e6 the linear solve has one or two digits: how many iterations there are, and whether
+/// one step will do at all, differs from load to load within rounding (of 500 loads 16 cubic elements took 9 or fewer
+/// in 42 %, 10 in 32 %, more in 17 %, and 10 % did not come to rest). So there the middle of many loads is told.
 #[test]
 fn finer_meshes_take_no_more_iterations() {
     let meshes = [(1, 48), (2, 24), (3, 16)];
@@ -77,8 +77,8 @@ fn finer_meshes_take_no_more_iterations() {
     }
 }
 
-/// Whether the tip meets the clamp does not show every error (a regular polygon of two-node elements closes exactly), so the
-/// order is that of the tip's distance from its exact place at a moment of 0.9 circles, where nothing closes.
+/// Whether the tip meets the clamp does not show every error (a regular polygon of two-node elements closes exactly),
+/// so the order is that of the tip's distance from its exact place at a moment of 0.9 circles, where nothing closes.
 #[test]
 fn the_tip_converges_with_twice_the_order_whatever_the_slenderness() {
     for (order, coarse, expected) in [(1, 12), (2, 6), (3, 4)].map(|(p, n)| (p, n, 2.0 * p as f64)) {

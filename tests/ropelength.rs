@@ -1,4 +1,5 @@
-//! Knots and links pulled tight: ropelength against that of the ideal shapes (Pierański 1998; Cantarella, Kusner & Sullivan 2002).
+//! Knots and links pulled tight: ropelength against that of the ideal shapes (Pierański 1998; Cantarella, Kusner &
+//! Sullivan 2002).
 //!
 //! ```text
 //!       __              ropelength = length / (2 × thickness)
@@ -7,20 +8,22 @@
 //!   \__/  \__/
 //! ```
 //!
-//! Set-up: closed rods of contact radius 1, B = C = 1, EA = GA = 1e4, so that they hardly stretch, start as loose knots longer than their natural
-//! length: relaxing pulls them tight (the figure-eight by ever smaller natural lengths). Penalty of 3e3, then 3e4 B/ε⁴, where the strands sink in by
-//! some 1e-5. The link put in is the start shape's writhe.
+//! Set-up: closed rods of contact radius 1, B = C = 1, EA = GA = 1e4, so that they hardly stretch, start as loose knots
+//! longer than their natural length: relaxing pulls them tight (the figure-eight by ever smaller natural lengths).
+//! Penalty of 3e3, then 3e4 B/ε⁴, where the strands sink in by some 1e-5. The link put in is the start shape's writhe.
 //!
-//! The thickness is that of the contact centreline, a piecewise cubic curve with a continuous tangent, and certified: half the lower bound of the
-//! clearance (branch and bound), and an upper bound of the curvature |c′ × c″|/|c′|³ by Bernstein coefficients on sixteenths of the cubics. Its length
-//! is bounded from above by the control polygons of these. So what is reported is an upper bound of the ropelength of the knot type,
-//! whatever the solver did.
+//! The thickness is that of the contact centreline, a piecewise cubic curve with a continuous tangent, and certified:
+//! half the lower bound of the clearance (branch and bound), and an upper bound of the curvature |c′ × c″|/|c′|³ by
+//! Bernstein coefficients on sixteenths of the cubics. Its length is bounded from above by the control polygons of
+//! these. So what is reported is an upper bound of the ropelength of the knot type, whatever the solver did.
 //!
-//! References: Hopf link 4π (exact: two circles through each other's centre), chain of three 6π + 2 (exact), trefoil 16.3715, figure-eight 21.044 (known numerically). What the figures measure is how far
-//! the knots were pulled: the ropelength found is the natural length over two thicknesses, to 1e-4, since the rods hardly stretch and the strands hardly sink in. Closer to the ideal
-//! than some tenth of a percent the search does not come to rest. Where a strand is wound about another at a radius of curvature of the contact
-//! distance, the ideal Hopf link everywhere and the others in places, all its points are as far from the other's centreline: the foot of the
-//! projection from there is not unique, jumps with the smallest motion, and the contact force with it.
+//! References: Hopf link 4π (exact: two circles through each other's centre), chain of three 6π + 2 (exact), trefoil
+//! 16.3715, figure-eight 21.044 (known numerically). What the figures measure is how far the knots were pulled: the
+//! ropelength found is the natural length over two thicknesses, to 1e-4, since the rods hardly stretch and the strands
+//! hardly sink in. Closer to the ideal than some tenth of a percent the search does not come to rest. Where a strand is
+//! wound about another at a radius of curvature of the contact distance, the ideal Hopf link everywhere and the others
+//! in places, all its points are as far from the other's centreline: the foot of the projection from there is not
+//! unique, jumps with the smallest motion, and the contact force with it.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -61,8 +64,8 @@ fn length_bound(cubic: &Cubic) -> f64 {
     parts(cubic).map(|part| part.edges().iter().map(Vec3::norm).sum::<f64>()).sum()
 }
 
-/// Upper bound of the curvature. With the edges e of the control polygon, c′ has the Bernstein coefficients 3e, and c′ × c″ the three 18 e0 × e1,
-/// 9 e0 × e2, 18 e1 × e2; |c′| is at least its component along the chord.
+/// Upper bound of the curvature. With the edges e of the control polygon, c′ has the Bernstein coefficients 3e, and c′
+/// × c″ the three 18 e0 × e1, 9 e0 × e2, 18 e1 × e2; |c′| is at least its component along the chord.
 fn curvature_bound(cubic: &Cubic) -> f64 {
     let bound = |part: Cubic| {
         let [e0, e1, e2] = part.edges();
@@ -76,7 +79,8 @@ fn curvature_bound(cubic: &Cubic) -> f64 {
     parts(cubic).map(bound).fold(0.0, f64::max)
 }
 
-/// Length, thickness and what the thickness is made of, all certified, of closed rods pulled to their natural length from start shapes that are longer.
+/// Length, thickness and what the thickness is made of, all certified, of closed rods pulled to their natural length
+/// from start shapes that are longer.
 struct Tight {
     ropelength: f64,
     half_distance: f64,
@@ -155,8 +159,9 @@ fn figure_eight() {
     compare("tight figure-eight", &tight, 21.044, 0.01);
 }
 
-/// Pulled beyond what the search can bring to rest: trefoils whose natural length is that of the ideal one and less, so that they must stretch. Not at rest is what the
-/// status says, or the state is at rest and no tighter than the ideal knot.
+/// Pulled beyond what the search can bring to rest: trefoils whose natural length is that of the ideal one and less, so
+/// that they must stretch. Not at rest is what the status says, or the state is at rest and no tighter than the ideal
+/// knot.
 #[test]
 fn tighter_knots_do_not_pretend_to_rest() {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1.0);
@@ -194,7 +199,8 @@ fn hopf_link() {
     compare("tight Hopf link", &tight, 4.0 * PI, 0.01);
 }
 
-/// Three rings in a row: circles of radius 2 at the ends, and in the middle a stadium about two strands that touch (Cantarella, Kusner & Sullivan 2002).
+/// Three rings in a row: circles of radius 2 at the ends, and in the middle a stadium about two strands that touch
+/// (Cantarella, Kusner & Sullivan 2002).
 #[test]
 #[ignore = "slow: half a minute, rings that swing"]
 fn chain_of_three() {

@@ -1,4 +1,5 @@
-//! Scene files: what is accepted means what it says, what is refused is refused with the key, the value and what is allowed.
+//! Scene files: what is accepted means what it says, what is refused is refused with the key, the value and what is
+//! allowed.
 
 use std::path::Path;
 
@@ -262,8 +263,8 @@ fn unfit_plectonemes_and_knots_are_refused() {
     assert!(knot("[2, 4]").unwrap_err().to_string().contains("rods.dna.shape.windings: (2, 4) is a link of 2"));
 }
 
-/// One word sets what is left open; what is given wins. (Meshes: three, eight, sixteen elements a turn, 1 + 3 turns here; nodes within 2, 0.7, 0.25 of the contact
-/// distance of 5, on 114.24.)
+/// One word sets what is left open; what is given wins. (Meshes: three, eight, sixteen elements a turn, 1 + 3 turns
+/// here; nodes within 2, 0.7, 0.25 of the contact distance of 5, on 114.24.)
 #[test]
 fn a_fidelity_sets_what_is_left_open() {
     let scene = |fidelity: &str, from: &str, to: &str| {

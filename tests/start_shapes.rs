@@ -51,8 +51,8 @@ fn shapes() -> Vec<(&'static str, Shape, f64, usize)> {
     ]
 }
 
-/// The link is measured as by an observer, on a fine polygon of the contact centreline with the elements' own frames; the twist is the
-/// difference to the writhe and lies evenly along the rod.
+/// The link is measured as by an observer, on a fine polygon of the contact centreline with the elements' own frames;
+/// the twist is the difference to the writhe and lies evenly along the rod.
 #[test]
 fn link_is_what_was_asked_for() {
     for (name, shape, radius, elements) in shapes() {
@@ -145,8 +145,8 @@ fn plectonemes_do_not_penetrate() {
                 assert!(found.upper - found.lower < 1e-8 && found.upper < 1e-8, "{found:?}");
                 -found.lower
             };
-            // the cubics between nodes are off by the cube of their spacing where helix and loop meet: third derivatives jump
-            // there, by 3 at most with these loops
+            // the cubics between nodes are off by the cube of their spacing where helix and loop meet: third
+            // derivatives jump there, by 3 at most with these loops
             for num in [200_u32, 800] {
                 let bound = 0.05 * (160.0 / f64::from(num)).powi(3) + 1e-8;
                 let found = overlap(num as usize);

@@ -1,4 +1,5 @@
-//! Runs that are stopped, killed or damaged: what goes on from a checkpoint ends with the same bits as what never stopped.
+//! Runs that are stopped, killed or damaged: what goes on from a checkpoint ends with the same bits as what never
+//! stopped.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -273,9 +274,9 @@ fn wait_for(file: &Path, child: &mut Child) {
     }
 }
 
-/// Killed where it happens to be (at the end of the wait it has been in a step for a while that differs from one machine and one
-/// moment to the next), resumed and killed again, three times; then left to end. The mesh is fine enough for the steps after the last kill to take far longer
-/// than the wait.
+/// Killed where it happens to be (at the end of the wait it has been in a step for a while that differs from one
+/// machine and one moment to the next), resumed and killed again, three times; then left to end. The mesh is fine
+/// enough for the steps after the last kill to take far longer than the wait.
 #[test]
 fn a_killed_program_goes_on() {
     let dir = folder("killed");

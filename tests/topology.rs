@@ -152,7 +152,8 @@ fn same_bits_for_any_number_of_threads() {
     assert_eq!(run(1), run(5));
 }
 
-/// A tangled closed polygon of random corners: the two ways to the writhe agree, and the open sum approaches the closed.
+/// A tangled closed polygon of random corners: the two ways to the writhe agree, and the open sum approaches the
+/// closed.
 #[test]
 fn random_polygon_has_integer_link() {
     let mut random = Random(3);

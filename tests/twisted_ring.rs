@@ -1,8 +1,8 @@
 //! The twisted closed ring in self-contact, C/B = 1.5, from the flat circle by ramping excess link.
 //!
 //! A naturally straight isotropic rod of length L = 1, B = 1, closed into a flat circle; its ends are turned against
-//! each other before closing (excess link ΔLk). Past ΔLk = √3·B/C the circle is unstable, the ring folds into a figure-eight that
-//! touches itself in one point, then in two, three, then along a line between two isolated points.
+//! each other before closing (excess link ΔLk). Past ΔLk = √3·B/C the circle is unstable, the ring folds into a
+//! figure-eight that touches itself in one point, then in two, three, then along a line between two isolated points.
 //!
 //! Reference: Kirchhoff rod (inextensible, unshearable) with hard contact, recomputed by shooting; forces in B/L²,
 //! energies in B/L. Stretch and shear stiffness 1e8 B/L² take the comparison to about 1e-5.
@@ -132,8 +132,8 @@ fn plectoneme_of_the_thick_ring() {
     verify_plectoneme(&seen, 0.03, [3.03002, 2.32740, 8.38007], 1e-3);
 }
 
-/// Raising the penalty tenfold costs at most six Newton steps where all contacts are points, mostly three, and at most eight along a line, each search ending superlinearly;
-/// at κ = 1e14 the force is the hard one.
+/// Raising the penalty tenfold costs at most six Newton steps where all contacts are points, mostly three, and at most
+/// eight along a line, each search ending superlinearly; at κ = 1e14 the force is the hard one.
 #[test]
 fn decades_of_the_penalty_converge_superlinearly() {
     let penalty = |kappa: f64| move |radius4: f64| ContactLaw::Penalty { stiffness: kappa * radius4 };
@@ -164,8 +164,9 @@ fn decades_of_the_penalty_converge_superlinearly() {
     }
 }
 
-/// The last step gains all but two digits, and either the last two together three and a half or the last more than twice what the one before
-/// gained (searches so short that the tolerance is met on the way down). A linear rate (.95 with sloppy zone ends) or a limit cycle fails.
+/// The last step gains all but two digits, and either the last two together three and a half or the last more than
+/// twice what the one before gained (searches so short that the tolerance is met on the way down). A linear rate (.95
+/// with sloppy zone ends) or a limit cycle fails.
 fn assert_superlinear(report: &StepReport, excess_link: f64, decade: i32) {
     let sizes: Vec<f64> = report.history.iter().flatten().map(|i| i.increment).collect();
     let [.., e1, e2, e3] = sizes[..] else { return };
@@ -173,8 +174,8 @@ fn assert_superlinear(report: &StepReport, excess_link: f64, decade: i32) {
     assert!(e3 <= 2e-2 * e2 && falls, "ΔLk {excess_link} κ 1e{decade}: {sizes:?}");
 }
 
-/// A load step far too long: from the flat ring to line contact at once. Wherever it ends, no strand has passed another: the link
-/// measured on the curve is the one prescribed (a passage changes it by two).
+/// A load step far too long: from the flat ring to line contact at once. Wherever it ends, no strand has passed
+/// another: the link measured on the curve is the one prescribed (a passage changes it by two).
 #[test]
 fn a_careless_step_does_not_change_the_link() {
     for excess_link in [2.0, 3.0, -3.0] {
@@ -186,8 +187,9 @@ fn a_careless_step_does_not_change_the_link() {
     }
 }
 
-/// One step from one point of contact far past its split into two, on fine meshes. (Symptom before: `Penetration`. Under the deepest core law two points a few radii apart,
-/// with a shallow gap between them, took turns: each offset went by the smallest gap within a contact distance, and so by the other point's.)
+/// One step from one point of contact far past its split into two, on fine meshes. (Symptom before: `Penetration`.
+/// Under the deepest core law two points a few radii apart, with a shallow gap between them, took turns: each offset
+/// went by the smallest gap within a contact distance, and so by the other point's.)
 #[test]
 fn a_step_past_the_split_comes_to_rest() {
     for elements in [96, 144] {

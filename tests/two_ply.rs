@@ -7,16 +7,18 @@
 //!    ▌══╱  ╲══╱  ╲══╱  ╲══╱  ╲══▐
 //! ```
 //!
-//! Two naturally straight rods, B = 1, C = 1, ε = 1, start as the two strands of a right-handed double helix with nine tenths of
-//! the twist below, clamped at their ends in its directions, one end of each free to slide. They are twisted further by turning these ends
-//! about their own axes until the pair carries no torque about z: then no net force and no net moment crosses a section, as in a plectoneme with a
-//! free end loop.
+//! Two naturally straight rods, B = 1, C = 1, ε = 1, start as the two strands of a right-handed double helix with nine
+//! tenths of the twist below, clamped at their ends in its directions, one end of each free to slide. They are twisted
+//! further by turning these ends about their own axes until the pair carries no torque about z: then no net force and
+//! no net moment crosses a section, as in a plectoneme with a free end loop.
 //!
-//! Contact by a penalty of 100 B/ε⁴: the strands sink into each other by p/κ, of the order of 1e-3 ε, and R is what is then measured.
+//! Contact by a penalty of 100 B/ε⁴: the strands sink into each other by p/κ, of the order of 1e-3 ε, and R is what is
+//! then measured.
 //!
-//! Exact, with α, R of the middle of the pair: twisting moment M = 2B sin³α cosα/(R cos 2α), contact force per length
-//! p = B sin⁴α/(R³ cos 2α), and F = (B sin⁴α/R²)(½ + 1/cos 2α), the tension of tails that go on straight from such a ply: contact without
-//! friction leaves n·t + ½Bκ² + M²/2C the same along a strand, so F = n·t + ½Bκ² is measured inside the ply.
+//! Exact, with α, R of the middle of the pair: twisting moment M = 2B sin³α cosα/(R cos 2α), contact force per length p
+//! = B sin⁴α/(R³ cos 2α), and F = (B sin⁴α/R²)(½ + 1/cos 2α), the tension of tails that go on straight from such a ply:
+//! contact without friction leaves n·t + ½Bκ² + M²/2C the same along a strand, so F = n·t + ½Bκ² is measured inside the
+//! ply.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -69,8 +71,8 @@ struct Ply {
     pressure: f64,
 }
 
-/// A pressure that turns by `angle` from node to node, weighted with a node's Hermite function and summed, over its size: the nodal
-/// force is shorter than the force along the arc that it stands for.
+/// A pressure that turns by `angle` from node to node, weighted with a node's Hermite function and summed, over its
+/// size: the nodal force is shorter than the force along the arc that it stands for.
 fn lumping(angle: f64) -> f64 {
     let rule = supercoil::math::quadrature::gauss(5);
     let value = |x: f64| (1.0 - 3.0 * x * x + 2.0 * x * x * x) * (angle * x).cos();

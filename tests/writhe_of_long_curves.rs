@@ -1,4 +1,5 @@
-//! Writhe of long closed curves: crossings of one projection against the exact double sum; a published value; the growth of the cost.
+//! Writhe of long closed curves: crossings of one projection against the exact double sum; a published value; the
+//! growth of the cost.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -47,7 +48,8 @@ fn random_walk(n: usize, seed: u64) -> Vec<Vec3> {
     (0..n).map(|k| points[k] - drift * k as f64).collect()
 }
 
-/// Walks that cross themselves everywhere, tight plectonemes, knots: the two ways agree to rounding, |error| ≤ 1e-10 turns.
+/// Walks that cross themselves everywhere, tight plectonemes, knots: the two ways agree to rounding, |error| ≤ 1e-10
+/// turns.
 #[test]
 fn crossings_agree_with_the_double_sum() {
     let mut curves: Vec<(String, Vec<Vec3>)> = Vec::new();
@@ -68,8 +70,8 @@ fn crossings_agree_with_the_double_sum() {
     }
 }
 
-/// The smooth (2, 3) torus knot ((2 + cos 3t) cos 2t, (2 + cos 3t) sin 2t, sin 3t); the reference by the Gauss integral, spectrally
-/// converged.
+/// The smooth (2, 3) torus knot ((2 + cos 3t) cos 2t, (2 + cos 3t) sin 2t, sin 3t); the reference by the Gauss
+/// integral, spectrally converged.
 #[test]
 fn torus_knot_to_ten_digits() {
     let sample = |u: f64| {

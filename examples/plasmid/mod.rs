@@ -1,4 +1,5 @@
-//! A plasmid of a scene file brought from the flat circle to its excess link, and the middle of its plectoneme beside the closed forms.
+//! A plasmid of a scene file brought from the flat circle to its excess link, and the middle of its plectoneme beside
+//! the closed forms.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -28,7 +29,8 @@ pub struct Summary {
     pub num_unstable: usize,
     /// Half the distance of the strands at the middle of the longest line of contact, and the contact radius.
     pub superhelix_radius: [f64; 2],
-    /// Angle of the strands to the axis there; that which the twisting moment asks for; that of an endless plectoneme of the whole link.
+    /// Angle of the strands to the axis there; that which the twisting moment asks for; that of an endless plectoneme
+    /// of the whole link.
     pub superhelix_angle: [f64; 3],
     /// 2πR/tan α, from the first and the second of these angles.
     pub pitch: [f64; 2],

@@ -9,8 +9,8 @@ pub(crate) fn ascending(arc: [f64; 2]) -> [f64; 2] {
     [arc[0].min(arc[1]), arc[0].max(arc[1])]
 }
 
-/// How far two ascending arcs are from each other; negative by how much they overlap. Of all shifts the one that brings the middles together has the best
-/// chance.
+/// How far two ascending arcs are from each other; negative by how much they overlap. Of all shifts the one that brings
+/// the middles together has the best chance.
 pub(crate) fn apart(x: [f64; 2], y: [f64; 2], period: Option<f64>) -> f64 {
     let distance = (near(middle(y), middle(x), period) - middle(x)).abs();
     distance - 0.5 * (x[1] - x[0] + y[1] - y[0])

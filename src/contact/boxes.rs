@@ -1,4 +1,5 @@
-//! Four f32 boxes side by side (structure of arrays), so that one box is tested against four at once: the leaves of the broad phase's tree.
+//! Four f32 boxes side by side (structure of arrays), so that one box is tested against four at once: the leaves of the
+//! broad phase's tree.
 
 /// Boxes of a block.
 pub(crate) const WIDTH: usize = 4;

@@ -1,28 +1,32 @@
-//! Broad phase: candidate segment pairs from a bounding-volume tree (parry3d; the only file that names it), kept while nothing has
-//! moved far.
+//! Broad phase: candidate segment pairs from a bounding-volume tree (parry3d; the only file that names it), kept while
+//! nothing has moved far.
 //!
-//! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: far offsets and odd units cost
-//! nothing, a pair is never lost. A leaf is a run of up to four consecutive segments of one curve: curves are sorted by themselves, so
-//! the tree needs a quarter of the nodes, and two leaves are compared segment by segment in vector lanes. Leaf pairs along a strand all of
-//! whose segments are excluded are dropped by one comparison as the tree is traversed. The tree is refitted while its boxes stay as tight as when
-//! it was built; which pairs are found does not depend on its shape.
+//! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: far offsets and
+//! odd units cost nothing, a pair is never lost. A leaf is a run of up to four consecutive segments of one curve:
+//! curves are sorted by themselves, so the tree needs a quarter of the nodes, and two leaves are compared segment by
+//! segment in vector lanes. Leaf pairs along a strand all of whose segments are excluded are dropped by one comparison
+//! as the tree is traversed. The tree is refitted while its boxes stay as tight as when it was built; which pairs are
+//! found does not depend on its shape.
 //!
 //! **When the list is kept.** It is built for curves that come within `range + margin` of touching. While no control
-//! point has moved more than `margin`/2 since, no distance has shrunk by more than `margin`, so the list still holds every pair within
-//! `range`. Exclusion by turning changes with the geometry too: the list is built with the limit π/2 lowered by 0.25 rad, and is kept
-//! only as long as every pair left out for that reason is still excluded by the present [`Exclusion`] (an exact O(segments) check of how far
-//! each segment's exclusion reaches). So the list is always a superset of the pairs that can hold contact; users still ask
-//! [`Exclusion::excluded`] per pair where they must not see neighbours.
+//! point has moved more than `margin`/2 since, no distance has shrunk by more than `margin`, so the list still holds
+//! every pair within `range`. Exclusion by turning changes with the geometry too: the list is built with the limit π/2
+//! lowered by 0.25 rad, and is kept only as long as every pair left out for that reason is still excluded by the
+//! present [`Exclusion`] (an exact O(segments) check of how far each segment's exclusion reaches). So the list is
+//! always a superset of the pairs that can hold contact; users still ask [`Exclusion::excluded`] per pair where they
+//! must not see neighbours.
 //!
-//! **Order.** Leaf pairs are compared in the order of the tree, in which neighbours in space follow one another, and pass the capsule test while they are
-//! in the cache; the pairs of segments that remain are sorted by counting: the same list for any number of threads.
+//! **Order.** Leaf pairs are compared in the order of the tree, in which neighbours in space follow one another, and
+//! pass the capsule test while they are in the cache; the pairs of segments that remain are sorted by counting: the
+//! same list for any number of threads.
 //!
-//! **Growth.** From 1e4 to 1e6 segments the time per segment grows by a half on crowded inputs and where little else is to do: 1e4 segments live in a
-//! cache of 1 MB, 1e6 (200 bytes a segment are moved by a refit, 60 by a search) in main memory. Tried and left: leaves of sixteen segments in two levels and
-//! leaves renumbered in the order of the tree make a search in a crowd 10 % faster, a refit as much slower, plectonemes 15 % slower.
+//! **Growth.** From 1e4 to 1e6 segments the time per segment grows by a half on crowded inputs and where little else is
+//! to do: 1e4 segments live in a cache of 1 MB, 1e6 (200 bytes a segment are moved by a refit, 60 by a search) in main
+//! memory. Tried and left: leaves of sixteen segments in two levels and leaves renumbered in the order of the tree make
+//! a search in a crowd 10 % faster, a refit as much slower, plectonemes 15 % slower.
 //!
-//! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a segment for boxes and tree, 8 a
-//! pair, and a copy of the control points if `margin` > 0.
+//! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a
+//! segment for boxes and tree, 8 a pair, and a copy of the control points if `margin` > 0.
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
@@ -41,7 +45,8 @@ use crate::math::Vec3;
 const MIN_LEN: usize = 4096;
 /// Leaves or pairs of leaves per task of the search.
 const TASK: usize = 1024;
-/// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders dislike 1 or 2 leaves).
+/// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders
+/// dislike 1 or 2 leaves).
 const SMALL: usize = 8;
 /// A tree whose inner boxes have grown by this factor relative to its leaves is built anew.
 const SPOILT: f64 = 1.5;
@@ -119,14 +124,16 @@ impl BroadPhase {
     }
 
     /// All pairs i < j of segments, sorted, that are not excluded as neighbours and whose curves may come within
-    /// radius_i + radius_j + `range` \[L\] of each other, and some more: a pair up to `margin` \[L\] farther may be listed, one whose capsules are
-    /// provably farther apart is not. `exclusion` must be up to date with `set`.
+    /// radius_i + radius_j + `range` \[L\] of each other, and some more: a pair up to `margin` \[L\] farther may be
+    /// listed, one whose capsules are provably farther apart is not. `exclusion` must be up to date with `set`.
     ///
-    /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds at every call. Rebuilt also when `range`, `margin`, the number of segments
-    /// or the curves (radii, closure) change. The result depends on the calls made, never on the number of threads.
+    /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds at every call. Rebuilt also when `range`,
+    /// `margin`, the number of segments or the curves (radii, closure) change. The result depends on the calls made,
+    /// never on the number of threads.
     ///
     /// # Errors
-    /// [`InputError`] for a control point that is not finite (naming curve and segment), or `range` (may be negative) or `margin` (≥ 0) not finite.
+    /// [`InputError`] for a control point that is not finite (naming curve and segment), or `range` (may be negative)
+    /// or `margin` (≥ 0) not finite.
     pub fn candidates(
         &mut self,
         set: &CurveSet,
@@ -226,8 +233,9 @@ impl BroadPhase {
         self.tree = Some(Tree { bvh, fresh });
     }
 
-    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, in the order of the tree: neighbours in space follow one
-    /// another, so that their boxes and points are still in the cache (sorted by leaf, every second one would be a cache miss in a crowd).
+    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, in the order of the tree:
+    /// neighbours in space follow one another, so that their boxes and points are still in the cache (sorted by leaf,
+    /// every second one would be a cache miss in a crowd).
     fn leaf_pairs(&mut self) -> Vec<[u32; 2]> {
         let (far, firsts) = (&self.far, &self.firsts);
         let num_leaves = (firsts.len() - 1) as u32;
@@ -251,8 +259,8 @@ impl BroadPhase {
         found
     }
 
-    /// Fills the list from the tree: pairs not excluded whose boxes overlap and, if `reach` is given, whose capsules may be within both
-    /// radii + `reach`.
+    /// Fills the list from the tree: pairs not excluded whose boxes overlap and, if `reach` is given, whose capsules
+    /// may be within both radii + `reach`.
     pub(crate) fn search(&mut self, strands: &Strands, exclusion: &Exclusion, reach: Option<f64>) {
         let reaches = exclusion.reduced_reach();
         self.far.clear();
@@ -363,7 +371,8 @@ fn looseness(bvh: &Bvh) -> f64 {
     inner / leaves
 }
 
-/// All pairs of the lists, sorted: counting by the first index (below `rows`), then each row by the second. `starts` is scratch.
+/// All pairs of the lists, sorted: counting by the first index (below `rows`), then each row by the second. `starts` is
+/// scratch.
 fn sort_pairs(lists: &[Vec<[u32; 2]>], rows: usize, starts: &mut Vec<u32>, sorted: &mut Vec<[u32; 2]>) {
     starts.clear();
     starts.resize(rows + 1, 0);
@@ -482,8 +491,8 @@ fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
     (std::array::from_fn(below), std::array::from_fn(above))
 }
 
-/// What [`BroadPhase::candidates`] must contain, by trying all pairs with the capsule bound: those not excluded and perhaps within
-/// radius_i + radius_j + `range`. For tests; O(n²).
+/// What [`BroadPhase::candidates`] must contain, by trying all pairs with the capsule bound: those not excluded and
+/// perhaps within radius_i + radius_j + `range`. For tests; O(n²).
 #[doc(hidden)]
 #[must_use]
 pub fn brute_force_candidates(set: &CurveSet, exclusion: &Exclusion, range: f64) -> Vec<[u32; 2]> {

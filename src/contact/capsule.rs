@@ -8,10 +8,11 @@ const SAFETY: f64 = 64.0 * f64::EPSILON;
 
 /// Squared distance \[L²\] between the segments p0 p1 and q0 q1.
 ///
-/// Smallest of the distances of the four ends from the other segment and, if the lines' common perpendicular meets both, its length.
-/// All tests are relative to the pair's own size, so units and offsets do not matter: correct to a few ulp of (size)² from
-/// 1e-150 to 1e150 \[L\], for parallel and nearly parallel segments and for segments shrunk to points. Beyond, the *square*
-/// under- or overflows; [`segment_distance`] does not. NaN input gives NaN or the distance of the finite part.
+/// Smallest of the distances of the four ends from the other segment and, if the lines' common perpendicular meets
+/// both, its length. All tests are relative to the pair's own size, so units and offsets do not matter: correct to a
+/// few ulp of (size)² from 1e-150 to 1e150 \[L\], for parallel and nearly parallel segments and for segments shrunk to
+/// points. Beyond, the *square* under- or overflows; [`segment_distance`] does not. NaN input gives NaN or the distance
+/// of the finite part.
 #[must_use]
 pub fn segment_distance_sq(p0: &Vec3, p1: &Vec3, q0: &Vec3, q1: &Vec3) -> f64 {
     let Scaled { scale, unit_sq, .. } = scaled_distance_sq(&(p1 - p0), &(q1 - q0), &(p0 - q0));
@@ -86,8 +87,9 @@ impl Capsule {
         Self { start: curve.b[0], end: curve.b[3], bulge: curve.bulge() }
     }
 
-    /// Lower bound \[L\] of the distance between the curves inside two capsules: chord distance − both bulges, at least 0.
-    /// Rounded down by 64 ulp of the pair's size, so it never exceeds the true distance of the curves given by the control points.
+    /// Lower bound \[L\] of the distance between the curves inside two capsules: chord distance − both bulges, at
+    /// least 0. Rounded down by 64 ulp of the pair's size, so it never exceeds the true distance of the curves given
+    /// by the control points.
     #[must_use]
     pub fn distance_lower_bound(&self, other: &Self) -> f64 {
         let (d, e, r) = (self.end - self.start, other.end - other.start, self.start - other.start);
@@ -102,8 +104,9 @@ pub fn distance_lower_bound(a: &Cubic, b: &Cubic) -> f64 {
     Capsule::new(a).distance_lower_bound(&Capsule::new(b))
 }
 
-/// Lower bound \[L\] of the distance between two cubics, at most `tol` \[L\] below it: the cubics are halved until their bulges (which
-/// fall by four each time) are together below `tol`, and only where a nearer pair of parts is not known yet.
+/// Lower bound \[L\] of the distance between two cubics, at most `tol` \[L\] below it: the cubics are halved until
+/// their bulges (which fall by four each time) are together below `tol`, and only where a nearer pair of parts is not
+/// known yet.
 ///
 /// For curves much thinner than they are bent between two nodes, where the bulge alone is more than a gap.
 #[must_use]
@@ -134,8 +137,8 @@ fn nearest_parts(a: &Cubic, b: &Cubic, tol: f64, halvings: usize, known: f64) ->
 mod tests {
     use super::*;
 
-    /// Two arcs that bulge towards each other by twenty times what is between them: the bound of halved ones is below the distance by no
-    /// more than asked for.
+    /// Two arcs that bulge towards each other by twenty times what is between them: the bound of halved ones is below
+    /// the distance by no more than asked for.
     #[test]
     fn halved_capsules_come_as_near_as_asked_for() {
         let arc = |top: f64, sign: f64, x: f64| Cubic {
@@ -184,7 +187,8 @@ mod tests {
 
     #[test]
     fn nearly_parallel_crossings() {
-        // Two segments of length 2 crossing at their middles at height 0.1, angle θ: the ends are at most θ apart sideways.
+        // Two segments of length 2 crossing at their middles at height 0.1, angle θ: the ends are at most θ apart
+        // sideways.
         for k in 1..18 {
             let t = 10f64.powi(-k);
             let p = [[-1., 0., 0.], [1., 0., 0.], [-1., -t, 0.1], [1., t, 0.1]];

@@ -1,6 +1,7 @@
 //! Pieces of contact zones that go on in each other: one contact as seen from one strand.
 //!
-//! Zones are cut at the joints of segments, of either strand. Pieces belong together where they follow each other along the slave and their feet do on the master.
+//! Zones are cut at the joints of segments, of either strand. Pieces belong together where they follow each other along
+//! the slave and their feet do on the master.
 
 use super::arc::near;
 use super::curve::CurveSet;
@@ -16,12 +17,14 @@ pub(crate) const TOL_FOOT: f64 = 1e-2;
 pub(crate) struct Link<'a> {
     pub(crate) segments: [usize; 2],
     pub(crate) curves: [usize; 2],
-    /// Arc lengths of both ends \[L\]: ascending on the slave; their feet, descending where the strands run against each other.
+    /// Arc lengths of both ends \[L\]: ascending on the slave; their feet, descending where the strands run against
+    /// each other.
     pub(crate) arcs: [[f64; 2]; 2],
     pub(crate) zone: &'a ZonePiece,
 }
 
-/// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is counted off is left out.
+/// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is
+/// counted off is left out.
 pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Link<'a>>> {
     let links = links(set, terms);
     let next = successors(set, &links);

@@ -1,18 +1,18 @@
 //! Certified smallest clearance between curves: branch and bound over pairs of cubic pieces.
 //!
-//! Capsules discard far pairs, but along a line of contact, where the gap is nearly constant over many pieces, their error (the bulge)
-//! would ask for millions of pieces. There a bound of fourth order is used. Let a(u) and b(v) be the pieces and
-//! D(u, v) = |b(v) − a(u)|². If ½∂²D/∂v² ≥ m > 0 on the whole box (least Bernstein coefficient over the control points of a),
-//! then for *any* map v = φ(u) into the box
+//! Capsules discard far pairs, but along a line of contact, where the gap is nearly constant over many pieces, their
+//! error (the bulge) would ask for millions of pieces. There a bound of fourth order is used. Let a(u) and b(v) be the
+//! pieces and D(u, v) = |b(v) − a(u)|². If ½∂²D/∂v² ≥ m > 0 on the whole box (least Bernstein coefficient over the
+//! control points of a), then for *any* map v = φ(u) into the box
 //!
 //! ```text
 //!     min_v D(u, v) ≥ |w(u)|² − Q(u)²/m,   w(u) = b(φ(u)) − a(u),   Q(u) = w(u)·b′(φ(u)) = ½∂D/∂v at φ(u).
 //! ```
 //!
-//! With φ linear between the feet of the piece's two ends w is a cubic, the minimum of |w|² is found by Bernstein roots, and Q is a
-//! quintic that vanishes at both ends, so the error shrinks with the fourth power of the piece. Where the foot runs against the end
-//! v = 0 or 1 of the box, φ is constant there and only the half of Q with the harmful sign counts; pieces are cut where the
-//! foot reaches the end (roots of (b(v_end) − a(u))·b′(v_end)).
+//! With φ linear between the feet of the piece's two ends w is a cubic, the minimum of |w|² is found by Bernstein
+//! roots, and Q is a quintic that vanishes at both ends, so the error shrinks with the fourth power of the piece. Where
+//! the foot runs against the end v = 0 or 1 of the box, φ is constant there and only the half of Q with the harmful
+//! sign counts; pieces are cut where the foot reaches the end (roots of (b(v_end) − a(u))·b′(v_end)).
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -37,7 +37,8 @@ const MAX_DEPTH: u32 = 40;
 /// Halvings spent on deciding whether pieces of one curve are neighbours.
 const MAX_STRADDLE: u32 = 6;
 
-/// Certified smallest gap: the true one lies in [`lower`, `upper`] (centre distance minus both radii; negative = overlap) \[L\].
+/// Certified smallest gap: the true one lies in [`lower`, `upper`] (centre distance minus both radii; negative =
+/// overlap) \[L\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
     /// Nothing is closer than this.
@@ -58,16 +59,19 @@ pub struct Clearance {
     pub arc_b: f64,
 }
 
-/// Smallest gap between parts that are not neighbours, to within `tol` \[L\]; `None` if it is above `max_gap` \[L\] (within `tol` of `max_gap`
-/// either answer is possible), if geometry or arguments are not finite, or if there is nothing to compare.
+/// Smallest gap between parts that are not neighbours, to within `tol` \[L\]; `None` if it is above `max_gap` \[L\]
+/// (within `tol` of `max_gap` either answer is possible), if geometry or arguments are not finite, or if there is
+/// nothing to compare.
 ///
-/// Compared are points of different curves, and points of one curve with at least π of turning (by the control-polygon bound, resolved to 1/64 of a
-/// segment) between them both ways: nothing closer along the curve can be a mutual closest pair (Fenchel). The open ends of a curve
-/// are also compared with their one-sided projections on that curve, from π/2 of turning on.
+/// Compared are points of different curves, and points of one curve with at least π of turning (by the control-polygon
+/// bound, resolved to 1/64 of a segment) between them both ways: nothing closer along the curve can be a mutual closest
+/// pair (Fenchel). The open ends of a curve are also compared with their one-sided projections on that curve, from π/2
+/// of turning on.
 ///
-/// Branch and bound, smallest lower bound first. The work is bounded (200 pieces per candidate pair, at least 200 000): when it
-/// runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the squared segment size over the distance), the returned interval is wider
-/// than `tol` but still true. `exclusion` must be up to date with `set`.
+/// Branch and bound, smallest lower bound first. The work is bounded (200 pieces per candidate pair, at least 200 000):
+/// when it runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the squared
+/// segment size over the distance), the returned interval is wider than `tol` but still true. `exclusion` must be up to
+/// date with `set`.
 #[must_use]
 pub fn smallest_clearance(set: &CurveSet, exclusion: &Exclusion, max_gap: f64, tol: f64) -> Option<Clearance> {
     if !max_gap.is_finite() || tol.is_nan() {
@@ -355,7 +359,8 @@ impl Search<'_> {
         }
     }
 
-    /// Newton on the distance inside the box from (u, v), falling back to alternate projection steps; never worse than the start.
+    /// Newton on the distance inside the box from (u, v), falling back to alternate projection steps; never worse than
+    /// the start.
     fn polish(&self, piece: &Box2, u: f64, v: f64) -> (f64, f64, f64) {
         let origin = self.set.segments[piece.j as usize].b[0];
         let shift = |c: &Cubic| Cubic { b: c.b.map(|p| p - origin) };

@@ -2,24 +2,30 @@
 //!
 //! With D(u, v) = ½|a(u) − b(v)|² the square \[0, 1\]² of parameters is cut into [cells](cell) until each is decided:
 //!
-//! * *dropped* if the curves are out of range there, if D_u or D_t keeps its sign, or if D is concave along u or t all over it;
-//! * *convex* if every Hessian has its least eigenvalue above some m > 0: then Newton's method ends in its only minimum or at its border;
-//! * *narrowed* to the part where D_u and D_t can vanish (the hull of their Bernstein coefficients against the axis, as in Bézier clipping:
-//!   Sederberg & Nishita 1990), which converges quadratically;
+//! * *dropped* if the curves are out of range there, if D_u or D_t keeps its sign, or if D is concave along u or t all
+//!   over it;
+//! * *convex* if every Hessian has its least eigenvalue above some m > 0: then Newton's method ends in its only minimum
+//!   or at its border;
+//! * *narrowed* to the part where D_u and D_t can vanish (the hull of their Bernstein coefficients against the axis, as
+//!   in Bézier clipping: Sederberg & Nishita 1990), which converges quadratically;
 //! * *sheared* along the valley of D that crosses it, so that it may be narrowed to a thin strip;
 //! * else halved.
 //!
-//! **What is proved.** Cells are looked at enlarged by β = 1e-9 on all sides, and every bound has its roundings added. On a convex cell the mean H̄ of the Hessians
-//! between a point p and a stationary point q obeys the cell's bounds, and ∇D(p) = H̄ (p − q). So (i) there is at most one stationary point, and it is a minimum;
-//! (ii) from the slopes at p, rounding included, follow bounds of its distances from p along u and t; (iii) if p is farther than these from the border, there is
-//! one; (iv) if p rests against the border with the slope there rising inward, that slope bounds how far inside q can be, often not at all. The
-//! search ends in a convex cell only by (iii), or by (iv) with less than β/4, when the minimum lies outside the cell proper. Otherwise the cell is cut on. Hence:
-//! *all minima outside undecided cells are told, each once, and nothing else*. (A minimum within β of the end of a segment is told at that end.)
+//! **What is proved.** Cells are looked at enlarged by β = 1e-9 on all sides, and every bound has its roundings added.
+//! On a convex cell the mean H̄ of the Hessians between a point p and a stationary point q obeys the cell's bounds, and
+//! ∇D(p) = H̄ (p − q). So (i) there is at most one stationary point, and it is a minimum; (ii) from the slopes at p,
+//! rounding included, follow bounds of its distances from p along u and t; (iii) if p is farther than these from the
+//! border, there is one; (iv) if p rests against the border with the slope there rising inward, that slope bounds how
+//! far inside q can be, often not at all. The search ends in a convex cell only by (iii), or by (iv) with less than
+//! β/4, when the minimum lies outside the cell proper. Otherwise the cell is cut on. Hence: *all minima outside
+//! undecided cells are told, each once, and nothing else*. (A minimum within β of the end of a segment is told at that
+//! end.)
 //!
-//! **What stays undecided.** A cell along which D_u is zero to the rounding of the coordinates as given (parallel or coincident curves): it is *level*, every point of
-//! it a minimum as far as f64 can tell. And what is left when [`CELLS`] × sampling cells have been looked at: parallel curves of unlike speed, minima merging with saddles to
-//! within rounding. Undecided cells that hang together give one minimum, marked `flat`, at the nearest level point found among them; a group without a
-//! level point gives none.
+//! **What stays undecided.** A cell along which D_u is zero to the rounding of the coordinates as given (parallel or
+//! coincident curves): it is *level*, every point of it a minimum as far as f64 can tell. And what is left when
+//! [`CELLS`] × sampling cells have been looked at: parallel curves of unlike speed, minima merging with saddles to
+//! within rounding. Undecided cells that hang together give one minimum, marked `flat`, at the nearest level point
+//! found among them; a group without a level point gives none.
 
 mod cell;
 mod valley;
@@ -49,8 +55,8 @@ struct Closest {
     flat: bool,
 }
 
-/// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks are not looked at), each handed to `push(u, v, flat)`.
-/// `sampling` bounds the work, see the module's head.
+/// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks are not
+/// looked at), each handed to `push(u, v, flat)`. `sampling` bounds the work, see the module's head.
 pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, mut push: impl FnMut(f64, f64, bool)) {
     let origin = b.b[0];
     let far = a.b.iter().chain(&b.b).map(Vec3::amax).fold(0.0, f64::max);
@@ -166,7 +172,8 @@ impl Search {
         let [part_u, part_t] = bounds.clipped();
         let part_u = if level { Some([0.0, 1.0]) } else { part_u };
         let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return Verdict::Dropped };
-        // Not to less than a part of it at once: bounds of second derivatives over very narrow cells are lost in rounding.
+        // Not to less than a part of it at once: bounds of second derivatives over very narrow cells are lost in
+        // rounding.
         let narrowed = |range: [f64; 2], wide: [f64; 2], part: [f64; 2]| {
             let at = |x: f64| wide[0] + x * (wide[1] - wide[0]);
             let [from, to] = if part[1] - part[0] < LEAST {
@@ -201,7 +208,8 @@ impl Search {
         Verdict::Two(self.halves(&narrow))
     }
 
-    /// The cell laid along the valley that crosses it, if that is shown to be one and the cell lies across it by much of its width.
+    /// The cell laid along the valley that crosses it, if that is shown to be one and the cell lies across it by much
+    /// of its width.
     fn along_valley(&self, cell: &Cell, [tt, _, uu]: &[[f64; 2]; 3]) -> Option<Cell> {
         let (a, b) = self.curves(cell);
         let h = Derivatives::new(a, b, cell.middle(), cell.v(cell.middle(), 0.5 * (cell.t[0] + cell.t[1])));
@@ -227,8 +235,8 @@ impl Search {
         }
     }
 
-    /// The minimum of D over an (enlarged) cell on which the least eigenvalue of D's Hessian with respect to u and t is above `convexity`; see the
-    /// module's head for what each answer proves.
+    /// The minimum of D over an (enlarged) cell on which the least eigenvalue of D's Hessian with respect to u and t is
+    /// above `convexity`; see the module's head for what each answer proves.
     fn newton(&self, cell: &Cell, convexity: f64, curvatures: &[[f64; 2]; 3]) -> Newton {
         let (a, b) = self.curves(cell);
         let clamp = |x: f64, range: [f64; 2]| x.clamp(range[0], range[1]);
@@ -282,8 +290,8 @@ impl Search {
     }
 }
 
-/// Where a stationary point q of a convex cell can lie, seen from a point p of it with the slopes `slope` (magnitudes, known to `rounding`): from
-/// ∇D(p) = H̄ (p − q), H̄ a mean of Hessians, one line at a time.
+/// Where a stationary point q of a convex cell can lie, seen from a point p of it with the slopes `slope` (magnitudes,
+/// known to `rounding`): from ∇D(p) = H̄ (p − q), H̄ a mean of Hessians, one line at a time.
 struct Nearness {
     uu: f64,
     tt: f64,
@@ -329,7 +337,8 @@ enum Newton {
     Unsure,
 }
 
-/// Lower bound of the least eigenvalue of D's Hessian from the intervals of D_tt, D_ut, D_uu; not positive if that cannot be shown.
+/// Lower bound of the least eigenvalue of D's Hessian from the intervals of D_tt, D_ut, D_uu; not positive if that
+/// cannot be shown.
 fn convexity([tt, ut, uu]: &[[f64; 2]; 3]) -> f64 {
     let (uu, tt, mixed) = (uu[0], tt[0], ut[0].abs().max(ut[1].abs()));
     if !(uu > 0.0 && tt > 0.0) {

@@ -1,7 +1,7 @@
 //! Contact centrelines: cubic Bézier segments strung into curves with a radius. Knows nothing of rods.
 //!
-//! c(u) = Σ B_i(u) b_i, u in \[0, 1\], B_i the cubic Bernstein polynomials. All lengths in one unit \[L\] of the caller's choice;
-//! nothing here has an absolute tolerance.
+//! c(u) = Σ B_i(u) b_i, u in \[0, 1\], B_i the cubic Bernstein polynomials. All lengths in one unit \[L\] of the
+//! caller's choice; nothing here has an absolute tolerance.
 
 use super::radius::Radius;
 use crate::error::InputError;
@@ -36,7 +36,8 @@ impl Cubic {
         b0 * (v * v * v) + b1 * (3.0 * v * v * u) + b2 * (3.0 * v * u * u) + b3 * (u * u * u)
     }
 
-    /// (c, c′, c″) with respect to u \[L\]. The derivatives use differences of control points (no loss far from the origin).
+    /// (c, c′, c″) with respect to u \[L\]. The derivatives use differences of control points (no loss far from the
+    /// origin).
     #[must_use]
     pub fn derivatives(&self, u: f64) -> (Vec3, Vec3, Vec3) {
         let v = 1.0 - u;
@@ -162,7 +163,8 @@ pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
 /// Tangents of angles up to which [`small_angle`] is right to rounding.
 const SMALL_ANGLE: f64 = 0.1;
 
-/// atan t by its series, whose first term left out is t¹⁷/17: most angles between successive edges are small, and there are three a segment and state.
+/// atan t by its series, whose first term left out is t¹⁷/17: most angles between successive edges are small, and there
+/// are three a segment and state.
 fn small_angle(t: f64) -> f64 {
     let q = t * t;
     let tail = [1.0 / 15.0, 1.0 / 13.0, 1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
@@ -241,8 +243,8 @@ impl CurveSet {
     /// Joins the curves. No curve at all is legal (an empty set).
     ///
     /// # Errors
-    /// [`InputError`] naming curve and segment: no segments, `lengths` of another size, a radius or length that is not finite and
-    /// positive, a control point that is not finite, or neighbours that do not join (to 1e-6 of their size).
+    /// [`InputError`] naming curve and segment: no segments, `lengths` of another size, a radius or length that is not
+    /// finite and positive, a control point that is not finite, or neighbours that do not join (to 1e-6 of their size).
     pub fn new(curves: Vec<CurveInput>) -> Result<Self, InputError> {
         let mut set = Self::default();
         for (index, curve) in curves.into_iter().enumerate() {
@@ -277,8 +279,8 @@ impl CurveSet {
         Ok(set)
     }
 
-    /// Straight segments through the given points: `(points, radius, closed)`. The joints have kinks; good for benchmarks and
-    /// tests, too rough for equilibria. Reference lengths are the edges' lengths.
+    /// Straight segments through the given points: `(points, radius, closed)`. The joints have kinks; good for
+    /// benchmarks and tests, too rough for equilibria. Reference lengths are the edges' lengths.
     ///
     /// # Errors
     /// As [`CurveSet::new`]; also fewer than 2 points (3 if closed) and repeated neighbours (length 0).
@@ -358,7 +360,8 @@ impl CurveSet {
         self.curves[curve].closed.then(|| self.length_of(curve))
     }
 
-    /// Segment and parameter at a reference arc length \[L\] from the start of a curve; beyond its ends, on closed curves whole turns aside, the end.
+    /// Segment and parameter at a reference arc length \[L\] from the start of a curve; beyond its ends, on closed
+    /// curves whole turns aside, the end.
     pub(crate) fn at_arc(&self, curve: usize, arc: f64) -> (usize, f64) {
         let arc = self.period(curve).map_or(arc, |period| arc.rem_euclid(period));
         let info = &self.curves[curve];
@@ -407,8 +410,8 @@ impl CurveSet {
         }
     }
 
-    /// The segments, to be overwritten with new geometry (the joints must keep meeting). Call [`CurveSet::validate_geometry`] after
-    /// numbers of uncertain origin.
+    /// The segments, to be overwritten with new geometry (the joints must keep meeting). Call
+    /// [`CurveSet::validate_geometry`] after numbers of uncertain origin.
     pub fn segments_mut(&mut self) -> &mut [Cubic] {
         &mut self.segments
     }

@@ -5,9 +5,10 @@
 //! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with factor ½; what is counted off (−) tells [`zone`](super::zone). With d the distance at the foot, n the
-//! unit normal from foot to slave point, w_m the eight Bernstein weights (minus on the master):
-//! δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur complement of the foot.
+//! Each strand integrates over its own length with factor ½; what is counted off (−) tells [`zone`](super::zone). With
+//! d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein weights (minus on
+//! the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur
+//! complement of the foot.
 
 use rayon::prelude::*;
 
@@ -39,9 +40,9 @@ mod term;
 
 /// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
 ///
-/// `offset(slave, master)` is the offset c at both ends of a segment towards another one \[L\] (0 for a plain penalty); where contact goes on from one
-/// segment to the next, on either strand, it is to do so too. Parallel over candidates in the current rayon
-/// pool; the result does not depend on the number of threads.
+/// `offset(slave, master)` is the offset c at both ends of a segment towards another one \[L\] (0 for a plain penalty);
+/// where contact goes on from one segment to the next, on either strand, it is to do so too. Parallel over candidates
+/// in the current rayon pool; the result does not depend on the number of threads.
 pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
     evaluate_within(&Ground::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
 }
@@ -99,7 +100,8 @@ pub(crate) fn evaluate_within(
     in_chunks(candidates, add).into_iter().flatten().collect()
 }
 
-/// The terms of [`evaluate_within`] with respect to the segments' ends, in parts: they are large, and moved no more than need be.
+/// The terms of [`evaluate_within`] with respect to the segments' ends, in parts: they are large, and moved no more
+/// than need be.
 pub(crate) fn evaluate_ends(
     ground: &Ground,
     candidates: &[[u32; 2]],
@@ -138,7 +140,8 @@ impl Ground<'_> {
         self.each(pair, pressures, true, pieces, |place| found(place.pair_term(want)));
     }
 
-    /// The contacts of one candidate pair, either way round. `pieces` is scratch; where they are nearest they tell only if that is asked for.
+    /// The contacts of one candidate pair, either way round. `pieces` is scratch; where they are nearest they tell only
+    /// if that is asked for.
     fn each(
         &self,
         [i, j]: [usize; 2],
@@ -261,16 +264,16 @@ impl Ground<'_> {
         lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0], self.kinks(slave, master)))
     }
 
-    /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is left out as a neighbour of the
-    /// slave.
+    /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is
+    /// left out as a neighbour of the slave.
     fn kinks(&self, slave: usize, master: usize) -> [bool; 2] {
         let left_out = |next: usize| self.exclusion.is_some_and(|e| !wanted(&self.strands, e, [slave, next]));
         [true, self.strands.next(master).is_some_and(left_out)]
     }
 
-    /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen to have no foot: far from the origin
-    /// the ends of zones would be lost in rounding, and looked for in vain. The same origin for every master, so that two that meet at a joint find the same
-    /// bits there.
+    /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen
+    /// to have no foot: far from the origin the ends of zones would be lost in rounding, and looked for in vain. The
+    /// same origin for every master, so that two that meet at a joint find the same bits there.
     fn with_pair(&self, slave: usize, master: usize, reach: [f64; 2], with: impl FnOnce(&Pair, Option<&Facing>)) {
         let origin = self.strands.ends(slave).0;
         let near = |k: usize| self.near(k, &origin);

@@ -39,8 +39,8 @@ pub struct Contacts {
 pub struct Forces {
     /// Energy \[F·L\].
     pub energy: f64,
-    /// Forces \[F\] on each curve's control points, −∂energy/∂point at fixed arc lengths: one for each point of a polyline, four for each
-    /// cubic piece (of two that share a joint each has its part).
+    /// Forces \[F\] on each curve's control points, −∂energy/∂point at fixed arc lengths: one for each point of a
+    /// polyline, four for each cubic piece (of two that share a joint each has its part).
     pub forces: Vec<Vec<Vec3>>,
     /// Smallest gap \[L\] of the overlaps; infinite if there is none.
     pub min_gap: f64,
@@ -60,26 +60,32 @@ pub struct Forces {
 /// # Ok::<(), supercoil::InputError>(())
 /// ```
 ///
-/// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of one curve that are
-/// not neighbours, are found: broad phase and capsule test discard only what provably is farther; straight pairs are solved in closed form; pairs of cubics by
-/// cutting up their square of parameters, where every part is discarded or accepted on bounds of slopes and second derivatives of the distance in Bernstein
-/// form, roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No tolerance is a length. The result depends on the curves only (with
-/// `margin` 0 not even on earlier calls), never on the number of threads.
+/// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between
+/// parts of one curve that are not neighbours, are found: broad phase and capsule test discard only what provably is
+/// farther; straight pairs are solved in closed form; pairs of cubics by cutting up their square of parameters, where
+/// every part is discarded or accepted on bounds of slopes and second derivatives of the distance in Bernstein form,
+/// roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No
+/// tolerance is a length. The result depends on the curves only (with `margin` 0 not even on earlier calls), never on
+/// the number of threads.
 ///
 /// **Units.** All lengths in one unit of the caller's choice; no tolerance is absolute, so results scale with it.
 ///
 /// **Special cases.**
-/// * *Parallel* or *coincident* straight segments, and cubics that are so to rounding: one site per pair of segments, marked `flat`, in the middle of the
-///   overlap; the zones tell the whole interval.
-/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; forces have no direction there and are left out.
-/// * *Tangent* curves: their touching point is one site; where minima merge with saddles to within rounding, one of the group, marked `flat`.
+/// * *Parallel* or *coincident* straight segments, and cubics that are so to rounding: one site per pair of segments,
+///   marked `flat`, in the middle of the overlap; the zones tell the whole interval.
+/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; forces have no direction there and are left
+///   out.
+/// * *Tangent* curves: their touching point is one site; where minima merge with saddles to within rounding, one of the
+///   group, marked `flat`.
 /// * *Kinks* and *open ends*: minima there are found by the one-sided slopes.
-/// * *Repeated* control points within a cubic are legal; repeated points of a polyline and cubics shrunk to a point are refused by name.
+/// * *Repeated* control points within a cubic are legal; repeated points of a polyline and cubics shrunk to a point are
+///   refused by name.
 /// * *Nearly closed* curves are open ones: their ends are sites if near each other.
 ///
-/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70, turning 44, arc length 16; cubics 8 more), 8
-/// bytes a candidate pair, 144 a site (32 of them to look for it), 160 a part of a zone (two for each pair of segments along a contact line), 24 a control point
-/// for forces, and a copy of the points if `margin` > 0.
+/// **Cost** O(segments + pairs) for curves of bounded crowding. Memory about 130 bytes a segment (boxes and tree 70,
+/// turning 44, arc length 16; cubics 8 more), 8 bytes a candidate pair, 144 a site (32 of them to look for it), 160 a
+/// part of a zone (two for each pair of segments along a contact line), 24 a control point for forces, and a copy of
+/// the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
     pub(super) options: Options,
@@ -158,11 +164,13 @@ impl Detector {
         &mut self.options
     }
 
-    /// Sites and zones of the curves as they are now. Curves may have moved, grown or changed in number since the last call.
+    /// Sites and zones of the curves as they are now. Curves may have moved, grown or changed in number since the last
+    /// call.
     ///
     /// # Errors
-    /// [`InputError`] naming curve and index: too few points, a coordinate or radius that is not finite, radius ≤ 0, repeated points, cubics that do not
-    /// join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more; or an option out of its range.
+    /// [`InputError`] naming curve and index: too few points, a coordinate or radius that is not finite, radius ≤ 0,
+    /// repeated points, cubics that do not join, and (with [`Neighbours::Turning`]) a cubic that turns by π/2 or more;
+    /// or an option out of its range.
     pub fn detect(&mut self, curves: &[Curve]) -> Result<&Contacts, InputError> {
         let strands = self.update(curves, self.options.range)?;
         let mut sites = std::mem::take(&mut self.contacts.sites);
@@ -178,15 +186,17 @@ impl Detector {
         self.broad.pairs()
     }
 
-    /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another (half from each side). A number is the
-    /// stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in
-    /// contact all along, and the result is kept in buffers.
+    /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another
+    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an
+    /// explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in contact all along, and the
+    /// result is kept in buffers.
     ///
-    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points there, farthest ones between two of
-    /// them counted off ([`zone`](super::zone)), corners of polylines included. So the force is continuous and the exact slope of the energy, whether a
-    /// strand slides over a kink, inside or outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by
-    /// the part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle or more, by what they leave out. Points where
-    /// centrelines coincide have energy, but no direction and no force.
+    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
+    /// there, farthest ones between two of them counted off ([`zone`](super::zone)), corners of polylines included. So
+    /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
+    /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
+    /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle
+    /// or more, by what they leave out. Points where centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
     /// As [`Detector::detect`], and numbers of the law that are not finite and positive.
@@ -215,10 +225,11 @@ impl Detector {
         Ok(&self.forces)
     }
 
-    /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per ordered pair of segments in
-    /// contact, with respect to the control points of both (cubics); see [`PairTerm`]. A polyline's segment p₀p₁ counts as the cubic with
-    /// b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise: [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points.
-    /// A term takes about 400 bytes, with Hessian 5 kB.
+    /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per
+    /// ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A
+    /// polyline's segment p₀p₁ counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise:
+    /// [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points. A term
+    /// takes about 400 bytes, with Hessian 5 kB.
     ///
     /// # Errors
     /// As [`Detector::forces`].
@@ -479,7 +490,8 @@ pub(super) fn norm(v: &Vec3) -> f64 {
     if size == 0.0 || (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
 }
 
-/// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for turning below 1 rad).
+/// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for
+/// turning below 1 rad).
 fn arc_length(cubic: &Cubic, u: f64) -> f64 {
     let rule = gauss(5);
     let part = u / 4.0;

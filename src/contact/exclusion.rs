@@ -1,15 +1,16 @@
 //! Which parts of one curve are too close *along the curve* to touch, by accumulated turning of the tangent.
 //!
-//! **One-sided (π/2).** Let an arc have all its tangents within less than π/2 of the tangent t(σ) at one of its points, c(σ). For
-//! any other point c(s) of the arc, (c(s) − c(σ))·t(σ) = ∫ t·t(σ) > 0 (< 0 for s < σ): it is not orthogonal to t(σ), so c(σ) is not
-//! an orthogonal projection of c(s). Angles between tangents are bounded by the turning of the arc, so turning < π/2 over the arc
-//! spanning two segments proves that the pair can hold no contact. The same with a kink at the foot: the tangent
-//! inside the arc alone already has the wrong sign.
+//! **One-sided (π/2).** Let an arc have all its tangents within less than π/2 of the tangent t(σ) at one of its points,
+//! c(σ). For any other point c(s) of the arc, (c(s) − c(σ))·t(σ) = ∫ t·t(σ) > 0 (< 0 for s < σ): it is not orthogonal
+//! to t(σ), so c(σ) is not an orthogonal projection of c(s). Angles between tangents are bounded by the turning of the
+//! arc, so turning < π/2 over the arc spanning two segments proves that the pair can hold no contact. The same with a
+//! kink at the foot: the tangent inside the arc alone already has the wrong sign.
 //!
-//! **Bilateral (π).** If the chord between two points is orthogonal to the curve at both, arc and chord form a closed curve with two
-//! corners of π/2; Fenchel's theorem gives total curvature ≥ 2π, so the arc turns by at least π.
+//! **Bilateral (π).** If the chord between two points is orthogonal to the curve at both, arc and chord form a closed
+//! curve with two corners of π/2; Fenchel's theorem gives total curvature ≥ 2π, so the arc turns by at least π.
 //!
-//! Neither element indices nor arc lengths enter: a tight loop of few elements is seen, a long straight stretch costs nothing.
+//! Neither element indices nor arc lengths enter: a tight loop of few elements is seen, a long straight stretch costs
+//! nothing.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -51,7 +52,8 @@ impl Exclusion {
     /// Recomputes everything for the present geometry, O(segments).
     ///
     /// # Errors
-    /// [`SolveError::TooCoarse`] for a segment whose own turning bound is not below π/2 (NaN included): it could touch itself.
+    /// [`SolveError::TooCoarse`] for a segment whose own turning bound is not below π/2 (NaN included): it could touch
+    /// itself.
     pub fn update(&mut self, set: &CurveSet) -> Result<(), SolveError> {
         self.update_strands(&Strands::of_set(set))
     }
@@ -130,20 +132,22 @@ impl Exclusion {
         }
     }
 
-    /// True if the pair can hold no contact: `i == j`, or the same curve with less than π/2 of turning over the arc spanning both
-    /// segments, either way round for a closed curve. Symmetric.
+    /// True if the pair can hold no contact: `i == j`, or the same curve with less than π/2 of turning over the arc
+    /// spanning both segments, either way round for a closed curve. Symmetric.
     #[must_use]
     pub fn excluded(&self, i: usize, j: usize) -> bool {
         self.within(&self.reach, i, j)
     }
 
-    /// True if no two points of the segments can be each other's orthogonal projections: turning below π. Symmetric; `i == j` always.
+    /// True if no two points of the segments can be each other's orthogonal projections: turning below π. Symmetric;
+    /// `i == j` always.
     #[must_use]
     pub fn excluded_bilateral(&self, i: usize, j: usize) -> bool {
         self.within(&self.reach_bilateral, i, j)
     }
 
-    /// As [`Exclusion::excluded`] with a limit lower by 0.25 rad: what a candidate list that outlives this geometry may leave out.
+    /// As [`Exclusion::excluded`] with a limit lower by 0.25 rad: what a candidate list that outlives this geometry may
+    /// leave out.
     pub(crate) fn excluded_reduced(&self, i: usize, j: usize) -> bool {
         self.within(&self.reach_reduced, i, j)
     }
@@ -158,9 +162,9 @@ impl Exclusion {
         self.reach.len() == built.len() && self.reach.iter().zip(built).all(|(now, then)| now >= then)
     }
 
-    /// Upper bound of the turning, rad, of the forward arc from parameter `u` of segment `i` to parameter `v` of segment `j` of the
-    /// same curve (through the closing joint if that is the way; open curves need i < j, or i = j and u ≤ v). Sharper than whole
-    /// segments: the end pieces are cut. Infinite if there is no such arc.
+    /// Upper bound of the turning, rad, of the forward arc from parameter `u` of segment `i` to parameter `v` of
+    /// segment `j` of the same curve (through the closing joint if that is the way; open curves need i < j, or i = j
+    /// and u ≤ v). Sharper than whole segments: the end pieces are cut. Infinite if there is no such arc.
     #[must_use]
     pub fn turning_between(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> f64 {
         self.between(&set.segments[i], i, u, &set.segments[j], j, v)
@@ -190,9 +194,9 @@ impl Exclusion {
         between.max(0.0) + a.split_at(u).1.turning_bound() + b.split_at(v).0.turning_bound() + ROUNDING * (1.0 + total)
     }
 
-    /// True if neither point can be an orthogonal projection of the other because less than π/2 of turning lies between them, one way or
-    /// the other. Use it on pairs of *neighbouring* segments that are not excluded as a whole, where the trivial foot (the point itself)
-    /// and its surroundings must be told from true contact.
+    /// True if neither point can be an orthogonal projection of the other because less than π/2 of turning lies between
+    /// them, one way or the other. Use it on pairs of *neighbouring* segments that are not excluded as a whole, where
+    /// the trivial foot (the point itself) and its surroundings must be told from true contact.
     #[must_use]
     pub fn excluded_points(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> bool {
         self.turning_between(set, i, u, j, v) < FRAC_PI_2 || self.turning_between(set, j, v, i, u) < FRAC_PI_2
@@ -208,7 +212,8 @@ impl Exclusion {
         self.total[curve]
     }
 
-    /// True if whole segments i ≠ j of one curve have at least `limit` of turning (bound) between their facing ends, both ways round.
+    /// True if whole segments i ≠ j of one curve have at least `limit` of turning (bound) between their facing ends,
+    /// both ways round.
     pub(crate) fn turns_between_at_least(&self, set: &CurveSet, i: usize, j: usize, limit: f64) -> bool {
         let (i, j) = if i < j { (i, j) } else { (j, i) };
         let curve = set.curve_of(i);
@@ -261,8 +266,8 @@ fn turning(curve: &Strand, k: usize) -> (f64, f64) {
     }
 }
 
-/// Upper bound of the angle between two vectors without inverse functions: with x the distance of the unit vectors, θ = 2 asin(x/2) ≤
-/// x (1 + .0554 x²) up to π/2, where it is .1 % above; 4e-8 above at θ = 0.
+/// Upper bound of the angle between two vectors without inverse functions: with x the distance of the unit vectors, θ =
+/// 2 asin(x/2) ≤ x (1 + .0554 x²) up to π/2, where it is .1 % above; 4e-8 above at θ = 0.
 fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     let (dot, size_sq) = (a.dot(b), a.norm_squared() * b.norm_squared());
     let usual = dot > 0.0 && size_sq > 1e-280 && size_sq < 1e280;
@@ -273,11 +278,13 @@ fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     x_sq.sqrt() * (1.0 + 0.0554 * x_sq)
 }
 
-/// For each segment of one curve, how many following ones lie within `limit` of turning (start of the one to end of the other).
+/// For each segment of one curve, how many following ones lie within `limit` of turning (start of the one to end of the
+/// other).
 fn reach(closed: bool, start: &[f64], end: &[f64], total: f64, limit: f64, out: &mut [u32]) {
     let count = start.len();
     let limit = limit - ROUNDING * (1.0 + total);
-    // Position of the end of the k-th segment counted from the first, running on round a closed curve (k below twice the count).
+    // Position of the end of the k-th segment counted from the first, running on round a closed curve (k below twice
+    // the count).
     let end_at = |k: usize| if k < count { end[k] } else { end[k - count] + total };
     let mut ahead = 0;
     for i in 0..count {

@@ -11,10 +11,11 @@ pub(crate) const JOINT: f64 = 1e-9;
 /// Where the centreline runs.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape<'a> {
-    /// Straight segments through the points \[L\], consecutive ones different; at least 2 points (3 if closed, where the last is joined to the
-    /// first by one more segment). 24 bytes a segment.
+    /// Straight segments through the points \[L\], consecutive ones different; at least 2 points (3 if closed, where
+    /// the last is joined to the first by one more segment). 24 bytes a segment.
     Polyline(&'a [Vec3]),
-    /// Cubic pieces, each starting where the one before ends; at least 1. From nodes and tangents: [`Cubic::from_hermite`]. 96 bytes a segment.
+    /// Cubic pieces, each starting where the one before ends; at least 1. From nodes and tangents:
+    /// [`Cubic::from_hermite`]. 96 bytes a segment.
     Cubics(&'a [Cubic]),
 }
 
@@ -110,8 +111,8 @@ fn check_pieces(pieces: &[Cubic], closed: bool, field: &dyn Fn(&str) -> String) 
     Ok(())
 }
 
-/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at 1.8e308 was once given a site 1.2 beyond the range: squares
-/// of its edges were infinite.)
+/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at
+/// 1.8e308 was once given a site 1.2 beyond the range: squares of its edges were infinite.)
 pub(super) const LARGEST: f64 = 1e100;
 
 fn check_finite(p: &Vec3, field: impl Fn() -> String) -> Result<(), InputError> {

@@ -1,8 +1,9 @@
 //! Contact zones: intervals of arc length on one curve that have another part within range, with the interval there.
 //!
-//! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so the part of a line
-//! within range of it is one interval, its ends roots of quadratics. Cubics go through [`Pair::pieces`](super::zone::Pair::pieces). The intervals of
-//! pairs of segments are then joined where both they and their partner intervals touch.
+//! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so
+//! the part of a line within range of it is one interval, its ends roots of quadratics. Cubics go through
+//! [`Pair::pieces`](super::zone::Pair::pieces). The intervals of pairs of segments are then joined where both they and
+//! their partner intervals touch.
 
 use std::cell::Cell;
 
@@ -43,8 +44,8 @@ pub(crate) struct Part {
     pub(crate) gap: f64,
 }
 
-/// Parts of segment `i` within range of segment `j`: both radii + `range` \[L\]. `nearest` keeps the distance of two straight segments for the call
-/// with i and j exchanged.
+/// Parts of segment `i` within range of segment `j`: both radii + `range` \[L\]. `nearest` keeps the distance of two
+/// straight segments for the call with i and j exchanged.
 pub(crate) fn parts(
     strands: &Strands,
     arc: &impl Fn(usize, f64) -> f64,
@@ -88,8 +89,8 @@ pub(crate) fn parts(
         straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap()));
         return;
     }
-    // Near the origin: far from it the ends would be lost in rounding. The same origin for every master, so that two that meet at a joint
-    // find the same bits there.
+    // Near the origin: far from it the ends would be lost in rounding. The same origin for every master, so that two
+    // that meet at a joint find the same bits there.
     let origin = strands.ends(i).0;
     let near = |k: usize| strands.cubic(k).relative_to(&origin);
     let (slave, master) = (near(i), near(j));
@@ -115,9 +116,10 @@ pub(crate) fn parts(
     }
 }
 
-/// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest points, in at most three
-/// intervals, ascending. `corners`: the directions of the segments before and after e, if they reach as far; where a point is nearest to such a joint, it counts only if it is nearest to it
-/// as seen from the neighbour too (otherwise the neighbour has a nearer point and its own interval).
+/// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest
+/// points, in at most three intervals, ascending. `corners`: the directions of the segments before and after e, if they
+/// reach as far; where a point is nearest to such a joint, it counts only if it is nearest to it as seen from the
+/// neighbour too (otherwise the neighbour has a nearer point and its own interval).
 fn straight_intervals(
     d: &Vec3,
     e: &Vec3,
@@ -132,7 +134,8 @@ fn straight_intervals(
         if unit.is_finite() && unit > 0.0 { (d * unit, e * unit, r * unit) } else { (d / reach, e / reach, r / reach) };
     let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
     let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
-    // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows of u.
+    // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows
+    // of u.
     let beside = [r - e * (er / ee), d - e * (de / ee)];
     let before = (cut(UNIT, -er, -de), [r, d]);
     let after = (cut(UNIT, er - ee, de), [r - e, d]);
@@ -184,8 +187,8 @@ impl Workspace {
     }
 }
 
-/// Joins parts into zones: those of the same two curves that touch on both sides (to `tolerance(curve)` \[L\]). Zones come out ordered by curve,
-/// partner and start.
+/// Joins parts into zones: those of the same two curves that touch on both sides (to `tolerance(curve)` \[L\]). Zones
+/// come out ordered by curve, partner and start.
 pub(crate) fn join(
     lists: &[Vec<Part>],
     num_segments: usize,
@@ -230,8 +233,8 @@ pub(crate) fn join(
     zones
 }
 
-/// All parts ordered by curve, partner, start, partner's start, end. Sorted by counting the segments they lie on, which is the order along the
-/// curves but for ties at joints and several parts of one segment.
+/// All parts ordered by curve, partner, start, partner's start, end. Sorted by counting the segments they lie on, which
+/// is the order along the curves but for ties at joints and several parts of one segment.
 fn in_order(lists: &[Vec<Part>], num_segments: usize, workspace: &mut Workspace) {
     let Workspace { parts, place, .. } = workspace;
     place.clear();

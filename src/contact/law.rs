@@ -1,9 +1,10 @@
 //! Contact laws: pressure per reference length as a function of overlap e = c − gap.
 //!
-//! The linear law p = κ⟨e⟩ with offset c = 0 is the penalty; the augmented Lagrangian raises the offset field c until the gap is
-//! non-negative to a tolerance, after which p is the multiplier. The core law p = p₀ x²/(1 − x), x = ⟨e⟩/depth, sets in
-//! gently and lets no overlap reach its depth: one set of numbers carries pressures of many decades, and where strands press
-//! harder the law is stiffer. Searches begin with it. Both are C¹ in p or better inside, p vanishes where contact ends.
+//! The linear law p = κ⟨e⟩ with offset c = 0 is the penalty; the augmented Lagrangian raises the offset field c until
+//! the gap is non-negative to a tolerance, after which p is the multiplier. The core law p = p₀ x²/(1 − x), x =
+//! ⟨e⟩/depth, sets in gently and lets no overlap reach its depth: one set of numbers carries pressures of many decades,
+//! and where strands press harder the law is stiffer. Searches begin with it. Both are C¹ in p or better inside, p
+//! vanishes where contact ends.
 
 use serde::{Deserialize, Serialize};
 
@@ -78,19 +79,22 @@ impl Law {
     }
 }
 
-/// A line is longer than the longest point by this factor: that is exact for strands that bend in one plane under an even law; crossings of
-/// strands that wind about each other were found to be up to 1.2 times as long under soft laws (κε⁴/B of 50). Lines outgrow it at once.
+/// A line is longer than the longest point by this factor: that is exact for strands that bend in one plane under an
+/// even law; crossings of strands that wind about each other were found to be up to 1.2 times as long under soft laws
+/// (κε⁴/B of 50). Lines outgrow it at once.
 const LINE_OVER_POINT: f64 = 1.5;
 /// βa of [`shortest_line`].
 const HALF_ZONE_AT_OPENING: f64 = 1.095_543_932_565_708;
 
-/// Length \[L\] from which a contact is a line: half again that of the zone of a point which is just about to open into a line (or into two points), for a
-/// contact stiffness κ \[F/L²\] and the smaller bending stiffness B of either strand \[F·L²\].
+/// Length \[L\] from which a contact is a line: half again that of the zone of a point which is just about to open into
+/// a line (or into two points), for a contact stiffness κ \[F/L²\] and the smaller bending stiffness B of either strand
+/// \[F·L²\].
 ///
-/// The gap w = w_a − w_b of two strands pressed together obeys w⁗ = −4β⁴w with β⁴ = ¼κ(1/B_a + 1/B_b) where w < 0, w⁗ = 0 elsewhere. A
-/// point carries a force as long as the strands would bend away from it on both sides: w″ = k + c|s|, k > 0. At k = 0 it opens. The
-/// even solution that is zero at the end a of its zone then has w″(a) = a w‴(a), which is at βa = 1.0955. A stiffer law makes the zone
-/// of a point shorter as κ^(−1/3), this bound as κ^(−1/4), and leaves a line as long as it is: points and lines part as the law hardens.
+/// The gap w = w_a − w_b of two strands pressed together obeys w⁗ = −4β⁴w with β⁴ = ¼κ(1/B_a + 1/B_b) where w < 0, w⁗
+/// = 0 elsewhere. A point carries a force as long as the strands would bend away from it on both sides: w″ = k + c|s|,
+/// k > 0. At k = 0 it opens. The even solution that is zero at the end a of its zone then has w″(a) = a w‴(a), which
+/// is at βa = 1.0955. A stiffer law makes the zone of a point shorter as κ^(−1/3), this bound as κ^(−1/4), and leaves
+/// a line as long as it is: points and lines part as the law hardens.
 pub(crate) fn shortest_line(stiffness: f64, bending: [f64; 2]) -> f64 {
     let compliance = 1.0 / bending[0] + 1.0 / bending[1];
     LINE_OVER_POINT * 2.0 * HALF_ZONE_AT_OPENING / (0.25 * stiffness * compliance).powf(0.25)

@@ -8,11 +8,11 @@
 //!            exclusion: along-strand neighbours left out as the tree is traversed
 //! ```
 //!
-//! The data flow of the potential: [`curve`] (cubic pieces strung into curves) → [`exclusion`] (which parts of one curve are too near
-//! *along* it to touch) → [`broad_phase`] (candidate pairs from a bounding-volume hierarchy) → [`capsule`] (cheap lower bounds of
-//! distance) → [`projection`] (every orthogonal projection of a point, certified) → [`zone`] (where the gap is below the
-//! reach, with exact ends) → [`law`] (pressure) → [`mod@detect`] (energy, gradient, Hessian per pair). Beside it, and
-//! independent of zones, [`clearance`] certifies the smallest gap.
+//! The data flow of the potential: [`curve`] (cubic pieces strung into curves) → [`exclusion`] (which parts of one
+//! curve are too near *along* it to touch) → [`broad_phase`] (candidate pairs from a bounding-volume hierarchy) →
+//! [`capsule`] (cheap lower bounds of distance) → [`projection`] (every orthogonal projection of a point, certified) →
+//! [`zone`] (where the gap is below the reach, with exact ends) → [`law`] (pressure) → [`mod@detect`] (energy,
+//! gradient, Hessian per pair). Beside it, and independent of zones, [`clearance`] certifies the smallest gap.
 
 pub(crate) mod arc;
 mod boxes;

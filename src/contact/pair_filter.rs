@@ -1,16 +1,20 @@
-//! Capsule test of candidate pairs, four at a time: discards a pair only if a separating direction *proves* it too far apart.
+//! Capsule test of candidate pairs, four at a time: discards a pair only if a separating direction *proves* it too far
+//! apart.
 //!
-//! For each pair the closest points of the two chords are computed (Ericson 2005, section 5.1.9, without branches); their difference w is then
-//! only used as a direction: the chords cannot come closer than the gap between their projections on it,
+//! For each pair the closest points of the two chords are computed (Ericson 2005, section 5.1.9, without branches);
+//! their difference w is then only used as a direction: the chords cannot come closer than the gap between their
+//! projections on it,
 //!
 //! ```text
 //!     |w| · distance ≥ min(w·a₀, w·a₁) − max(w·b₀, w·b₁)      for any w,
 //! ```
 //!
-//! with equality for the true closest points. So rounding and nearly parallel chords can keep a pair that should go, never the reverse.
+//! with equality for the true closest points. So rounding and nearly parallel chords can keep a pair that should go,
+//! never the reverse.
 //!
-//! Lanes are arrays of four f32 in structure-of-arrays order, which the compiler turns into vector instructions (f32 has twice the lanes
-//! and a far cheaper division). Only differences of f64 coordinates are cast, so offsets do not matter, and the projections are shortened by
+//! Lanes are arrays of four f32 in structure-of-arrays order, which the compiler turns into vector instructions (f32
+//! has twice the lanes and a far cheaper division). Only differences of f64 coordinates are cast, so offsets do not
+//! matter, and the projections are shortened by
 //! [`SAFETY`]: pairs within 2e-6 of their size of the limit are kept.
 
 use super::input::{Shape, Strand, Strands};
@@ -122,8 +126,8 @@ fn larger(x: f32, y: f32) -> f32 {
     if x > y { x } else { y }
 }
 
-/// Appends to `out`, in order, the pairs whose capsules are not provably farther apart than both radii + `reach` \[L\]. `bulges` holds the
-/// capsule radius of each segment, or nothing if all are straight.
+/// Appends to `out`, in order, the pairs whose capsules are not provably farther apart than both radii + `reach` \[L\].
+/// `bulges` holds the capsule radius of each segment, or nothing if all are straight.
 pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[[u32; 2]], out: &mut Vec<[u32; 2]>) {
     let unit = 1.0 / strands.largest_radius();
     // In units nobody uses all pairs are kept.

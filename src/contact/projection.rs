@@ -1,8 +1,8 @@
 //! Orthogonal projection of a point on a cubic: all local minima of |c(u) − x|, certified.
 //!
-//! The stationary points are the roots of q(u) = (c(u) − x)·c′(u)/3, a quintic whose Bernstein coefficients are
-//! q_k = Σ_{i+j=k} C(3,i) C(2,j) / C(5,k) (b_i − x)·(b_{j+1} − b_j); minima are where q rises from − to +. Everything is relative to
-//! x, so the distance from the origin of coordinates costs nothing; there is no absolute tolerance.
+//! The stationary points are the roots of q(u) = (c(u) − x)·c′(u)/3, a quintic whose Bernstein coefficients are q_k =
+//! Σ_{i+j=k} C(3,i) C(2,j) / C(5,k) (b_i − x)·(b_{j+1} − b_j); minima are where q rises from − to +. Everything is
+//! relative to x, so the distance from the origin of coordinates costs nothing; there is no absolute tolerance.
 
 use super::curve::{Cubic, CurveSet};
 use crate::math::Vec3;
@@ -86,12 +86,15 @@ fn distance_at(a: &[Vec3; 4], u: f64) -> f64 {
     if scale > 0.0 { scale * (d / scale).norm() } else { 0.0 }
 }
 
-/// All stationary local minima of |c(u) − x| on \[0, 1\] with distance ≤ `max_distance`, ascending in u, replacing `out`.
+/// All stationary local minima of |c(u) − x| on \[0, 1\] with distance ≤ `max_distance`, ascending in u, replacing
+/// `out`.
 ///
 /// * None is missed and none invented beyond rounding: roots of the quintic are isolated by sign variation.
-/// * A minimum exactly at u = 0 or 1 *with c′·(c − x) = 0 there* is included when the curve's own side of it rises; an end that is merely
-///   nearest (slope not zero) is not: see [`end_is_local_min`]. Over a whole curve use [`feet_on_segment`], which counts joints once.
-/// * A flat or higher-order minimum (touching arcs of osculating circles) is one foot. A saddle (double root of q) is none.
+/// * A minimum exactly at u = 0 or 1 *with c′·(c − x) = 0 there* is included when the curve's own side of it rises; an
+///   end that is merely nearest (slope not zero) is not: see [`end_is_local_min`]. Over a whole curve use
+///   [`feet_on_segment`], which counts joints once.
+/// * A flat or higher-order minimum (touching arcs of osculating circles) is one foot. A saddle (double root of q) is
+///   none.
 /// * x on the curve: foot at distance 0 (to rounding).
 /// * A curve shrunk to a point (q identically zero) has no stationary minima, likewise NaN input.
 /// * c′ = 0 inside (a cusp of the parametrisation) is a root of q as well and a foot if it is a local minimum.
@@ -115,9 +118,10 @@ fn minima_from(curve: &Cubic, x: &Vec3, q: &[f64; 6], max_distance: f64, out: &m
     }
 }
 
-/// Whether the end u = 0 (`at_end` false) or u = 1 (true) is a local minimum of |c(u) − x| on \[0, 1\] by the sign of the one-sided
-/// derivative: moving into the curve increases the distance, c′(0)·(c(0) − x) > 0 or c′(1)·(c(1) − x) < 0. An exactly
-/// stationary end (zero derivative) is left to [`local_minima`]. If c′ vanishes at the end, its limiting direction is used.
+/// Whether the end u = 0 (`at_end` false) or u = 1 (true) is a local minimum of |c(u) − x| on \[0, 1\] by the sign
+/// of the one-sided derivative: moving into the curve increases the distance, c′(0)·(c(0) − x) > 0 or c′(1)·(c(1) −
+/// x) < 0. An exactly stationary end (zero derivative) is left to [`local_minima`]. If c′ vanishes at the end, its
+/// limiting direction is used.
 #[must_use]
 pub fn end_is_local_min(curve: &Cubic, x: &Vec3, at_end: bool) -> bool {
     if at_end {
@@ -127,12 +131,13 @@ pub fn end_is_local_min(curve: &Cubic, x: &Vec3, at_end: bool) -> bool {
     }
 }
 
-/// The local minima of the distance from x over the *whole curve* that segment `segment` owns, replacing `out`: walking all segments of a
-/// curve finds every local minimum exactly once.
+/// The local minima of the distance from x over the *whole curve* that segment `segment` owns, replacing `out`: walking
+/// all segments of a curve finds every local minimum exactly once.
 ///
 /// A segment owns its interior, its start (u = 0, joint with its predecessor) and any open end. At a smooth joint both
-/// neighbours use the one computed sign of c′·(c − x), so that rounding neither loses a minimum sitting on the joint nor counts it twice; at a kink the
-/// two signs differ and − to + is a minimum there. Open ends count when [`end_is_local_min`].
+/// neighbours use the one computed sign of c′·(c − x), so that rounding neither loses a minimum sitting on the joint
+/// nor counts it twice; at a kink the two signs differ and − to + is a minimum there. Open ends count when
+/// [`end_is_local_min`].
 pub fn feet_on_segment(set: &CurveSet, segment: usize, x: &Vec3, max_distance: f64, out: &mut Feet) {
     out.clear();
     let curve = &set.segments[segment];
@@ -185,15 +190,17 @@ fn rises_before_end(q: &[f64; 6]) -> bool {
     q.iter().rev().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0)
 }
 
-/// Same tangent direction on both sides to rounding (1e-12 rad) of control points given `far` \[L\] from the origin; false if a tangent
-/// vanishes.
+/// Same tangent direction on both sides to rounding (1e-12 rad) of control points given `far` \[L\] from the origin;
+/// false if a tangent vanishes.
 pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic, far: f64) -> bool {
     same_direction(&prev.edges()[2], &next.edges()[0], far)
 }
 
-/// Same direction to rounding (1e-12 rad) of two differences of points that are `far` \[L\] from the origin; false if one is zero.
+/// Same direction to rounding (1e-12 rad) of two differences of points that are `far` \[L\] from the origin; false if
+/// one is zero.
 pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
-    // The usual cases at once, of segments less than 1e6 of their length from the origin: an angle above 1e-6 or below 3e-13.
+    // The usual cases at once, of segments less than 1e6 of their length from the origin: an angle above 1e-6 or below
+    // 3e-13.
     let (aa, bb, cross_sq) = (a.norm_squared(), b.norm_squared(), a.cross(b).norm_squared());
     let shorter = aa.min(bb);
     if shorter > 1e-140 && aa.max(bb) < 1e140 && far * far < 3e11 * shorter {

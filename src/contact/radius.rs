@@ -5,9 +5,10 @@ use crate::error::InputError;
 
 /// Contact radius of a curve \[L\], greater than 0.
 ///
-/// A radius per segment is constant along the segment and steps at joints, where the larger of the two counts; the contact distance of two
-/// points is the sum of their radii. Sites stay minima of the *distance of the centrelines*: a shoulder, where a thick segment ends beside another
-/// strand, is no site unless the distance has a minimum there; the zones and the smallest clearance see it.
+/// A radius per segment is constant along the segment and steps at joints, where the larger of the two counts; the
+/// contact distance of two points is the sum of their radii. Sites stay minima of the *distance of the centrelines*: a
+/// shoulder, where a thick segment ends beside another strand, is no site unless the distance has a minimum there; the
+/// zones and the smallest clearance see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius<'a> {
     /// The same all along.

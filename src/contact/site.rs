@@ -1,9 +1,11 @@
-//! Contact sites: pairs of points of the curves that are mutually nearest, and how a pair of *straight* segments is searched for them.
+//! Contact sites: pairs of points of the curves that are mutually nearest, and how a pair of *straight* segments is
+//! searched for them.
 //!
-//! The squared distance of two straight segments is a convex quadratic of the two parameters, so each pair has one minimum or one
-//! straight interval of minima. It is a local minimum of the curves if it lies inside both segments, or if at each joint it lies on
-//! the distance does not fall on the far side either: at a joint the two parameters' one-sided slopes decide separately. This is why every
-//! local minimum of a pair of polylines is found and none is invented.
+//! The squared distance of two straight segments is a convex quadratic of the two parameters, so each pair has one
+//! minimum or one straight interval of minima. It is a local minimum of the curves if it lies inside both segments, or
+//! if at each joint it lies on the distance does not fall on the far side either: at a joint the two parameters'
+//! one-sided slopes decide separately. This is why every local minimum of a pair of polylines is found and none is
+//! invented.
 
 use super::detector::norm;
 use super::input::{JOINT, Strands};
@@ -45,8 +47,9 @@ pub struct Site {
     pub angle: f64,
     /// Interior or end.
     pub kind: SiteKind,
-    /// The minimum is not isolated as far as can be told: one point of it, for parallel segments the middle of what this pair has of it. (Straight
-    /// cubics 1e12 of their length apart are flat as well: the distance changes along them by less than its rounding.)
+    /// The minimum is not isolated as far as can be told: one point of it, for parallel segments the middle of what
+    /// this pair has of it. (Straight cubics 1e12 of their length apart are flat as well: the distance changes along
+    /// them by less than its rounding.)
     pub flat: bool,
 }
 
@@ -62,7 +65,8 @@ pub(crate) struct Minimum {
 
 /// Sines below this are parallel: rounding of the directions themselves.
 const PARALLEL: f64 = 4.0 * f64::EPSILON;
-/// One-sided slopes of at most this, relative to the lengths multiplied, count as zero at joints (duplicates are removed later).
+/// One-sided slopes of at most this, relative to the lengths multiplied, count as zero at joints (duplicates are
+/// removed later).
 const LEVEL: f64 = 8.0 * f64::EPSILON;
 
 /// num/den in \[0, 1\].
@@ -71,8 +75,8 @@ fn ratio(num: f64, den: f64) -> f64 {
     (num / den).clamp(0.0, 1.0)
 }
 
-/// The minimum of the distance of straight segments i < j if it is a local minimum of their curves that segments i and j own (a joint belongs
-/// to the segment after it) and not farther than `max_distance`.
+/// The minimum of the distance of straight segments i < j if it is a local minimum of their curves that segments i and
+/// j own (a joint belongs to the segment after it) and not farther than `max_distance`.
 pub(crate) fn straight_minimum(strands: &Strands, i: usize, j: usize, max_distance: f64) -> Option<Minimum> {
     let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
     let (d, e, r) = (a1 - a0, b1 - b0, a0 - b0);
@@ -119,8 +123,8 @@ pub(crate) fn straight_minimum(strands: &Strands, i: usize, j: usize, max_distan
     owned.then_some(Minimum { i: i as u32, u, j: j as u32, v, flat })
 }
 
-/// Whether a minimum at parameter u of a segment is the segment's to report and no further fall lies beyond its start; `w` points from the other
-/// curve to this one.
+/// Whether a minimum at parameter u of a segment is the segment's to report and no further fall lies beyond its start;
+/// `w` points from the other curve to this one.
 fn owned(strands: &Strands, segment: usize, u: f64, w: &Vec3) -> bool {
     if u == 1.0 {
         return strands.next(segment).is_none();
@@ -199,8 +203,8 @@ fn point_and_tangent(strands: &Strands, segment: usize, u: f64) -> (Vec3, Vec3) 
     }
 }
 
-/// Sorts minima whose first segments ascend by (i, u, j, v) and removes those found twice because rounding put them on both sides of a
-/// joint: arc lengths equal to 1e-9 of a segment. Keeps the first of each group.
+/// Sorts minima whose first segments ascend by (i, u, j, v) and removes those found twice because rounding put them on
+/// both sides of a joint: arc lengths equal to 1e-9 of a segment. Keeps the first of each group.
 pub(crate) fn put_in_order(
     strands: &Strands,
     minima: &mut Vec<Minimum>,

@@ -23,7 +23,8 @@ pub enum Stage {
 }
 
 impl Detector {
-    /// Bytes that the detector holds between calls, in use or kept for later: all but what it found, and sites and zones.
+    /// Bytes that the detector holds between calls, in use or kept for later: all but what it found, and sites and
+    /// zones.
     #[doc(hidden)]
     #[must_use]
     pub fn memory(&self) -> (usize, usize) {
@@ -31,7 +32,8 @@ impl Detector {
         (self.exclusion.memory() + self.broad.memory() + self.own_memory(), found)
     }
 
-    /// Runs one step on what the steps before it left, and returns the number of things found (segments, pairs, sites, zones).
+    /// Runs one step on what the steps before it left, and returns the number of things found (segments, pairs, sites,
+    /// zones).
     ///
     /// # Errors
     /// As [`Detector::detect`].

@@ -10,8 +10,8 @@ use crate::math::Vec3;
 /// Joints with less than this angle between their tangents, rad, are smooth: minima on them are those of the pieces.
 const SMOOTH: f64 = 1e-9;
 
-/// Minima at kinks and open ends of segment `i` that it owns (its start, and its end if open), against segment `j`. `swapped`: `j` comes first in the
-/// result, and vertices of `j` have been looked at already.
+/// Minima at kinks and open ends of segment `i` that it owns (its start, and its end if open), against segment `j`.
+/// `swapped`: `j` comes first in the result, and vertices of `j` have been looked at already.
 pub(super) fn vertex_minima(strands: &Strands, i: usize, j: usize, reach: f64, swapped: bool, out: &mut Vec<Minimum>) {
     let (own, other) = (strands.cubic(i), strands.cubic(j));
     for u in [0.0, 1.0] {
@@ -40,8 +40,8 @@ fn ordered(i: usize, u: f64, j: usize, v: f64, swapped: bool) -> Minimum {
     Minimum { i: i as u32, u, j: j as u32, v, flat: false }
 }
 
-/// For a kink or open end owned by the segment: the test whether the distance to a point does not fall on either side, given the vector from that
-/// point. `None` for smooth joints and for ends that belong to the next segment.
+/// For a kink or open end owned by the segment: the test whether the distance to a point does not fall on either side,
+/// given the vector from that point. `None` for smooth joints and for ends that belong to the next segment.
 fn vertex<'a>(strands: &'a Strands, i: usize, u: f64) -> Option<impl Fn(&Vec3) -> bool + use<'a>> {
     let own = strands.cubic(i);
     let (before, after) = if u == 0.0 {

@@ -1,34 +1,39 @@
 //! Contact zones of a pair of cubics: the exact sub-intervals of one curve (the slave) whose orthogonal projection on
 //! the other (the master) is closer than a given reach.
 //!
-//! The contact potential is an integral along the slave over the parts where the gap is below a threshold. Integrand and
-//! slope vanish at the ends of these parts, so a quadrature of gradient and Hessian between *exact* ends is consistent with
-//! the potential, and Newton's method converges quadratically; with sloppy ends it does not (interval segmentation:
-//! Meier, Popp & Wall 2016).
+//! The contact potential is an integral along the slave over the parts where the gap is below a threshold. Integrand
+//! and slope vanish at the ends of these parts, so a quadrature of gradient and Hessian between *exact* ends is
+//! consistent with the potential, and Newton's method converges quadratically; with sloppy ends it does not (interval
+//! segmentation: Meier, Popp & Wall 2016).
 //!
-//! A foot on the master moves along it as the slave parameter u moves: a branch v(u), f(u, v) = (a(u) − b(v))·b′(v) = 0. Branches are cut
+//! A foot on the master moves along it as the slave parameter u moves: a branch v(u), f(u, v) = (a(u) − b(v))·b′(v)
+//! = 0. Branches are cut
 //! * where the foot enters or leaves the master at v = 0 or 1: roots of f(u, 0), a cubic in u, likewise at 1;
-//! * where distance − reach changes sign: bracketed by samples and by minima between samples, then by safeguarded Newton.
+//! * where distance − reach changes sign: bracketed by samples and by minima between samples, then by safeguarded
+//!   Newton.
 //!
 //! At an open end of the master the end point itself is the foot on the far side (a spherical cap); the distance to a
 //! curve is C¹ across that change.
 //!
-//! **What is counted.** A slave point x that lies farther than a centre of curvature from the master, or inside a kink, has farthest points between
-//! its nearest ones, and feet appear and vanish in pairs (∂f/∂v = 0: a fold of the projection). Feet alone would make the potential jump there. So
-//! farthest points within reach are counted off: with φ the potential of a distance,
+//! **What is counted.** A slave point x that lies farther than a centre of curvature from the master, or inside a kink,
+//! has farthest points between its nearest ones, and feet appear and vanish in pairs (∂f/∂v = 0: a fold of the
+//! projection). Feet alone would make the potential jump there. So farthest points within reach are counted off: with φ
+//! the potential of a distance,
 //!
 //! ```text
 //! Σ_nearest φ(d) − Σ_farthest φ(d) = −∫₀^reach φ′(ρ) χ(ρ) dρ        χ(ρ): number of strands of the master in the ball of radius ρ about x
 //! ```
 //!
-//! (Euler's characteristic of the part of the master in the ball; Morse theory.) A strand bent within the ball is one strand, not two; two that pass
-//! through it are two; a closed curve that lies in it as a whole is one, so the farthest of its points is not counted off. Where the projection is unique
-//! there is no farthest point, and this is the paper's functional; so it is wherever the master is curved less than 1 over the reach. The sum is C¹ in x:
-//! where a nearest and a farthest point meet, their distances and normals do too, and corners of the master take over from its segments likewise (of
-//! a closed curve in the ball it is continuous where two points are farthest). On the bisector of an acute notch a point is
-//! pushed out unless it overlaps by more than .85 of the reach; deeper, it sees one strand.
+//! (Euler's characteristic of the part of the master in the ball; Morse theory.) A strand bent within the ball is one
+//! strand, not two; two that pass through it are two; a closed curve that lies in it as a whole is one, so the farthest
+//! of its points is not counted off. Where the projection is unique there is no farthest point, and this is the paper's
+//! functional; so it is wherever the master is curved less than 1 over the reach. The sum is C¹ in x: where a nearest
+//! and a farthest point meet, their distances and normals do too, and corners of the master take over from its segments
+//! likewise (of a closed curve in the ball it is continuous where two points are farthest). On the bisector of an acute
+//! notch a point is pushed out unless it overlaps by more than .85 of the reach; deeper, it sees one strand.
 //!
-//! Pairs with ∂f/∂v < 0 throughout, which a bound of the control points tells at once, have one branch; the others are cut into cells.
+//! Pairs with ∂f/∂v < 0 throughout, which a bound of the control points tells at once, have one branch; the others are
+//! cut into cells.
 
 mod branch;
 mod cells;
@@ -62,12 +67,13 @@ pub struct Pair<'a> {
     pub reach: [f64; 2],
     /// Where the master continues smoothly before its start and beyond its end.
     pub joints: [Option<Joint>; 2],
-    /// Tangents of the curve before the master's start and beyond its end, of any length, where it has a kink that this pair is to count.
+    /// Tangents of the curve before the master's start and beyond its end, of any length, where it has a kink that this
+    /// pair is to count.
     pub kinks: [Option<Vec3>; 2],
 }
 
-/// A smooth joint at an end of the master. A foot that rests on it all along belongs to the segment after it: rounding must neither lose it
-/// nor count it twice, so both segments judge by one tangent, that of the segment before.
+/// A smooth joint at an end of the master. A foot that rests on it all along belongs to the segment after it: rounding
+/// must neither lose it nor count it twice, so both segments judge by one tangent, that of the segment before.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint {
     /// Tangent of the curve there, of any length.
@@ -77,8 +83,9 @@ pub struct Joint {
 impl Joint {
     /// Joints at the start and the end of `own`, whose curve goes on as `before` and `after`, none where it has a kink.
     ///
-    /// All three relative to `origin` \[L\], the same for the segments that meet: each of them must find the same bits. (The rounding of the
-    /// control points, which a smooth joint is known up to, is that of the coordinates they were given in.)
+    /// All three relative to `origin` \[L\], the same for the segments that meet: each of them must find the same bits.
+    /// (The rounding of the control points, which a smooth joint is known up to, is that of the coordinates they were
+    /// given in.)
     pub(crate) fn both(before: Option<Cubic>, own: &Cubic, after: Option<Cubic>, origin: &Vec3) -> [Option<Self>; 2] {
         let of = |first: &Cubic, second: &Cubic| {
             let far = origin.amax() + first.b[3].amax();
@@ -113,7 +120,8 @@ impl Side {
         mix(a, b)
     }
 
-    /// The foot is after this point, which is the start of what is looked at. A foot that rests on a joint belongs to the segment after it.
+    /// The foot is after this point, which is the start of what is looked at. A foot that rests on a joint belongs to
+    /// the segment after it.
     fn passed_start(&self, u: f64) -> bool {
         let f = self.at(u);
         f > 0.0 || self.joined && f == 0.0

@@ -9,8 +9,8 @@
 //! | 24–27 | CRC-32 of the 24 bytes before |
 //! | 28– | body: [`Checkpoint`] in the postcard format, numbers bit for bit |
 //!
-//! A checkpoint is written beside the last one, flushed to the disk, and takes its name only then: whatever happens, there is a whole
-//! one. What cannot be read back exactly as it was written is refused.
+//! A checkpoint is written beside the last one, flushed to the disk, and takes its name only then: whatever happens,
+//! there is a whole one. What cannot be read back exactly as it was written is refused.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -75,7 +75,8 @@ impl Checkpoint {
     /// Reads the checkpoint at `path`.
     ///
     /// # Errors
-    /// [`InputError::File`] saying whether there is none, or it is no checkpoint, of another version, cut short or damaged.
+    /// [`InputError::File`] saying whether there is none, or it is no checkpoint, of another version, cut short or
+    /// damaged.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
         let bytes = std::fs::read(path).map_err(|e| match e.kind() {
@@ -143,7 +144,8 @@ impl Checkpoint {
     }
 }
 
-/// What decides a run's numbers, condensed: lengths and CRC-32 sums of its parts. Title, outputs and threads may change.
+/// What decides a run's numbers, condensed: lengths and CRC-32 sums of its parts. Title, outputs and threads may
+/// change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fingerprint {
     model: (u64, u32),
@@ -160,7 +162,8 @@ impl Fingerprint {
     }
 }
 
-/// Length and CRC-32 of a value's debug form, which has every field (those yet to come too) and every bit of every number.
+/// Length and CRC-32 of a value's debug form, which has every field (those yet to come too) and every bit of every
+/// number.
 fn digest(value: &impl std::fmt::Debug) -> (u64, u32) {
     struct Sink(u64, crc32fast::Hasher);
     impl std::fmt::Write for Sink {

@@ -2,7 +2,8 @@
 
 use crate::math::Vec3;
 
-/// Points that are looked at together: bounds the work to `BLOCK`/2 distances a point, and keeps at least every `BLOCK`-th point.
+/// Points that are looked at together: bounds the work to `BLOCK`/2 distances a point, and keeps at least every
+/// `BLOCK`-th point.
 const BLOCK: usize = 512;
 
 /// Every `stride`-th of `count` points and, on open curves, the last.
@@ -21,9 +22,9 @@ pub fn every(count: usize, stride: usize, closed: bool) -> Vec<usize> {
     kept
 }
 
-/// Points to keep so that each point left out lies within `tolerance` \[L\] of the straight piece that replaces it (Douglas &
-/// Peucker 1973, in blocks of 512 points: time proportional to the points). The first and the last are kept; a closed
-/// curve's closing piece is kept as it is. At most `stride` points are passed over at a time.
+/// Points to keep so that each point left out lies within `tolerance` \[L\] of the straight piece that replaces it
+/// (Douglas & Peucker 1973, in blocks of 512 points: time proportional to the points). The first and the last are kept;
+/// a closed curve's closing piece is kept as it is. At most `stride` points are passed over at a time.
 #[must_use]
 pub fn within(points: &[Vec3], tolerance: f64, stride: usize) -> Vec<usize> {
     if points.len() < 3 {

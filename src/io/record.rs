@@ -116,7 +116,8 @@ pub struct Record {
 }
 
 impl Record {
-    /// A record of `scene` in the folder `dir`. Files of these names that an earlier run has left there are removed: a folder holds one run.
+    /// A record of `scene` in the folder `dir`. Files of these names that an earlier run has left there are removed: a
+    /// folder holds one run.
     ///
     /// # Errors
     /// [`InputError::File`] if the folder cannot be made, or a file of an earlier run not be removed.
@@ -403,7 +404,8 @@ mod tests {
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(json["steps"].as_array().unwrap().len(), 100);
         assert_eq!((json["final"]["step"].as_u64(), json["rods"][0]["nodes"].as_u64()), (Some(99), Some(20)));
-        // the next run in the folder starts with none of them, but with what others have put there; one that goes on keeps them
+        // the next run in the folder starts with none of them, but with what others have put there; one that goes on
+        // keeps them
         let foreign = ["notes.txt", "step_1.vtp", "step_0001.vtp.bak"];
         foreign.iter().for_each(|name| std::fs::write(dir.join(name), "mine").unwrap());
         let names = || {

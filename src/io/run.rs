@@ -1,5 +1,5 @@
-//! Runs a scene and leaves its record in a folder; silent, progress goes through a callback. A run that was stopped or killed goes on
-//! from its last checkpoint and ends with the same bits.
+//! Runs a scene and leaves its record in a folder; silent, progress goes through a callback. A run that was stopped or
+//! killed goes on from its last checkpoint and ends with the same bits.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,8 @@ use super::record::{Record, RodSnapshot};
 pub struct Outcome {
     /// How the run ended.
     pub status: Status,
-    /// Accepted steps, the start and those before the run was taken up again included; of their contact sites only the strongest.
+    /// Accepted steps, the start and those before the run was taken up again included; of their contact sites only the
+    /// strongest.
     pub steps: Vec<Observation>,
     /// Wall time, all parts of the run together \[s\].
     pub seconds: f64,
@@ -95,9 +96,9 @@ impl SceneRun {
 
     /// Runs the scene from its start; `watch` sees every accepted step and may stop the run.
     ///
-    /// The record of what was accepted is written also when the run stops, does not converge or breaks down. Checkpoints are written after
-    /// steps as the scene's output choices say, and when the run is stopped; a finished run leaves none. One that an earlier
-    /// run has left in the folder is set aside as `checkpoint.bin.old`.
+    /// The record of what was accepted is written also when the run stops, does not converge or breaks down.
+    /// Checkpoints are written after steps as the scene's output choices say, and when the run is stopped; a finished
+    /// run leaves none. One that an earlier run has left in the folder is set aside as `checkpoint.bin.old`.
     ///
     /// # Errors
     /// [`RunError`]: input refused (files that cannot be written included), or numbers that broke down.
@@ -111,12 +112,12 @@ impl SceneRun {
         self.go(record, None, 0.0, watch)
     }
 
-    /// Goes on from the checkpoint in the folder. The steps that follow, the final state and all tables are, bit for bit, those of a run
-    /// that never stopped, but for wall times; `watch` sees the steps that follow.
+    /// Goes on from the checkpoint in the folder. The steps that follow, the final state and all tables are, bit for
+    /// bit, those of a run that never stopped, but for wall times; `watch` sees the steps that follow.
     ///
     /// # Errors
-    /// As [`SceneRun::start`]; a checkpoint that is missing, damaged or of another version, or that was written for another scene (title,
-    /// outputs and threads may differ).
+    /// As [`SceneRun::start`]; a checkpoint that is missing, damaged or of another version, or that was written for
+    /// another scene (title, outputs and threads may differ).
     pub fn resume(self, watch: &mut Watch) -> Result<Outcome, RunError> {
         let checkpoint = Checkpoint::read(&self.dir.join(FILE_NAME))?;
         checkpoint.check_scene(&self.scene)?;

@@ -90,8 +90,9 @@ impl fmt::Display for StepTable<'_> {
     }
 }
 
-/// Writes the steps as CSV: step, stage, fraction, link numbers of each closed rod, energies, smallest gap (lower bound),
-/// sites, contact force, unstable directions, iterations (and those on shorter rods or coarser meshes), seconds, status. Units as in the scene, links in turns.
+/// Writes the steps as CSV: step, stage, fraction, link numbers of each closed rod, energies, smallest gap (lower
+/// bound), sites, contact force, unstable directions, iterations (and those on shorter rods or coarser meshes),
+/// seconds, status. Units as in the scene, links in turns.
 ///
 /// `rods` are the names of all rods; where several are closed their columns carry the name.
 ///

@@ -1,10 +1,10 @@
 //! Polynomials in Bernstein form on \[0, 1\]: p(t) = Σ b_i C(n,i) tⁱ (1−t)ⁿ⁻ⁱ, up to degree 7.
 //!
 //! [`roots`] isolates every real root by Descartes' rule of signs on the Bernstein coefficients (Lane & Riesenfeld
-//! 1981; Mourrain, Rouillier & Roy 2005) with de Casteljau subdivision. The number of sign changes of the
-//! coefficients bounds the number of roots from above and has the same parity, so a piece without a sign change has no
-//! root and a piece with one has exactly one. There is no absolute tolerance: multiplying all coefficients by any positive
-//! number that keeps them normal changes nothing but roundings.
+//! 1981; Mourrain, Rouillier & Roy 2005) with de Casteljau subdivision. The number of sign changes of the coefficients
+//! bounds the number of roots from above and has the same parity, so a piece without a sign change has no root and a
+//! piece with one has exactly one. There is no absolute tolerance: multiplying all coefficients by any positive number
+//! that keeps them normal changes nothing but roundings.
 
 /// Highest degree handled.
 pub const MAX_DEGREE: usize = 7;
@@ -99,7 +99,8 @@ impl Roots {
     }
 }
 
-/// p(t) by de Casteljau's algorithm. `coeffs` holds the degree + 1 Bernstein coefficients, at most 8; an empty slice is 0.
+/// p(t) by de Casteljau's algorithm. `coeffs` holds the degree + 1 Bernstein coefficients, at most 8; an empty slice is
+/// 0.
 #[must_use]
 pub fn eval(coeffs: &[f64], t: f64) -> f64 {
     let Some(mut b) = load(coeffs) else { return 0.0 };
@@ -111,7 +112,8 @@ pub fn eval(coeffs: &[f64], t: f64) -> f64 {
     b[0]
 }
 
-/// Coefficients, degree five, of the product of a cubic and a quadratic; `products(i, j)` is that of the cubic's coefficient i and the quadratic's j.
+/// Coefficients, degree five, of the product of a cubic and a quadratic; `products(i, j)` is that of the cubic's
+/// coefficient i and the quadratic's j.
 #[must_use]
 pub fn product_with_quadratic(products: impl Fn(usize, usize) -> f64) -> [f64; 6] {
     let d = products;
@@ -144,7 +146,8 @@ fn load(coeffs: &[f64]) -> Option<[f64; CAPACITY]> {
     (!coeffs.is_empty()).then_some(b)
 }
 
-/// p and p′ (both wrt t) at once, of degree `N` − 1 ≥ 1. The degree is known to the compiler: cubics and quintics are what contact asks for by the million.
+/// p and p′ (both wrt t) at once, of degree `N` − 1 ≥ 1. The degree is known to the compiler: cubics and quintics are
+/// what contact asks for by the million.
 #[inline]
 fn eval_with_slope<const N: usize>(b: &[f64; N], t: f64) -> (f64, f64) {
     let mut w = *b;
@@ -184,14 +187,16 @@ struct Piece {
     root_at_start: Option<Crossing>,
 }
 
-/// All real roots of Σ `coeffs[i]` C(n,i) tⁱ (1−t)ⁿ⁻ⁱ in \[0, 1\], ascending, each once, replacing the contents of `out`.
+/// All real roots of Σ `coeffs[i]` C(n,i) tⁱ (1−t)ⁿ⁻ⁱ in \[0, 1\], ascending, each once, replacing the contents of
+/// `out`.
 ///
 /// * Simple roots are polished to machine precision (Newton safeguarded by bisection). A sign change between two
 ///   computed values is never lost: both halves of a subdivided piece share the computed value at their common end.
 /// * Exact zeros at t = 0 and t = 1 are reported as 0 and 1 exactly, with the one-sided sign as their [`Crossing`].
 /// * A multiple root, and a group of roots that rounding cannot separate (all coefficients of the piece around it below
-///   a few ulp of the largest coefficient, about 1e-8 apart for a pair), is one root: `Rising`/`Falling` if the sign differs across
-///   the group, else `Touching`. A minimum of |p| above zero by less than that noise may be reported as `Touching` too.
+///   a few ulp of the largest coefficient, about 1e-8 apart for a pair), is one root: `Rising`/ `Falling` if the sign
+///   differs across the group, else `Touching`. A minimum of |p| above zero by less than that noise may be reported as
+///   `Touching` too.
 /// * The zero polynomial reports no root and sets [`Roots::identically_zero`]; so does nothing else.
 /// * NaN or infinite coefficients: no roots.
 /// * Invariant under p → c p, c > 0 (up to rounding); under p → −p the roots stay and the crossings swap.
@@ -307,7 +312,8 @@ fn crossing_of(before: f64, after: f64) -> Crossing {
     }
 }
 
-/// De Casteljau at ½. A midpoint that is exactly a root is moved to `root_at_start` of the right half and divided out of both.
+/// De Casteljau at ½. A midpoint that is exactly a root is moved to `root_at_start` of the right half and divided out
+/// of both.
 fn halve(piece: &Piece) -> (Piece, Piece) {
     let n = piece.n;
     let mut left = *piece;
@@ -367,8 +373,8 @@ fn polish_of<const N: usize>(b: &[f64; N]) -> f64 {
         }
         let newton = t - value / slope;
         let step = (newton - t).abs();
-        // Rounding keeps the last steps above an ulp and may take them out of the bracket: they only stop shrinking. (With the other slope it is another
-        // root, just outside.)
+        // Rounding keeps the last steps above an ulp and may take them out of the bracket: they only stop shrinking.
+        // (With the other slope it is another root, just outside.)
         let noise = step <= NOISE * t && step >= 0.25 * last_step;
         if (slope > 0.0) == rising && (step <= f64::EPSILON * t || noise) {
             return newton.clamp(lo, hi);

@@ -34,9 +34,9 @@ const MIN_EDGES_FOR_CROSSINGS: usize = 400;
 
 /// Link, twist and writhe of a closed rod (turns).
 ///
-/// `points` [any length unit] are the N distinct nodes, `d1` the material direction at each (need not be unit or exactly
-/// normal). The frame at s = L is the frame at s = 0 turned by `seam_turns` about d3; `link` equals `seam_turns` modulo
-/// 1 up to rounding (about 1e-13). See [`ribbon_twist`] for how far neighbouring frames may differ.
+/// `points` [any length unit] are the N distinct nodes, `d1` the material direction at each (need not be unit or
+/// exactly normal). The frame at s = L is the frame at s = 0 turned by `seam_turns` about d3; `link` equals
+/// `seam_turns` modulo 1 up to rounding (about 1e-13). See [`ribbon_twist`] for how far neighbouring frames may differ.
 ///
 /// # Panics
 /// If `d1` and `points` differ in length.
@@ -49,10 +49,10 @@ pub fn link_numbers(points: &[Vec3], d1: &[Vec3], seam_turns: f64) -> LinkNumber
 /// Writhe of a polygon (turns): `Wr = (1/4π) ∮∮ (t₁ × t₂)·(r₁ − r₂)/|r₁ − r₂|³ ds₁ ds₂`, exact for straight edges.
 ///
 /// `closed` joins the last point to the first. Coplanar, adjacent and zero-length edge pairs add exactly nothing;
-/// polygons of fewer than four points have no writhe, those with a NaN or infinite point a NaN. Independent of scale and offset; the same bits for any number of
-/// threads. Error about 1e-13; cost N²/2 edge pairs (about 20 ns each) for open polygons and for closed ones of fewer
-/// than 400 edges, about 1 µs an edge plus the crossings of one projection for longer closed ones. Where the polygon
-/// cuts itself, writhe jumps by 2 and the mean of both sides is returned.
+/// polygons of fewer than four points have no writhe, those with a NaN or infinite point a NaN. Independent of scale
+/// and offset; the same bits for any number of threads. Error about 1e-13; cost N²/2 edge pairs (about 20 ns each) for
+/// open polygons and for closed ones of fewer than 400 edges, about 1 µs an edge plus the crossings of one projection
+/// for longer closed ones. Where the polygon cuts itself, writhe jumps by 2 and the mean of both sides is returned.
 pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
     if !all_finite(points) {
         return f64::NAN;
@@ -89,8 +89,9 @@ fn writhe_by_pairs(points: &[Vec3], closed: bool) -> f64 {
 
 /// Linking number of two closed polygons (turns): `(1/4π) ∮∮ (t_a × t_b)·(r_a − r_b)/|r_a − r_b|³ ds_a ds_b`.
 ///
-/// An integer up to about 1e-13 if the polygons are disjoint; a crossing of right-handed sense counts +½. Zero if either
-/// has fewer than three points, NaN if a coordinate is not finite. Symmetric in `a` and `b`; changes sign when one of them is traversed backwards.
+/// An integer up to about 1e-13 if the polygons are disjoint; a crossing of right-handed sense counts +½. Zero if
+/// either has fewer than three points, NaN if a coordinate is not finite. Symmetric in `a` and `b`; changes sign when
+/// one of them is traversed backwards.
 pub fn linking_number(a: &[Vec3], b: &[Vec3]) -> f64 {
     if !all_finite(a) || !all_finite(b) {
         return f64::NAN;
@@ -142,11 +143,11 @@ fn solid_angle(a: [Vec3; 2], b: [Vec3; 2]) -> f64 {
 
 /// Total twist (turns) of the material direction `d1` about a polygon.
 ///
-/// Along edge i the twist is the angle about the edge from the projection of d1_i to that of d1_{i+1}; at a vertex it is
-/// the angle from d1 projected on the incoming edge, parallel-transported to the outgoing one, to d1 projected on the
-/// outgoing edge. Every angle is taken in (−π, π], so neighbouring frames must differ by less than half a turn. For a
-/// closed ribbon `Tw + Wr` is an integer to rounding, without any discretisation error. A d1 parallel to an edge (as no
-/// rod has) is replaced by the projection before it.
+/// Along edge i the twist is the angle about the edge from the projection of d1_i to that of d1_{i+1}; at a vertex it
+/// is the angle from d1 projected on the incoming edge, parallel-transported to the outgoing one, to d1 projected on
+/// the outgoing edge. Every angle is taken in (−π, π], so neighbouring frames must differ by less than half a turn. For
+/// a closed ribbon `Tw + Wr` is an integer to rounding, without any discretisation error. A d1 parallel to an edge (as
+/// no rod has) is replaced by the projection before it.
 ///
 /// # Panics
 /// If `d1` and `points` differ in length.

@@ -3,14 +3,16 @@
 /// (3 − √5)/2, the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// Iterations after which the best point is returned as it is (golden section alone shrinks an interval by 1e-20 in 100).
+/// Iterations after which the best point is returned as it is (golden section alone shrinks an interval by 1e-20 in
+/// 100).
 const MAX_ITERATIONS: usize = 100;
 
-/// Place and value of a local minimum of `f` in `low`..`high`, to about `tolerance` (absolute, in x; no better than √ε_machine |x|
-/// is possible). The only minimum if there is one only; an end of the interval if `f` decreases towards it.
+/// Place and value of a local minimum of `f` in `low`.. `high`, to about `tolerance` (absolute, in x; no better than
+/// √ε_machine |x| is possible). The only minimum if there is one only; an end of the interval if `f` decreases towards
+/// it.
 ///
-/// Brent's method (Brent 1973, ch. 5): parabolas through the three best points, golden sections where they do not help. A NaN
-/// counts as worse than anything.
+/// Brent's method (Brent 1973, ch. 5): parabolas through the three best points, golden sections where they do not help.
+/// A NaN counts as worse than anything.
 pub fn minimum(f: impl Fn(f64) -> f64, low: f64, high: f64, tolerance: f64) -> (f64, f64) {
     let value = |x: f64| Some(f(x)).filter(|y| !y.is_nan()).unwrap_or(f64::INFINITY);
     let (mut a, mut b) = (low.min(high), low.max(high));

@@ -2,8 +2,8 @@
 
 use crate::math::Vec3;
 
-/// a + b as rounded, and what is missing to the exact sum (Knuth, The Art of Computer Programming 2, section 4.2.2): the two together are exact, whichever is
-/// larger, unless the sum overflows.
+/// a + b as rounded, and what is missing to the exact sum (Knuth, The Art of Computer Programming 2, section 4.2.2):
+/// the two together are exact, whichever is larger, unless the sum overflows.
 #[inline]
 pub(crate) fn two_sum(a: &Vec3, b: &Vec3) -> (Vec3, Vec3) {
     let sum = a + b;

@@ -1,4 +1,5 @@
-//! How far a state is from the exact one: an estimate after the fact, by settling it again on a finer mesh and under a harder law.
+//! How far a state is from the exact one: an estimate after the fact, by settling it again on a finer mesh and under a
+//! harder law.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,8 @@ use super::state::observe;
 /// Factor on the contact stiffness in the comparison of laws.
 const HARDER: f64 = 10.0;
 
-/// What two states that should be the same differ by: the largest absolute differences over all rods, sites or supports.
+/// What two states that should be the same differ by: the largest absolute differences over all rods, sites or
+/// supports.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Differences {
     /// Elastic and contact energy \[F·L\].
@@ -58,15 +60,17 @@ pub struct Comparison {
     pub error: Option<Differences>,
 }
 
-/// An a-posteriori estimate of a state's error, in two parts; they may have opposite signs, so that their sum is too large rather than too small.
+/// An a-posteriori estimate of a state's error, in two parts; they may have opposite signs, so that their sum is too
+/// large rather than too small.
 ///
-/// **Mesh**: difference to the state on twice the elements. With elements of order p smooth quantities converge as h^2p, so that the difference is
-/// the error but for a part in 4^p; where contact points make the order lower, as h², three quarters of it.
-/// **Contact law**: difference between the law in force and one ten times as stiff (on the finer mesh), times 1/(1 − 10^(−2/3)): a point contact is
-/// spread over a width of κ^(−1/3), which costs κ^(−2/3) of its force. What is left of penetration under the law is in it.
+/// **Mesh**: difference to the state on twice the elements. With elements of order p smooth quantities converge as
+/// h^2p, so that the difference is the error but for a part in 4^p; where contact points make the order lower, as h²,
+/// three quarters of it. **Contact law**: difference between the law in force and one ten times as stiff (on the finer
+/// mesh), times 1/(1 − 10^(−2/3)): a point contact is spread over a width of κ^(−1/3), which costs κ^(−2/3) of its
+/// force. What is left of penetration under the law is in it.
 ///
-/// An estimate, not a bound: both comparisons see only what changes by them. A mesh so coarse that a contact is missed on both is not found out,
-/// nor is another stable branch.
+/// An estimate, not a bound: both comparisons see only what changes by them. A mesh so coarse that a contact is missed
+/// on both is not found out, nor is another stable branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
     /// Of the mesh.
@@ -188,8 +192,9 @@ fn seen(solver: &Solver, report: Option<&StepReport>) -> Observation {
     observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
 }
 
-/// Differences of two states; node k of the first is node `stride`·k of the second, rod by rod. Positions are compared at the ends of elements:
-/// there they converge as h^2p like everything else, within elements they are as good as their polynomials only.
+/// Differences of two states; node k of the first is node `stride`·k of the second, rod by rod. Positions are compared
+/// at the ends of elements: there they converge as h^2p like everything else, within elements they are as good as their
+/// polynomials only.
 fn differences((a, coarse): (&Solver, &Observation), (b, fine): (&Solver, &Observation), stride: usize) -> Differences {
     let largest = |pairs: &mut dyn Iterator<Item = f64>| pairs.map(f64::abs).reduce(f64::max);
     let model = a.engine().model();

@@ -1,5 +1,6 @@
-//! What is to be known of a state: [`observe()`] fills an [`Observation`](report::Observation) with everything, [`link`] has the
-//! topology of closed curves, [`report`] the plain data; [`estimate_error`] says how far off a state is.
+//! What is to be known of a state: [`observe()`] fills an [`Observation`](report::Observation) with everything,
+//! [`link`] has the topology of closed curves, [`report`] the plain data; [`estimate_error`] says how far off a state
+//! is.
 
 mod error_estimate;
 pub mod report;

@@ -60,10 +60,10 @@ pub struct SiteReport {
     pub rod_b: usize,
     /// Arc length interval on strand b \[L\].
     pub arc_b: [f64; 2],
-    /// "line" where the mean of both intervals is longer than 3.9 (B/κ)^¼ for rods of equal bending stiffness B (the smaller of the
-    /// two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a point contact at the load at which it
-    /// opens into a line or into two points. Stiffer laws shorten the zone of a point (as κ^(−1/3)), but not a line. Two points closer
-    /// than that to each other are reported as one line.
+    /// "line" where the mean of both intervals is longer than 3.9 (B/κ)^¼ for rods of equal bending stiffness B (the
+    /// smaller of the two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a
+    /// point contact at the load at which it opens into a line or into two points. Stiffer laws shorten the zone of a
+    /// point (as κ^(−1/3)), but not a line. Two points closer than that to each other are reported as one line.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
@@ -71,8 +71,8 @@ pub struct SiteReport {
     pub force: f64,
     /// Where the force sits on strands a and b: arc length weighted with the pressure \[L\].
     pub center: [f64; 2],
-    /// Standard deviation of the pressure's distribution about `center` on strands a and b \[L\]: half the distance of two equal
-    /// forces, length/√12 of a uniform line, below the width of the contact law's layer for a point.
+    /// Standard deviation of the pressure's distribution about `center` on strands a and b \[L\]: half the distance of
+    /// two equal forces, length/√12 of a uniform line, below the width of the contact law's layer for a point.
     pub spread: [f64; 2],
     /// Crossing angle of the tangents where the gap is smallest, degrees in 0..=90.
     pub angle: f64,
@@ -93,9 +93,10 @@ pub struct Reaction {
 
 /// Link numbers of one closed rod, in turns; `link = twist + writhe`.
 ///
-/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as no
-/// strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no link). Of its two parts the polygon would know each to second order in its edges only,
-/// so `twist` is the elements' own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
+/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as
+/// no strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no
+/// link). Of its two parts the polygon would know each to second order in its edges only, so `twist` is the elements'
+/// own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RodLink {
     /// Rod index.

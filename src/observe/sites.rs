@@ -1,9 +1,9 @@
-//! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, joined to what
-//! a reader would count as one contact.
+//! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, joined to
+//! what a reader would count as one contact.
 //!
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
-//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its force
-//!    is the sum over all its zones, because each view carries half of it.
+//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
+//!    force is the sum over all its zones, because each view carries half of it.
 //! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
 use crate::contact::arc::{self, ascending, near};
@@ -209,7 +209,8 @@ fn sees(set: &CurveSet, zone: &Zone, other: &Zone, pad: f64) -> bool {
     meet(zone.curve_b, zone.arc_b, other.arc_a) && meet(zone.curve_a, zone.arc_a, other.arc_b)
 }
 
-/// The smallest arc over all `arcs` (the first decides the period), or the whole of a closed curve, within [0, length\].
+/// The smallest arc over all `arcs` (the first decides the period), or the whole of a closed curve, within
+/// [0, length\].
 fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2], f64) {
     let all = arcs.map(ascending).reduce(|sum, arc| arc::joined(sum, arc, period));
     let arc = all.unwrap_or_default();

@@ -22,8 +22,8 @@ const TOL_GAP: f64 = 1e-10;
 
 /// Everything there is to report about the state that a solver has just accepted.
 ///
-/// Takes about as long as one evaluation of the residual, plus link and the certified clearance. The same numbers for any
-/// number of threads, but for `seconds`.
+/// Takes about as long as one evaluation of the residual, plus link and the certified clearance. The same numbers for
+/// any number of threads, but for `seconds`.
 pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());

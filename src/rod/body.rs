@@ -4,7 +4,8 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Section, Shape};
 
-/// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a turn would not have.
+/// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a
+/// turn would not have.
 pub const MAX_TURN: f64 = 0.4;
 
 /// Largest coordinate of a node: products of three stay finite.
@@ -17,12 +18,13 @@ pub enum Natural {
     Straight,
     /// The start shape itself is free of stress, as it is before [`Rod::with_excess_link`] twists it.
     ///
-    /// Arcs and circles have the same curvature everywhere: [`Rod::new`] then takes it as it is, and nothing is stored. On other shapes, and on
-    /// nodes of one's own, natural strains are measured on the interpolated start shape, at its integration points. There no element is
-    /// then stressed at all, but natural curvature is known to the order p + 1 of the elements only, which bounds what comes of it: the tip of
-    /// a bent arc converges with orders 2, 4, 4 for p = 1, 2, 3 (fitted 3.75 for p = 3 on 3 to 12 elements, where given curvature has 5.94;
-    /// `tests/convergence_orders.rs`). Where frames can be laid so that curvature and twist are uniform (a helix with its Frenet frames),
-    /// [`Rod::from_nodes`] with [`Natural::Uniform`] has the full order.
+    /// Arcs and circles have the same curvature everywhere: [`Rod::new`] then takes it as it is, and nothing is stored.
+    /// On other shapes, and on nodes of one's own, natural strains are measured on the interpolated start shape, at its
+    /// integration points. There no element is then stressed at all, but natural curvature is known to the order p + 1
+    /// of the elements only, which bounds what comes of it: the tip of a bent arc converges with orders 2, 4, 4 for p =
+    /// 1, 2, 3 (fitted 3.75 for p = 3 on 3 to 12 elements, where given curvature has 5.94;
+    /// `tests/convergence_orders.rs`). Where frames can be laid so that curvature and twist are uniform (a helix with
+    /// its Frenet frames), [`Rod::from_nodes`] with [`Natural::Uniform`] has the full order.
     AsShaped,
     /// Uniform intrinsic curvature and twist \[1/L\], in the material frame: nothing is stored per element.
     Uniform {
@@ -54,18 +56,20 @@ pub struct Rod {
     pub frames: Vec<Quat>,
     /// Stress-free state.
     pub natural: Natural,
-    /// Closed rods: excess link of the start state, turns: Tw + Wr, the link of the centreline with the material line d1. The frame
-    /// at s = L is the frame at 0 turned by it about d3, so its fraction is the turn of the seam. Open rods: 0.
+    /// Closed rods: excess link of the start state, turns: Tw + Wr, the link of the centreline with the material line
+    /// d1. The frame at s = L is the frame at 0 turned by it about d3, so its fraction is the turn of the seam. Open
+    /// rods: 0.
     ///
-    /// Of a rod that is straight by nature (or curved but not twisted) this is its link beyond that of the relaxed rod, Lk − Lk₀;
-    /// where it has a natural twist K3, the relaxed rod has K3 L/2π turns of it.
+    /// Of a rod that is straight by nature (or curved but not twisted) this is its link beyond that of the relaxed rod,
+    /// Lk − Lk₀; where it has a natural twist K3, the relaxed rod has K3 L/2π turns of it.
     ///
-    /// Its whole turns are exact. Its fraction is a matter of where the frames at s = 0 and s = L are taken to be: it is
-    /// exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean twist of
-    /// the others, which makes it, on a shape with twist-free frames, the shape's writhe up to the fourth power of the spacing.
+    /// Its whole turns are exact. Its fraction is a matter of where the frames at s = 0 and s = L are taken to be: it
+    /// is exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean
+    /// twist of the others, which makes it, on a shape with twist-free frames, the shape's writhe up to the fourth
+    /// power of the spacing.
     pub start_excess_link: f64,
-    /// Turns by which [`Rod::with_excess_link`] has twisted the frames, evenly along the rod: no part of the natural state where that is
-    /// [`Natural::AsShaped`].
+    /// Turns by which [`Rod::with_excess_link`] has twisted the frames, evenly along the rod: no part of the natural
+    /// state where that is [`Natural::AsShaped`].
     pub twist_put_in: f64,
 }
 
@@ -158,10 +162,11 @@ impl Rod {
     /// Refuses a rod that cannot be computed with; the constructors call it.
     ///
     /// # Errors
-    /// An order other than 1, 2, 3; a number of nodes that does not fit order and elements; a closed rod of fewer than 3
-    /// nodes; frames not as many as positions; numbers that are not finite; stiffnesses or a length not positive;
-    /// neighbouring nodes that coincide, or whose frames are more than [`MAX_TURN`] apart; a natural curvature or twist that turns by more than that from node to node; a rod thicker than its own curvature
-    /// allows (ε·curvature ≥ 1, curvature = turning of d3 from node to node over the arc length between them).
+    /// An order other than 1, 2, 3; a number of nodes that does not fit order and elements; a closed rod of fewer than
+    /// 3 nodes; frames not as many as positions; numbers that are not finite; stiffnesses or a length not positive;
+    /// neighbouring nodes that coincide, or whose frames are more than [`MAX_TURN`] apart; a natural curvature or twist
+    /// that turns by more than that from node to node; a rod thicker than its own curvature allows (ε·curvature ≥ 1,
+    /// curvature = turning of d3 from node to node over the arc length between them).
     pub fn check(&self) -> Result<(), InputError> {
         let path = format!("rods.{}", self.name);
         self.section.check(&format!("{path}.section"))?;
@@ -340,7 +345,8 @@ mod tests {
         }
     }
 
-    /// The link of twist-free frames is the writhe of the curve (Fuller 1971), here the Gauss integral, whole turns included.
+    /// The link of twist-free frames is the writhe of the curve (Fuller 1971), here the Gauss integral, whole turns
+    /// included.
     #[test]
     fn holonomy_is_the_writhe() {
         let ring = |elements: usize| {

@@ -12,8 +12,8 @@
 //! Left multiplication of all q_a by one unit quaternion commutes with the interpolation, so the strains are objective;
 //! nothing incremental is interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
 //!
-//! Unknowns of a node are (δr, θ) with q ← exp(θ/2) q = q + ½θq − ⅛|θ|²q + …, so the Hessian in θ is TᵀHT plus the diagonal
-//! −¼ (∂E/∂q · q) I.
+//! Unknowns of a node are (δr, θ) with q ← exp(θ/2) q = q + ½θq − ⅛|θ|²q + …, so the Hessian in θ is TᵀHT plus the
+//! diagonal −¼ (∂E/∂q · q) I.
 //!
 //! The stress inside the geometric part of the tangent may differ from C ε(x): mixed-integration-point Newton
 //! (Magisano, Leonetti & Garcea 2017) passes the stress predicted by the previous linear solve.
@@ -44,8 +44,8 @@ pub struct Body<'a> {
     pub length: f64,
     /// Diagonal of the material matrix.
     pub material: &'a Six,
-    /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y, frames turned about z) are computed
-    /// there, with the same results to rounding.
+    /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y,
+    /// frames turned about z) are computed there, with the same results to rounding.
     pub plane: Option<&'a Plane>,
 }
 
@@ -127,8 +127,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     /// The directions in which the quaternion moves when the node turns: ½ e_k q.
     fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
 
-    /// Change of the strains at integration point `g` that a linear step δ (displacement, rotation vector per node) predicts: B δ.
-    /// Also returns raw strains and B's rows.
+    /// Change of the strains at integration point `g` that a linear step δ (displacement, rotation vector per node)
+    /// predicts: B δ. Also returns raw strains and B's rows.
     fn linear_change(
         table: &Table,
         nodes: &Nodes<R, Z>,
@@ -351,8 +351,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     }
 }
 
-/// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): what the
-/// mixed-integration-point step predicts.
+/// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): what
+/// the mixed-integration-point step predicts.
 pub fn predicted_stress(
     body: &Body,
     nodes: &ElementNodes,
@@ -368,8 +368,8 @@ pub fn predicted_stress(
     }
 }
 
-/// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and their nodal
-/// forces Bᵀ C e, with B at the start of the step.
+/// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and
+/// their nodal forces Bᵀ C e, with B at the start of the step.
 pub fn surprise_force(
     body: &Body,
     nodes: &ElementNodes,
@@ -395,13 +395,14 @@ pub struct ElementOutput {
     pub residual: [f64; MAX_DOF],
 }
 
-/// Symmetric tangent of an element; only the blocks a ≤ b (node a row, node b column) are filled, of an element in a plane only the displacements
-/// in x and y and the rotation about z of them.
+/// Symmetric tangent of an element; only the blocks a ≤ b (node a row, node b column) are filled, of an element in a
+/// plane only the displacements in x and y and the rotation about z of them.
 pub type ElementTangent = [[f64; MAX_DOF]; MAX_DOF];
 
 /// Energy, residual and (if wanted) tangent of an element; what is not filled stays as it was.
 ///
-/// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent per point (`None`: C ε(x)).
+/// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent
+/// per point (`None`: C ε(x)).
 pub fn evaluate(
     body: &Body,
     nodes: &ElementNodes,

@@ -14,13 +14,14 @@ use crate::math::{Quat, Vec3};
 const MAX_POINTS: f64 = 8.0;
 
 impl Rod {
-    /// The same rod with the excess link `turns`: its frames are turned about d3 by an angle that grows evenly along the rod, its
-    /// centreline stays.
+    /// The same rod with the excess link `turns`: its frames are turned about d3 by an angle that grows evenly along
+    /// the rod, its centreline stays.
     ///
-    /// The excess link of a closed rod is the link of its centreline with its material line d1, Tw + Wr, seam included, see
-    /// [`Rod::start_excess_link`]. Twist-free frames, as all shapes have, carry no twist, so the link of a rod just placed is the
-    /// writhe of its shape; this adds the twist that is missing. It holds to rounding, whatever the number of nodes. The natural state stays
-    /// what it was, also where that is the shape ([`Natural::AsShaped`](super::Natural)).
+    /// The excess link of a closed rod is the link of its centreline with its material line d1, Tw + Wr, seam included,
+    /// see [`Rod::start_excess_link`]. Twist-free frames, as all shapes have, carry no twist, so the link of a rod just
+    /// placed is the writhe of its shape; this adds the twist that is missing. It holds to rounding, whatever the
+    /// number of nodes. The natural state stays what it was, also where that is the shape
+    /// ([`Natural::AsShaped`](super::Natural)).
     ///
     /// # Errors
     /// An open rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
@@ -51,11 +52,11 @@ impl Rod {
         Ok(self)
     }
 
-    /// Tw + Wr of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane curves whose
-    /// frames do not turn.
+    /// Tw + Wr of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane
+    /// curves whose frames do not turn.
     ///
-    /// The frames decide the fraction of a turn: what the closing segment lacks is put into the seam. The whole turns are those of the
-    /// ribbon's linking number, exact on a polygon along the rod's contact centreline.
+    /// The frames decide the fraction of a turn: what the closing segment lacks is put into the seam. The whole turns
+    /// are those of the ribbon's linking number, exact on a polygon along the rod's contact centreline.
     pub(super) fn excess_link_of_nodes(&self) -> f64 {
         let last = self.num_nodes() - 1;
         let twists: f64 = (0..last).map(|i| self.segment_twist(i, i + 1)).sum();
@@ -67,8 +68,9 @@ impl Rod {
         if excess.abs() < 1e-13 * self.num_nodes() as f64 { 0.0 } else { excess }
     }
 
-    /// Points along the contact centreline (cubic between neighbouring nodes with their d3) and d1 there, so close that frames turn by
-    /// less than ½ rad from one to the next and chords stay within a fraction of the contact radius (8 a segment at most).
+    /// Points along the contact centreline (cubic between neighbouring nodes with their d3) and d1 there, so close that
+    /// frames turn by less than ½ rad from one to the next and chords stay within a fraction of the contact radius (8 a
+    /// segment at most).
     fn ribbon(&self, seam: f64) -> (Vec<Vec3>, Vec<Vec3>) {
         let (nodes, spacing) = (self.num_nodes(), self.spacing());
         let closing = self.frames[0] * spin(seam);

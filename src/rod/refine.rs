@@ -7,15 +7,16 @@ use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
 use crate::rod::body::MAX_TURN;
 
-/// Nodes an intermediate one is interpolated from, where there are so many: degree 7, beyond the sixth order of the best elements.
+/// Nodes an intermediate one is interpolated from, where there are so many: degree 7, beyond the sixth order of the
+/// best elements.
 const STENCIL: usize = 8;
 
 impl Rod {
     /// The same rod with `factor` times the elements; node k becomes node `factor` k.
     ///
-    /// New nodes are interpolated between the eight next old ones, which for a smooth start shape is of higher order than the elements.
-    /// It matters only where the start shape is the natural one ([`Natural::AsShaped`](crate::rod::Natural)) and has corners between
-    /// its nodes: these cannot be known.
+    /// New nodes are interpolated between the eight next old ones, which for a smooth start shape is of higher order
+    /// than the elements. It matters only where the start shape is the natural one
+    /// ([`Natural::AsShaped`](crate::rod::Natural)) and has corners between its nodes: these cannot be known.
     ///
     /// # Errors
     /// A factor of 0; see [`Rod::check`]; more nodes than a rod may have.
@@ -48,8 +49,8 @@ impl Rod {
         (self.can_be_coarsened(&self.frames, seam, factor) && coarse.check().is_ok()).then_some(coarse)
     }
 
-    /// Whether every `factor`-th node of a state of this rod tells how frames turn between them: a whole turn would not be seen. `seam` as for
-    /// [`Rod::interleave`].
+    /// Whether every `factor`-th node of a state of this rod tells how frames turn between them: a whole turn would not
+    /// be seen. `seam` as for [`Rod::interleave`].
     pub(crate) fn can_be_coarsened(&self, frames: &[Quat], seam: f64, factor: usize) -> bool {
         let turn = |segment: usize| match frames.get(segment + 1) {
             Some(next) => frames[segment].angle_to(next),
@@ -60,7 +61,8 @@ impl Rod {
             && (0..self.num_segments()).step_by(factor).all(|first| turns(first) <= MAX_TURN)
     }
 
-    /// Nodes of a state of this rod with every segment cut in `factor` equal parts; `seam` \[rad\] turns the frame at s = L against that at 0.
+    /// Nodes of a state of this rod with every segment cut in `factor` equal parts; `seam` \[rad\] turns the frame at s
+    /// = L against that at 0.
     pub(crate) fn interleave(
         &self,
         positions: &[Vec3],
@@ -85,7 +87,8 @@ impl Rod {
                     let index = first + k as isize;
                     let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
                     let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
-                    // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
+                    // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half
+                    // round
                     let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
                     let weight = lagrange_weight(stencil, |j| j as f64, k, at);
                     point += (positions[node] - positions[segment]) * weight;
@@ -109,7 +112,8 @@ mod tests {
     use super::*;
     use crate::rod::{Natural, Section, Shape};
 
-    /// The refined rod is the one placed with so many more elements, to the eighth order of the spacing; and carries its link.
+    /// The refined rod is the one placed with so many more elements, to the eighth order of the spacing; and carries
+    /// its link.
     #[test]
     fn refining_is_placing_with_more_elements() {
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
@@ -139,7 +143,8 @@ mod tests {
         }
     }
 
-    /// Every fourth node of a rod refined four times is the rod; elements that cannot be counted off, or that would turn too far, are left as they are.
+    /// Every fourth node of a rod refined four times is the rod; elements that cannot be counted off, or that would
+    /// turn too far, are left as they are.
     #[test]
     fn coarsening_takes_back_refining() {
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);

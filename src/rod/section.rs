@@ -64,8 +64,8 @@ impl CrossSection {
             Self::Circle { radius } => PI * radius.powi(4) / 2.0,
             Self::Rectangle { width, height } => {
                 let (a, b) = (width.max(height), width.min(height));
-                // tanh(nπa/2b) is 1 to machine precision from n = 13 on, and the tail Σ_{n odd ≥ 13} n⁻⁵ is what is left
-                // of Σ_{n odd} n⁻⁵ = (31/32) ζ(5): sum the differences from 1, which vanish at once.
+                // tanh(nπa/2b) is 1 to machine precision from n = 13 on, and the tail Σ_{n odd ≥ 13} n⁻⁵ is what is
+                // left of Σ_{n odd} n⁻⁵ = (31/32) ζ(5): sum the differences from 1, which vanish at once.
                 let defect: f64 = (1..=13)
                     .step_by(2)
                     .map(f64::from)
@@ -77,8 +77,8 @@ impl CrossSection {
         }
     }
 
-    /// Shear correction factor k of Cowper (1966, J. Appl. Mech. 33:335) for Poisson's ratio ν: 6(1+ν)/(7+6ν) for a disc,
-    /// 10(1+ν)/(12+11ν) for a rectangle.
+    /// Shear correction factor k of Cowper (1966, J. Appl. Mech. 33:335) for Poisson's ratio ν: 6(1+ν)/(7+6ν) for a
+    /// disc, 10(1+ν)/(12+11ν) for a rectangle.
     pub fn shear_correction(&self, poisson: f64) -> f64 {
         match self {
             Self::Circle { .. } => 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson),

@@ -18,7 +18,8 @@ pub use torus::TorusKnot;
 /// A start shape. Frames are twist-free: parallel transport along the continuous curve, exact to rounding.
 ///
 /// Directions of the first frame (d2 = d3 × d1 always):
-///  * line, points, plectoneme, torus knot: d1 is the part of global z normal to the tangent (of global x where the tangent is within 1e-3 rad of z);
+///  * line, points, plectoneme, torus knot: d1 is the part of global z normal to the tangent (of global x where the
+///    tangent is within 1e-3 rad of z);
 ///  * circle, arc, helix: d1 is the binormal, so that K1 is the curvature at the start (everywhere, on circle and arc).
 ///
 /// On curves in the x-y plane d1 is therefore normal to the plane, and EI1 is the bending stiffness that counts.
@@ -70,8 +71,8 @@ pub enum Shape {
         /// Number of turns.
         turns: f64,
     },
-    /// A curve through the user's points \[L\]: C² cubic spline over chord length (natural ends, or periodic if closed),
-    /// resampled by arc length. Closed rods: do not repeat the first point at the end.
+    /// A curve through the user's points \[L\]: C² cubic spline over chord length (natural ends, or periodic if
+    /// closed), resampled by arc length. Closed rods: do not repeat the first point at the end.
     Points(Vec<Vec3>),
     /// Two strands wound about each other; for closed rods.
     Plectoneme(Plectoneme),

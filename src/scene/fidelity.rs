@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{Contact, ContactLaw};
 
-/// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie near the front of error against work of
-/// `cargo bench --bench work_precision`; `docs/ACCURACY.md` says how near, case by case. What a preset costs and what it is off by is stated there and in
-/// [`Fidelity::accuracy`], and `tests/fidelity.rs` holds it on cases that it was not chosen on.
+/// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie near the front of error
+/// against work of `cargo bench --bench work_precision`; `docs/ACCURACY.md` says how near, case by case. What a preset
+/// costs and what it is off by is stated there and in [`Fidelity::accuracy`], and `tests/fidelity.rs` holds it on cases
+/// that it was not chosen on.
 ///
 /// | | `Draft` | `Balanced` | `Reference` |
 /// |---|---|---|---|
@@ -24,10 +25,11 @@ use super::{Contact, ContactLaw};
 ///
 /// Worst measured: over all cases of the benchmark and three meshes a few percent apart, for a mesh may be lucky.
 ///
-/// A mesh must resolve two lengths. Bending and twist vary over the rod's own turns, so elements are counted per turn it goes through. Strands that
-/// wind around each other or lie along each other do so over lengths of the order of the distance of their centrelines, however long the
-/// rod is, so nodes must not lie farther apart than a multiple of it. The contact law follows the mesh ([`ContactLaw::ByMesh`]). A long rod known to touch at isolated points only does not need
-/// the second: give its `elements`.
+/// A mesh must resolve two lengths. Bending and twist vary over the rod's own turns, so elements are counted per turn
+/// it goes through. Strands that wind around each other or lie along each other do so over lengths of the order of the
+/// distance of their centrelines, however long the rod is, so nodes must not lie farther apart than a multiple of it.
+/// The contact law follows the mesh ([`ContactLaw::ByMesh`]). A long rod known to touch at isolated points only does
+/// not need the second: give its `elements`.
 ///
 /// In a scene file, `fidelity = "draft"`; without one:
 ///
@@ -83,8 +85,9 @@ impl Fidelity {
     /// Order of the elements that presets count on.
     pub const ORDER: usize = 3;
 
-    /// Errors the preset keeps to in stable states of rods whose turns were foreseen (see [`Fidelity::elements`]), with stretch and shear
-    /// small. Near a change of branch or of the pattern of contact, moment and force are more sensitive than that.
+    /// Errors the preset keeps to in stable states of rods whose turns were foreseen (see [`Fidelity::elements`]), with
+    /// stretch and shear small. Near a change of branch or of the pattern of contact, moment and force are more
+    /// sensitive than that.
     pub const fn accuracy(self) -> Accuracy {
         let [energy, writhe, twisting_moment, contact_force, position, penetration] = match self {
             Self::Draft => [1e-2, 1e-2, 5e-2, 2e-2, 1e-3, 1e-2],
@@ -94,7 +97,8 @@ impl Fidelity {
         Accuracy { energy, writhe, twisting_moment, contact_force, position, penetration }
     }
 
-    /// The contact law: augmented Lagrangian, as stiff as the mesh carries, to the penetration of [`Fidelity::accuracy`].
+    /// The contact law: augmented Lagrangian, as stiff as the mesh carries, to the penetration of
+    /// [`Fidelity::accuracy`].
     pub const fn contact(self) -> Contact {
         let (least, tol_penetration) = (self.least_stiffness(), self.accuracy().penetration);
         Contact { law: ContactLaw::ByMesh { least, tol_penetration } }
@@ -117,12 +121,12 @@ impl Fidelity {
         }
     }
 
-    /// Number of cubic elements for a rod of a length \[L\] that will bend and twist through so many `turns` in all, and take part in contact with
-    /// this radius \[L\] (0: it does not).
+    /// Number of cubic elements for a rod of a length \[L\] that will bend and twist through so many `turns` in all,
+    /// and take part in contact with this radius \[L\] (0: it does not).
     ///
-    /// `turns` is an estimate, and the only thing to know beforehand: 1 for a circle, 1 + |excess link| for a ring that is supercoiled, the turns
-    /// of a helix; a force F bends a rod within a length of (B/F)^½, which makes L/2π·(F/B)^½ turns, a moment M makes L/2π·M/B. Less than one
-    /// counts as one.
+    /// `turns` is an estimate, and the only thing to know beforehand: 1 for a circle, 1 + |excess link| for a ring that
+    /// is supercoiled, the turns of a helix; a force F bends a rod within a length of (B/F)^½, which makes L/2π·(F/B)^½
+    /// turns, a moment M makes L/2π·M/B. Less than one counts as one.
     pub fn elements(self, length: f64, turns: f64, contact_radius: f64) -> usize {
         let (per_turn, spacing) = match self {
             Self::Draft => (3.0, 2.0),

@@ -165,7 +165,8 @@ pub struct OutputChoice {
     pub picture: bool,
     /// Write a checkpoint every so many accepted steps. Legal: ≥ 1.
     pub checkpoint_steps: Option<usize>,
-    /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal: ≥ 0, infinite: never.
+    /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal:
+    /// ≥ 0, infinite: never.
     pub checkpoint_seconds: f64,
     /// Estimate the error of the final state, see `observe::estimate_error`.
     pub error_estimate: bool,

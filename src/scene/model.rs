@@ -41,10 +41,11 @@ impl Support {
     }
 }
 
-/// Joins two nodes rigidly: they share position and rotation for good. The frames may differ, so that rods meet at any angle (the
-/// corner of a frame, a tee, a branching cable); several joints at one place join all the nodes there.
+/// Joins two nodes rigidly: they share position and rotation for good. The frames may differ, so that rods meet at any
+/// angle (the corner of a frame, a tee, a branching cable); several joints at one place join all the nodes there.
 ///
-/// The nodes must coincide at the start. Rods that are joined cannot both take part in contact yet: at the joint they would touch for ever.
+/// The nodes must coincide at the start. Rods that are joined cannot both take part in contact yet: at the joint they
+/// would touch for ever.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Joint {
     /// One node.
@@ -91,17 +92,20 @@ pub enum ContactLaw {
     /// p = κ⟨c − gap⟩ with an offset field c raised until no penetration beyond the tolerance is left.
     AugmentedLagrangian {
         /// Dimensionless stiffness as in `Penalty`; resultants depend on it only through the width κ^(−1/3) over which
-        /// a point contact is spread. Along lines of contact it should be 1 or more: below, the law's layer (B/κ)^¼ is longer than the contact
-        /// distance and offsets converge slowly. Above, rounding sets the limit: pressures are known to 1e-16 κ × the size of coordinates.
-        /// Six decades in between give the same resultants (`tests/contact_laws.rs`).
+        /// a point contact is spread. Along lines of contact it should be 1 or more: below, the law's layer (B/κ)^¼ is
+        /// longer than the contact distance and offsets converge slowly. Above, rounding sets the limit: pressures are
+        /// known to 1e-16 κ × the size of coordinates. Six decades in between give the same resultants
+        /// (`tests/contact_laws.rs`).
         stiffness: f64,
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,
     },
-    /// The augmented Lagrangian with the stiffness that the mesh carries, [`ContactLaw::stiffness_by_mesh`]. The model that an engine holds has the number
-    /// in its place ([`ContactLaw::on_mesh`]), and keeps it where a mesh is made finer or coarser.
+    /// The augmented Lagrangian with the stiffness that the mesh carries, [`ContactLaw::stiffness_by_mesh`]. The model
+    /// that an engine holds has the number in its place ([`ContactLaw::on_mesh`]), and keeps it where a mesh is made
+    /// finer or coarser.
     ByMesh {
-        /// The stiffness is not less than this, however coarse the mesh: what points of contact ask, whose resultants are off by κ^(−2/3). Legal: > 0.
+        /// The stiffness is not less than this, however coarse the mesh: what points of contact ask, whose resultants
+        /// are off by κ^(−2/3). Legal: > 0.
         least: f64,
         /// As in `AugmentedLagrangian`.
         tol_penetration: f64,
@@ -110,13 +114,16 @@ pub enum ContactLaw {
 
 /// Layers (B/κ)^¼ from node to node at which [`ContactLaw::stiffness_by_mesh`] stops.
 const LAYERS_BETWEEN_NODES: f64 = 2.0;
-/// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind so tightly that they would tell it from a harder one.
+/// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind
+/// so tightly that they would tell it from a harder one.
 const MOST_BY_MESH: f64 = 1e4;
 
 impl ContactLaw {
-    /// The dimensionless stiffness κ ε⁴/B that a mesh of these rods carries along lines of contact: nodes are two layers (B/κ)^¼ of the law apart, on the rod where they are most.
-    /// Not below `least` nor, unless that is more, above 10⁴; 100 where nodes are .63 contact radii apart. Harder, pressure gathers between nodes and a line shows as points;
-    /// softer, points of contact a few radii apart show as one (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
+    /// The dimensionless stiffness κ ε⁴/B that a mesh of these rods carries along lines of contact: nodes are two
+    /// layers (B/κ)^¼ of the law apart, on the rod where they are most. Not below `least` nor, unless that is more,
+    /// above 10⁴; 100 where nodes are .63 contact radii apart. Harder, pressure gathers between nodes and a line shows
+    /// as points; softer, points of contact a few radii apart show as one (`docs/ACCURACY.md`). `least` if no rod takes
+    /// part in contact.
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
         let touching = || rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
         let smallest = |of: &dyn Fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
@@ -129,7 +136,8 @@ impl ContactLaw {
         if radius.is_finite() { smallest(&carried).min(MOST_BY_MESH).max(least) } else { least }
     }
 
-    /// The law with its stiffness as a number, for a mesh of these rods; `ByMesh` becomes `AugmentedLagrangian`, others stay as they are.
+    /// The law with its stiffness as a number, for a mesh of these rods; `ByMesh` becomes `AugmentedLagrangian`, others
+    /// stay as they are.
     #[must_use]
     pub fn on_mesh(self, rods: &[Rod]) -> Self {
         match self {
@@ -140,7 +148,8 @@ impl ContactLaw {
         }
     }
 
-    /// The dimensionless stiffness κ ε⁴/B; `None` without contact, and as long as no mesh has given it (see [`ContactLaw::on_mesh`]).
+    /// The dimensionless stiffness κ ε⁴/B; `None` without contact, and as long as no mesh has given it (see
+    /// [`ContactLaw::on_mesh`]).
     pub fn stiffness(&self) -> Option<f64> {
         match self {
             Self::None | Self::ByMesh { .. } => None,
@@ -227,8 +236,9 @@ pub enum Ramp {
 pub struct Stage {
     /// What moves.
     pub ramps: Vec<Ramp>,
-    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: ≥ 1. A step that turns a rod by several turns goes from turn to turn, where an
-    /// augmented Lagrangian is asked for on a coarse mesh first: much cheaper than as many steps, each brought to rest on the whole mesh.
+    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: ≥ 1. A step that turns a rod
+    /// by several turns goes from turn to turn, where an augmented Lagrangian is asked for on a coarse mesh first: much
+    /// cheaper than as many steps, each brought to rest on the whole mesh.
     pub steps: usize,
 }
 
@@ -257,8 +267,8 @@ pub(crate) fn unit(direction: &Vec3) -> Vec3 {
 }
 
 impl Model {
-    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together (all out-of-plane components too in
-    /// a planar model).
+    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together (all
+    /// out-of-plane components too in a planar model).
     pub fn fixed(&self, node: NodeRef) -> ([bool; 3], [bool; 3]) {
         let start = ([false, false, self.planar], [self.planar, self.planar, false]);
         let joined = self.joined_nodes(node);

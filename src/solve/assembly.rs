@@ -1,5 +1,5 @@
-//! Gradient, tangent and potential of the whole problem at a state: what elements, contact and loads add to it. Contact must have been brought up to
-//! date with the state before (`Engine::update_contact`).
+//! Gradient, tangent and potential of the whole problem at a state: what elements, contact and loads add to it. Contact
+//! must have been brought up to date with the state before (`Engine::update_contact`).
 
 mod contact;
 mod elements;
@@ -45,7 +45,8 @@ pub struct Residual {
     pub meetings: Vec<Meeting>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
-    /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting moment there.
+    /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting
+    /// moment there.
     pub seam_moments: Vec<f64>,
 }
 
@@ -58,7 +59,8 @@ pub struct Tangent {
     pub drive: Vec<f64>,
 }
 
-/// Second derivatives with respect to the six unknowns of each of up to four nodes; blocks above the diagonal, those on it in full.
+/// Second derivatives with respect to the six unknowns of each of up to four nodes; blocks above the diagonal, those on
+/// it in full.
 type Blocks = [[f64; 24]; 24];
 
 /// Where second derivatives are added up.
@@ -126,7 +128,8 @@ impl Engine {
         })
     }
 
-    /// Gradient and tangent at `state`, without zones; `predicted` are the stresses of mixed-integration-point Newton, three per element.
+    /// Gradient and tangent at `state`, without zones; `predicted` are the stresses of mixed-integration-point Newton,
+    /// three per element.
     pub(crate) fn linearise(
         &self,
         state: &State,

@@ -1,10 +1,12 @@
-//! Forces that balance the moments of a shape which is not at rest: tension and shear of the rods, pressures where strands touch.
+//! Forces that balance the moments of a shape which is not at rest: tension and shear of the rods, pressures where
+//! strands touch.
 //!
-//! A start shape knows its curvature and twist but no forces: its strains of stretch and shear are zero, its strands just touch. Taken for a state, it is far
-//! out of balance, and its tangent, with pressures or without, is that of another problem. So the forces are found first: the response of the
-//! rods' material stiffness (no geometric part) and of stiff contact along its normals to the moments and loads of the shape, held by inertia
-//! against motions longer than some tens of contact distances. Its displacements mean nothing, its forces are multipliers: those that leave the least unbalanced.
-//! Strands that would have to pull are let go.
+//! A start shape knows its curvature and twist but no forces: its strains of stretch and shear are zero, its strands
+//! just touch. Taken for a state, it is far out of balance, and its tangent, with pressures or without, is that of
+//! another problem. So the forces are found first: the response of the rods' material stiffness (no geometric part) and
+//! of stiff contact along its normals to the moments and loads of the shape, held by inertia against motions longer
+//! than some tens of contact distances. Its displacements mean nothing, its forces are multipliers: those that leave
+//! the least unbalanced. Strands that would have to pull are let go.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -36,8 +38,8 @@ pub(super) struct Balance {
 }
 
 impl Solver {
-    /// The forces that balance the present state best. `law` tells what strands are taken to touch, `scale` is its pressure \[F/L\]; no
-    /// result is above its half.
+    /// The forces that balance the present state best. `law` tells what strands are taken to touch, `scale` is its
+    /// pressure \[F/L\]; no result is above its half.
     pub(super) fn balance(&mut self, law: Law, scale: f64) -> Result<Balance, SolveError> {
         let before = self.snapshot();
         let Some(side) = &mut self.engine.contact else { return Ok(Balance::default()) };
@@ -76,8 +78,8 @@ impl Solver {
         Ok(balance)
     }
 
-    /// Forces in the rods, and of contact on the nodes (as a gradient), of the response to nodal forces `load` with stiff contact where gaps are below `reach`
-    /// (per node \[L\]); none if the matrix cannot be factorised.
+    /// Forces in the rods, and of contact on the nodes (as a gradient), of the response to nodal forces `load` with
+    /// stiff contact where gaps are below `reach` (per node \[L\]); none if the matrix cannot be factorised.
     #[allow(clippy::type_complexity)] // two lists
     fn respond_stiffly(
         &mut self,
@@ -106,8 +108,8 @@ impl Solver {
         Ok(Some((stress.iter().map(|points| points.map(|six| [six[0], six[1], six[2]])).collect(), push)))
     }
 
-    /// Work of a gradient, and of contact, as strands move apart by a unit length around each node, the frames turning with the tangents so that nothing is
-    /// sheared \[F\]: summed over one contact distance to either side.
+    /// Work of a gradient, and of contact, as strands move apart by a unit length around each node, the frames turning
+    /// with the tangents so that nothing is sheared \[F\]: summed over one contact distance to either side.
     fn works_apart(&self, probed: &Residual, push: &[f64]) -> Vec<[f64; 2]> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let part = |of: &[f64], i: usize| Vec3::new(of[i], of[i + 1], of[i + 2]);
@@ -142,8 +144,9 @@ mod tests {
     use crate::scene::Model;
     use crate::solve::Options;
 
-    /// A plectoneme under the moment M = 2B sin³α cosα/(R cos2α): its strands press with p = B sin⁴α/(R³ cos2α) on each other and are under the tension pR,
-    /// so that no force crosses a section; no pressure where the end loops are apart.
+    /// A plectoneme under the moment M = 2B sin³α cosα/(R cos2α): its strands press with p = B sin⁴α/(R³ cos2α) on each
+    /// other and are under the tension pR, so that no force crosses a section; no pressure where the end loops are
+    /// apart.
     #[test]
     fn a_plectoneme_presses_with_its_closed_form_before_it_is_solved() {
         let (length, radius, angle) = (150.0, 0.5, 0.35f64);

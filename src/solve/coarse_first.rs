@@ -1,12 +1,14 @@
 //! Large turns are made on a coarse mesh first.
 //!
-//! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations are spent on these. What a mesh is fine for are
-//! lines of contact and digits at the end of the way, not the way: strands coil as wide as they are thick or wider. So the step is made on every second to eighth
-//! node, as few as are as fine as a draft would be ([`Fidelity::Draft`]). The nodes between are interpolated in what comes of it, with contact law and
-//! offsets, and this settles on the whole mesh like any other state: it ends in equilibrium, or the step is made the long way.
+//! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations
+//! are spent on these. What a mesh is fine for are lines of contact and digits at the end of the way, not the way:
+//! strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, as few as are
+//! as fine as a draft would be ([`Fidelity::Draft`]). The nodes between are interpolated in what comes of it, with
+//! contact law and offsets, and this settles on the whole mesh like any other state: it ends in equilibrium, or the
+//! step is made the long way.
 //!
-//! No strand passes another when meshes are changed: strands in contact are two radii ε apart, and centrelines on the two meshes, both
-//! piecewise cubic, are compared piece by piece and must agree to a tenth of ε.
+//! No strand passes another when meshes are changed: strands in contact are two radii ε apart, and centrelines on the
+//! two meshes, both piecewise cubic, are compared piece by piece and must agree to a tenth of ε.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +29,8 @@ const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
 const SAME: f64 = 0.1;
 
 impl Solver {
-    /// Tries to settle a step of several turns from where it leads on a coarse mesh; true if it did, otherwise the solver is back where it was.
+    /// Tries to settle a step of several turns from where it leads on a coarse mesh; true if it did, otherwise the
+    /// solver is back where it was.
     pub(crate) fn settle_from_coarse(&mut self, drive: &Drive, report: &mut StepReport) -> Result<bool, SolveError> {
         if drive.parts(TURNS_AT_ONCE).len() < 2 || !self.augments() {
             return Ok(false);
@@ -109,7 +112,8 @@ impl Solver {
         self.is_same(&self.engine.state, &coarse.engine, factor).then_some(coarse)
     }
 
-    /// Cubic elements that a draft has where the drive leads, at most the largest number there is; `None` where nobody knows.
+    /// Cubic elements that a draft has where the drive leads, at most the largest number there is; `None` where nobody
+    /// knows.
     fn elements_needed(&self, rod: usize, drive: &Drive) -> Option<usize> {
         let engine = &self.engine;
         let body = &engine.model.rods[rod];
@@ -133,7 +137,8 @@ impl Solver {
             && body.can_be_coarsened(engine.frames(rod), engine.state.seams[rod], factor)
     }
 
-    /// Whether the centrelines of rods that take part in contact are the same in a state of this mesh and on one of `factor` times fewer elements.
+    /// Whether the centrelines of rods that take part in contact are the same in a state of this mesh and on one of
+    /// `factor` times fewer elements.
     fn is_same(&self, state: &State, coarse: &Engine, factor: usize) -> bool {
         let Some(side) = &self.engine.contact else { return true };
         let deviation = |rod: usize, segment: usize| {
@@ -179,8 +184,8 @@ mod tests {
         solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
     }
 
-    /// The state is the one that the long way leads to: on a mesh that carries its lines of contact by what the augmented Lagrangian leaves open there. One node is held, so that
-    /// supports are found on the coarse mesh, too.
+    /// The state is the one that the long way leads to: on a mesh that carries its lines of contact by what the
+    /// augmented Lagrangian leaves open there. One node is held, so that supports are found on the coarse mesh, too.
     #[test]
     fn large_turns_end_where_the_long_way_does() {
         let held = Support { node: NodeRef { rod: 0, node: 64 }, position: [true; 3], rotation: [false; 3] };
@@ -202,8 +207,8 @@ mod tests {
         assert!((quick.engine.state.positions[64] - at).norm() < 1e-12);
     }
 
-    /// What a coarse mesh does not see is not lost on it: a bend or a turn of frames between its nodes, supports there, more turns than it can bear. Steps of one turn are
-    /// not worth it.
+    /// What a coarse mesh does not see is not lost on it: a bend or a turn of frames between its nodes, supports there,
+    /// more turns than it can bear. Steps of one turn are not worth it.
     #[test]
     fn what_a_coarse_mesh_does_not_see_is_left_alone() {
         let drive = turns(3.0);

@@ -1,15 +1,17 @@
 //! Paths of equilibria: through limit points, past branch points, onto branches.
 //!
-//! Load stepping ([`path`](super::path)) prescribes the ramp and asks for stable states: it jumps where a path turns back. Here the ramp's parameter λ is an unknown
-//! like the others, and the step is prescribed along the path (pseudo-arc-length continuation, Riks 1972, Keller 1977): from a point with unit tangent
-//! t the next one lies in the plane t·(x − x₀) = σ. Newton solves g(x, λ) = 0 with the plane's equation by two solves on the
-//! symmetric factorisation of K (block elimination), with mixed-integration-point stresses and the passage bound as everywhere.
+//! Load stepping ([`path`](super::path)) prescribes the ramp and asks for stable states: it jumps where a path turns
+//! back. Here the ramp's parameter λ is an unknown like the others, and the step is prescribed along the path
+//! (pseudo-arc-length continuation, Riks 1972, Keller 1977): from a point with unit tangent t the next one lies in the
+//! plane t·(x − x₀) = σ. Newton solves g(x, λ) = 0 with the plane's equation by two solves on the symmetric
+//! factorisation of K (block elimination), with mixed-integration-point stresses and the passage bound as everywhere.
 //!
-//! At every point the inertia of K and the sign of dλ/ds are compared with those of the point before: where dλ/ds changes sign and
-//! one eigenvalue passes zero, λ has a *limit point*; where eigenvalues pass zero and λ goes on, or where λ turns and none passes, other
-//! paths cross: a *branch point*. Both are located by regula falsi, on dλ/ds and on the critical eigenvalue.
-//! A branch is entered along the critical eigenvector, on either side, without noise: the first point lies in the plane
-//! normal to it, so that it is found whether λ rises (supercritical) or falls (subcritical).
+//! At every point the inertia of K and the sign of dλ/ds are compared with those of the point before: where dλ/ds
+//! changes sign and one eigenvalue passes zero, λ has a *limit point*; where eigenvalues pass zero and λ goes on, or
+//! where λ turns and none passes, other paths cross: a *branch point*. Both are located by regula falsi, on dλ/ds and
+//! on the critical eigenvalue. A branch is entered along the critical eigenvector, on either side, without noise: the
+//! first point lies in the plane normal to it, so that it is found whether λ rises (supercritical) or falls
+//! (subcritical).
 
 mod contacts;
 mod corner;
@@ -68,8 +70,8 @@ pub struct FollowOptions {
     pub max_step: f64,
     /// Points after which the path ends, located ones not counted. Legal: ≥ 1.
     pub max_points: usize,
-    /// Arc length to which limit and branch points are located; the parameter at a limit point is then off by its square. Raising it
-    /// saves a few Newton searches per point. Legal: > 0.
+    /// Arc length to which limit and branch points are located; the parameter at a limit point is then off by its
+    /// square. Raising it saves a few Newton searches per point. Legal: > 0.
     pub tol_location: f64,
 }
 
@@ -103,14 +105,17 @@ pub enum PointKind {
     Limit,
     /// Other paths cross.
     Branch {
-        /// Eigenvalues that pass zero at once; 0 where one touches zero and turns back, as at the root of a branch when it is run through.
+        /// Eigenvalues that pass zero at once; 0 where one touches zero and turns back, as at the root of a branch when
+        /// it is run through.
         multiplicity: usize,
     },
-    /// The number of contacts changes: one begins or ends, splits in two or joins another. The path has a corner there, at which the parameter may turn back
-    /// and the number of unstable directions change. The state is that just before, or extrapolated from there; the number is that before.
+    /// The number of contacts changes: one begins or ends, splits in two or joins another. The path has a corner there,
+    /// at which the parameter may turn back and the number of unstable directions change. The state is that just
+    /// before, or extrapolated from there; the number is that before.
     ///
-    /// A point splits where its zone parts in two, which under a law κ is some layers (B/κ)^¼ later than where it opens. Under an augmented Lagrangian what lies
-    /// nearer together than its offsets can tell apart, about two layers or an element, is one contact.
+    /// A point splits where its zone parts in two, which under a law κ is some layers (B/κ)^¼ later than where it
+    /// opens. Under an augmented Lagrangian what lies nearer together than its offsets can tell apart, about two layers
+    /// or an element, is one contact.
     Corner,
     /// The parameter has come to the ramp's target; the path ends.
     Target,
@@ -156,7 +161,8 @@ pub enum PathEnd {
     MaxPoints,
     /// No step longer than the shortest allowed converged.
     StepTooSmall,
-    /// The start is no equilibrium and none was found near it at the same parameter; at the start of a branch: no branch was found.
+    /// The start is no equilibrium and none was found near it at the same parameter; at the start of a branch: no
+    /// branch was found.
     NoStart,
     /// Numbers broke down at every step size.
     BrokeDown,
@@ -219,21 +225,24 @@ impl Reporter<'_> {
 }
 
 impl Solver {
-    /// Follows the path of equilibria through the present state with one ramp as its parameter: past limit points, stable or not.
-    /// Ends where the parameter comes to the ramp's target, or as the options or the observer say. The observer sees
-    /// the start, every point, and between them every limit and branch point located; it may stop there to switch branches by a second call.
+    /// Follows the path of equilibria through the present state with one ramp as its parameter: past limit points,
+    /// stable or not. Ends where the parameter comes to the ramp's target, or as the options or the observer say. The
+    /// observer sees the start, every point, and between them every limit and branch point located; it may stop there
+    /// to switch branches by a second call.
     ///
-    /// Contact is enforced at every point under the present law. Where a contact begins or ends a path has a corner, at which the parameter may
-    /// turn back (a ring that first touches itself past its fold). Such corners are gone round and located, be it the first contact, the last or one of several;
-    /// only where contacts come and go within one step, so that their number is the same after it, nothing is reported.
+    /// Contact is enforced at every point under the present law. Where a contact begins or ends a path has a corner, at
+    /// which the parameter may turn back (a ring that first touches itself past its fold). Such corners are gone round
+    /// and located, be it the first contact, the last or one of several; only where contacts come and go within one
+    /// step, so that their number is the same after it, nothing is reported.
     ///
-    /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness: about 1e-6 of the
-    /// parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it is stationary there.
-    /// [`Options::leave_unstable`](crate::solve::Options) has no say here. Where loads have no potential
-    /// (fixed-axis moments in space) inertia tells nothing and only limit points are reported.
+    /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness:
+    /// about 1e-6 of the parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it
+    /// is stationary there. [`Options::leave_unstable`](crate::solve::Options) has no say here. Where loads have no
+    /// potential (fixed-axis moments in space) inertia tells nothing and only limit points are reported.
     ///
     /// # Errors
-    /// A ramp that does not fit the model or has no way to go, options out of range. What happens on the way is in the report.
+    /// A ramp that does not fit the model or has no way to go, options out of range. What happens on the way is in the
+    /// report.
     pub fn follow(
         &mut self,
         ramp: &Ramp,
@@ -338,7 +347,8 @@ struct Stride {
     arrives: bool,
 }
 
-/// The step of length `step` from `here`, or to the target if that comes first; `None` where Newton finds no point, or one that is not on this path.
+/// The step of length `step` from `here`, or to the target if that comes first; `None` where Newton finds no point, or
+/// one that is not on this path.
 fn stride(tracer: &mut Tracer, here: &Point, step: f64, tol: f64) -> Result<Option<Stride>, SolveError> {
     let Some(mut next) = tracer.ahead(here, step)?.filter(|next| next.chord <= MAX_CHORD * step) else {
         return Ok(None);

@@ -19,11 +19,11 @@ use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::per_contact::PerContact;
 use crate::solve::state::State;
 
-/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once more, which a shear strain cannot
-/// bear where rounding leaves few digits as it is.
+/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once
+/// more, which a shear strain cannot bear where rounding leaves few digits as it is.
 const MOST_SLENDER: f64 = 1e10;
-/// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest nothing of it is left but where supports hold nodes:
-/// searches know positions in two parts.
+/// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest
+/// nothing of it is left but where supports hold nodes: searches know positions in two parts.
 const RESOLUTION: f64 = 1e-3;
 /// Part of a segment's length that sums of lengths may be off by.
 const ROUNDING: f64 = 1e-9;
@@ -56,12 +56,13 @@ pub struct ContactSide {
     pub law: Law,
     /// Offsets c \[L\] (zero for a plain penalty).
     pub offsets: PerContact,
-    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see [`Pressures`](crate::contact::detect::Pressures).
+    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see
+    /// [`Pressures`](crate::contact::detect::Pressures).
     pub(crate) before: Option<(Law, PerContact)>,
     /// Smallest contact radius \[L\].
     pub min_radius: f64,
-    /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for contact), there is
-    /// nothing to be said about gaps.
+    /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for
+    /// contact), there is nothing to be said about gaps.
     pub is_current: bool,
 }
 
@@ -83,8 +84,9 @@ impl ContactSide {
         self.before.get_or_insert(old);
     }
 
-    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the curve. What is left of the distance by rounding
-    /// reaches no segment: windows are often just an element long, and would be one segment longer in some units of length than in others.
+    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the
+    /// curve. What is left of the distance by rounding reaches no segment: windows are often just an element long, and
+    /// would be one segment longer in some units of length than in others.
     pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
         let mut here = segment;
         loop {
@@ -112,8 +114,8 @@ pub struct Engine {
     /// Per rod: the plane as its elements know it, if they are computed in it.
     pub(crate) planes: Vec<Option<Plane>>,
     pub(crate) free: Vec<[bool; 6]>,
-    /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no mass, and
-    /// their share of the gradient is the master's.
+    /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no
+    /// mass, and their share of the gradient is the master's.
     pub(crate) master: Vec<usize>,
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
@@ -213,7 +215,8 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`RESOLUTION`] × node spacing.
+    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`RESOLUTION`] × node
+    /// spacing.
     pub(crate) fn check_resolution(&self) -> Result<(), InputError> {
         for (index, rod) in self.model.rods.iter().enumerate() {
             let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
@@ -229,8 +232,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian and
-    /// dropped for a penalty.
+    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
+    /// and dropped for a penalty.
     ///
     /// # Errors
     /// A law out of range; a change from or to no contact, which needs a new engine.
@@ -294,7 +297,8 @@ impl Engine {
         &self.state
     }
 
-    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other loads or supports, to go on from there.
+    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other
+    /// loads or supports, to go on from there.
     ///
     /// # Errors
     /// `InputError::Inconsistent` when the sizes do not match the model.

@@ -16,7 +16,8 @@ pub struct NodalFields {
     pub curvature: Vec<f64>,
     /// Twist K3 of the present shape, natural twist included \[rad/L\].
     pub twist: Vec<f64>,
-    /// Contact force on the rod per reference length \[F/L\]; times the node's share of the length it sums to the resultant.
+    /// Contact force on the rod per reference length \[F/L\]; times the node's share of the length it sums to the
+    /// resultant.
     pub contact_force: Vec<Vec3>,
 }
 
@@ -28,12 +29,12 @@ impl Engine {
         first..first + count(rod)
     }
 
-    /// Points of the centreline \[L\] and the material direction d1 there, `per_segment` (at least 1) to each segment between
-    /// neighbouring nodes.
+    /// Points of the centreline \[L\] and the material direction d1 there, `per_segment` (at least 1) to each segment
+    /// between neighbouring nodes.
     ///
     /// The points lie on the cubic Hermite curve of contact; d1 is that of the interpolated frame. Open rods end with
-    /// their last node; of closed rods the last point is the one before the first, whose frame is met again turned by the
-    /// seam angle.
+    /// their last node; of closed rods the last point is the one before the first, whose frame is met again turned by
+    /// the seam angle.
     ///
     /// # Panics
     /// If there is no such rod.
@@ -63,13 +64,13 @@ impl Engine {
         (points, directions)
     }
 
-    /// Twist of a rod in turns, by the elements' own quadrature (accurate to order 2p in the element size): of d1 about the
-    /// centreline, Tw = (1/2π)∫ K3 + (Γ1 K1 + Γ2 K2)/Γ3 ds, and the part of (1/2π)∫K3 ds beyond the natural one, which
-    /// costs energy.
+    /// Twist of a rod in turns, by the elements' own quadrature (accurate to order 2p in the element size): of d1 about
+    /// the centreline, Tw = (1/2π)∫ K3 + (Γ1 K1 + Γ2 K2)/Γ3 ds, and the part of (1/2π)∫K3 ds beyond the natural one,
+    /// which costs energy.
     ///
-    /// K3 counts turns about d3. Seen from the tangent, which shear tilts against d3 by the angles Γ1/Γ3 and Γ2/Γ3, there are
-    /// more by the area between the tangent's and d3's paths on the unit sphere (Fuller 1978); given here to first order
-    /// in the shear, so Tw is off by about the square of the shear angles.
+    /// K3 counts turns about d3. Seen from the tangent, which shear tilts against d3 by the angles Γ1/Γ3 and Γ2/Γ3,
+    /// there are more by the area between the tangent's and d3's paths on the unit sphere (Fuller 1978); given here to
+    /// first order in the shear, so Tw is off by about the square of the shear angles.
     ///
     /// # Panics
     /// If there is no such rod.

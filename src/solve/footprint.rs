@@ -24,7 +24,8 @@ pub struct Footprint {
 }
 
 impl Engine {
-    /// Sizes of the problem with the candidates of the present state; analyses the pattern anew, which takes about as long as a Newton iteration.
+    /// Sizes of the problem with the candidates of the present state; analyses the pattern anew, which takes about as
+    /// long as a Newton iteration.
     ///
     /// # Errors
     /// Contact geometry that breaks down, a factorisation that does not fit into memory.

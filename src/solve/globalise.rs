@@ -1,16 +1,17 @@
 //! The guarded search: Newton steps that the potential itself confirms.
 //!
-//! A rod is nearly inextensible and contact is nearly rigid: both confine the motion to a curved surface in the space of
-//! configurations. A straight Newton step leaves that surface by second order, which the large stiffnesses turn into
-//! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with
-//! e = ε(x ⊕ Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the forces of gaps that did the same, it is
-//! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and the step
-//! is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or closes along the
-//! way the corrections may not converge; the best state they passed is as good as any if it lies low enough. The trust region is
-//! a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at least so large that no negative eigenvalue is
-//! left, larger until the step is within the radius. Where the eigenvalue asks for a larger shift than the radius does, the
-//! step is lengthened along the softest direction (the hard case of Moré & Sorensen 1983): a slope of negative curvature is left in few
-//! steps instead of many that its own shift keeps short.
+//! A rod is nearly inextensible and contact is nearly rigid: both confine the motion to a curved surface in the space
+//! of configurations. A straight Newton step leaves that surface by second order, which the large stiffnesses turn into
+//! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with e = ε(x ⊕
+//! Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the forces of gaps that did the same, it is
+//! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and
+//! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
+//! closes along the way the corrections may not converge; the best state they passed is as good as any if it lies low
+//! enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
+//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Where the eigenvalue
+//! asks for a larger shift than the radius does, the step is lengthened along the softest direction (the hard case of
+//! Moré & Sorensen 1983): a slope of negative curvature is left in few steps instead of many that its own shift keeps
+//! short.
 
 mod rest;
 mod step;
@@ -32,11 +33,13 @@ use trust::{Outcome, Trust};
 const MAX_REJECTIONS: usize = 30;
 /// Fractions of a step tried before the shift is raised.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
-/// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is good enough.
+/// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is
+/// good enough.
 const ENOUGH: f64 = 0.1;
 /// Extent (see [`Step`]) of a response that is that of a nearly singular tangent.
 const TOO_FAR: f64 = 2.0;
-/// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one factorisation.
+/// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one
+/// factorisation.
 const RELAXING: f64 = 0.5;
 /// Decrease of the potential, relative to the expected one, with which a step is accepted.
 const LEAST: f64 = 0.05;
@@ -76,7 +79,8 @@ impl Search {
         self.remaining > 0.0
     }
 
-    /// Whether a trial lies low enough, or, where the potential decides nothing, its corrections shrank; and takes no strand through another.
+    /// Whether a trial lies low enough, or, where the potential decides nothing, its corrections shrank; and takes no
+    /// strand through another.
     fn accepts(&self, engine: &mut Engine, residual: &Residual, trial: &Trial, size: f64) -> Result<bool, SolveError> {
         let acceptable = if self.rest.is_tiny(size, trial) {
             true
@@ -133,8 +137,8 @@ impl Workspace {
                     self.accept(engine, &mut search, &residual, (&step, trial));
                     break;
                 }
-                // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it says nothing): this is
-                // as far as rounding lets anyone go
+                // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it
+                // says nothing): this is as far as rounding lets anyone go
                 let unseen = trial.expected.abs() < noise * trial.fraction * (2.0 - trial.fraction);
                 if shift == 0.0 && !search.is_pushed() && unseen {
                     search.report.converged = true;
@@ -162,8 +166,8 @@ impl Workspace {
         self.finish(engine, search)
     }
 
-    /// A step after its corrections; where these neither settle nor lead low enough, a shorter one along the same direction, which costs no
-    /// factorisation. At most the fraction `longest` of it, which is as long as `size`.
+    /// A step after its corrections; where these neither settle nor lead low enough, a shorter one along the same
+    /// direction, which costs no factorisation. At most the fraction `longest` of it, which is as long as `size`.
     fn try_step(
         &mut self,
         engine: &mut Engine,

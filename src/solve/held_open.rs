@@ -1,11 +1,12 @@
 //! Contacts that offsets hold open.
 //!
-//! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]), as one contact needs it. A contact within
-//! the window of another that touches would keep its force over any gap: a state in balance, stable, and with too much energy. So contacts are told apart here.
-//! A chain of pieces of zones is one contact, and its gap is the smallest in it: the ripples that elements in line contact have
-//! are inside of one contact and none of this. A contact is released at the nodes that are its own, from the first
-//! augmentation on ([`Solver::outstanding`]). One that shares each of its nodes with neighbours on the same strand that touch, nearer than the nodes are, has none: the
-//! mesh cannot tell them apart, and what it carries is reported, not released.
+//! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]),
+//! as one contact needs it. A contact within the window of another that touches would keep its force over any gap: a
+//! state in balance, stable, and with too much energy. So contacts are told apart here. A chain of pieces of zones is
+//! one contact, and its gap is the smallest in it: the ripples that elements in line contact have are inside of one
+//! contact and none of this. A contact is released at the nodes that are its own, from the first augmentation on
+//! ([`Solver::outstanding`]). One that shares each of its nodes with neighbours on the same strand that touch, nearer
+//! than the nodes are, has none: the mesh cannot tell them apart, and what it carries is reported, not released.
 
 use crate::contact::chain::{Link, chains};
 use crate::solve::assembly::Residual;
@@ -14,7 +15,8 @@ use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::settle::TOL_OPENING;
 
-/// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too high by.
+/// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too
+/// high by.
 pub(super) const TOL_HELD_OPEN: f64 = 1e-9;
 
 /// Contacts that carry force over a gap.
@@ -24,7 +26,8 @@ pub(super) struct HeldOpen {
     pub(super) work: f64,
     /// … and of those contacts alone that have an offset of their own to lower.
     pub(super) releasable: f64,
-    /// What the offsets are to be lowered by \[L\]: the gap of the open contact there, zero where there is none or another one touches.
+    /// What the offsets are to be lowered by \[L\]: the gap of the open contact there, zero where there is none or
+    /// another one touches.
     pub(super) gaps: PerContact,
 }
 

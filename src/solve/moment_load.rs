@@ -1,9 +1,9 @@
 //! Fixed-axis moments in three dimensions.
 //!
-//! A dead moment m does work m·δθ on spatial rotations but has no potential, and the exact derivative of its residual is not
-//! symmetric: in the coordinates of the update q ← exp(θ/2) q the tangent at equilibrium is K − ½[m×] on the rotations of the
-//! loaded node (Simo & Vu-Quoc 1986 on the lost symmetry of the tangent). The factorisation stays symmetric; the few
-//! skew blocks are added by the Woodbury formula.
+//! A dead moment m does work m·δθ on spatial rotations but has no potential, and the exact derivative of its residual
+//! is not symmetric: in the coordinates of the update q ← exp(θ/2) q the tangent at equilibrium is K − ½[m×] on the
+//! rotations of the loaded node (Simo & Vu-Quoc 1986 on the lost symmetry of the tangent). The factorisation stays
+//! symmetric; the few skew blocks are added by the Woodbury formula.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,8 +12,8 @@ use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 
 impl Workspace {
-    /// Turns the solution `x` of K x = b into that of (K − ½[m×]) x = b. Nothing happens without moments or in planar scenes, where
-    /// a moment has a potential.
+    /// Turns the solution `x` of K x = b into that of (K − ½[m×]) x = b. Nothing happens without moments or in planar
+    /// scenes, where a moment has a potential.
     pub(crate) fn add_moment_skew(&mut self, engine: &Engine, x: &mut [f64]) {
         if engine.is_conservative() {
             return;

@@ -1,4 +1,5 @@
-//! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new law the same.
+//! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new
+//! law the same.
 
 use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
@@ -15,8 +16,9 @@ const USUAL_PRESSURE: f64 = 0.1;
 const FASTER: f64 = 2.0;
 /// How often offsets of contacts held open are lowered before these are left as they are.
 const MAX_RELEASES: usize = 10;
-/// In how many of the first rounds they are lowered along with what else is left to do, since offsets then come from the law before, which gave them by the
-/// window. Later they are when nothing else is left: lowering one and raising its neighbours at once may go on for ever (a ply of three strands).
+/// In how many of the first rounds they are lowered along with what else is left to do, since offsets then come from
+/// the law before, which gave them by the window. Later they are when nothing else is left: lowering one and raising
+/// its neighbours at once may go on for ever (a ply of three strands).
 const EARLY: usize = 3;
 
 /// How far the contact conditions are from met, by nodes and in all.
@@ -61,7 +63,8 @@ impl Solver {
         side.change_law(law, pressures.map(|_, pressure| law.overlap(pressure, distance)));
     }
 
-    /// Replaces the law like [`Solver::change_law`]; the first step starts from the new law's pressures instead of the old ones.
+    /// Replaces the law like [`Solver::change_law`]; the first step starts from the new law's pressures instead of the
+    /// old ones.
     pub(super) fn start_under(&mut self, law: Law, pressures: &[f64]) {
         self.change_law(law, pressures);
         self.forget_pressures();
@@ -74,9 +77,10 @@ impl Solver {
         }
     }
 
-    /// Gives the nodes offsets that make smooth pressures of the gaps there are: the means of the present ones over an element. Elements in line contact
-    /// have ripples, and offsets that are the same along a line make ripples of the pressure of them. Strands in which these face each other lower the energy by
-    /// sliding along each other; under smooth pressures they raise it. For a single closed rod.
+    /// Gives the nodes offsets that make smooth pressures of the gaps there are: the means of the present ones over an
+    /// element. Elements in line contact have ripples, and offsets that are the same along a line make ripples of the
+    /// pressure of them. Strands in which these face each other lower the energy by sliding along each other; under
+    /// smooth pressures they raise it. For a single closed rod.
     pub(super) fn smooth_pressures(&mut self) {
         let gaps = self.node_gaps();
         let (nodes, order) = (gaps.len(), self.engine.model.rods[0].order);
@@ -151,10 +155,11 @@ impl Solver {
         ContactErrors { gaps, penetration, opening }
     }
 
-    /// Arc length \[L\] within which an offset belongs to a contact, and is raised and lowered by its smallest gap: where the contact may still be one and
-    /// the same point. In a wider window an offset would see other contacts too, not be lowered while strands touch there, and hold open what
-    /// is apart at its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
-    /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
+    /// Arc length \[L\] within which an offset belongs to a contact, and is raised and lowered by its smallest gap:
+    /// where the contact may still be one and the same point. In a wider window an offset would see other contacts
+    /// too, not be lowered while strands touch there, and hold open what is apart at its own place; in a narrower one
+    /// it would be raised at wave numbers q that the rods do not follow: of these an augmentation mends only a share
+    /// κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
     pub(super) fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
         let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
         let stiffness = match side.law {
@@ -168,8 +173,8 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// What is left to do until the contact conditions are met to a tolerance relative to the contact radius and offsets hold nothing open that can be
-    /// released.
+    /// What is left to do until the contact conditions are met to a tolerance relative to the contact radius and
+    /// offsets hold nothing open that can be released.
     pub(super) fn outstanding(&self, tol: f64, paces: &mut Paces) -> Outstanding {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, held_open: Some(0.0), gaps: None };
@@ -190,8 +195,8 @@ impl Solver {
         Outstanding { penetration, held_open: met.then_some(work), gaps: left.then_some(gaps) }
     }
 
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at its pace, where it is wider
-    /// than it may stay.
+    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at
+    /// its pace, where it is wider than it may stay.
     pub(super) fn augment(&mut self, gaps: &PerContact, paces: &mut Paces) {
         let Some(side) = &mut self.engine.contact else { return };
         let open = TOL_OPENING * side.min_radius;
@@ -209,8 +214,9 @@ impl Solver {
     }
 }
 
-/// How fast offsets that hold gaps open are lowered: a secant on offset and gap. At the edge of a zone, or between two nodes that
-/// carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for ever to let go.
+/// How fast offsets that hold gaps open are lowered: a secant on offset and gap. At the edge of a zone, or between two
+/// nodes that carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for
+/// ever to let go.
 #[derive(Debug, Default)]
 pub(super) struct Paces {
     paces: PerContact,
@@ -223,8 +229,8 @@ pub(super) struct Paces {
 }
 
 impl Paces {
-    /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what would have closed it, at most [`FASTER`]
-    /// than before.
+    /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what
+    /// would have closed it, at most [`FASTER`] than before.
     fn adapt(&mut self, set: &CurveSet, gaps: &PerContact, open: f64) {
         let Some(before) = &self.before else {
             self.paces = gaps.map(|_, _| 1.0);

@@ -1,15 +1,18 @@
 //! Motions that cost nothing: rigid motions of rods nobody holds; the spin of an isotropic closed rod about its own
 //! centreline; the sliding of a uniform closed rod along itself. The user never has to know of them.
 //!
-//! The tangent is singular along them. Springs added to it at a few unknowns make it regular; the residual has no component
-//! along a neutral motion, so the springs stay unstretched, the increment is one of the exact solutions and the inertia is that
-//! of the tangent on the rest. Then the increment's neutral part is taken out, which leaves the shortest solution.
+//! The tangent is singular along them. Springs added to it at a few unknowns make it regular; the residual has no
+//! component along a neutral motion, so the springs stay unstretched, the increment is one of the exact solutions and
+//! the inertia is that of the tangent on the rest. Then the increment's neutral part is taken out, which leaves the
+//! shortest solution.
 //!
-//! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation error, and
-//! following it would move the whole rod by up to half an element for nothing. So sliding is held by a constraint on the
-//! increment, and the ripple's force, the residual along the sliding motion, is no part of the residual.
+//! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation
+//! error, and following it would move the whole rod by up to half an element for nothing. So sliding is held by a
+//! constraint on the increment, and the ripple's force, the residual along the sliding motion, is no part of the
+//! residual.
 //!
-//! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods: see [`Several`].
+//! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods:
+//! see [`Several`].
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
@@ -23,13 +26,14 @@ use several::Several;
 
 mod several;
 
-/// Rods that touch other free rods have rigid motions that contact may resist: but for one of them, their springs are only this strong, a proximal term that
-/// shortens steps a little.
+/// Rods that touch other free rods have rigid motions that contact may resist: but for one of them, their springs are
+/// only this strong, a proximal term that shortens steps a little.
 const SHARED: f64 = 1e-9;
-/// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by turning.
+/// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by
+/// turning.
 const DEPENDENT: f64 = 1e-3;
-/// Squares of motions where a rod is held, over the largest of all: below the first a combination of them may pass, and does if what is left of it is below
-/// the second.
+/// Squares of motions where a rod is held, over the largest of all: below the first a combination of them may pass, and
+/// does if what is left of it is below the second.
 const MAY_PASS: f64 = 1e-12;
 const PASSES: f64 = 1e-24;
 
@@ -39,7 +43,8 @@ fn is_free(engine: &Engine, rod: usize) -> bool {
     !joined && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
 }
 
-/// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs nothing.
+/// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
+/// nothing.
 fn slides(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
     data.closed && (spins(engine, rod) || engine.model.planar && !matches!(data.natural, Natural::AsShaped))
@@ -182,8 +187,9 @@ impl Neutral {
         Self { several, ..Self::default() }
     }
 
-    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere and bears no loads, those that its supports let
-    /// pass (a closed rod clamped at one node travels along its own shape through the clamp, and swings about the tangent there). None otherwise.
+    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere and
+    /// bears no loads, those that its supports let pass (a closed rod clamped at one node travels along its own shape
+    /// through the clamp, and swings about the tangent there). None otherwise.
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
         let model = &engine.model;
         let bare = model.joints.is_empty() && model.loads.is_empty() && model.line_loads.is_empty();
@@ -289,8 +295,8 @@ impl Neutral {
     }
 }
 
-/// One spring for each motion of held rods (whose `nodes` these are) but sliding, along that motion at the node that it moves most and across those before:
-/// together they stop all of them and nothing else.
+/// One spring for each motion of held rods (whose `nodes` these are) but sliding, along that motion at the node that it
+/// moves most and across those before: together they stop all of them and nothing else.
 fn pin_held(engine: &Engine, nodes: &[usize], mut rest: Vec<Vec<f64>>, pattern: &Pattern, values: &mut [f64]) {
     let Some(&first) = nodes.first() else { return };
     let rod = &engine.model.rods[engine.rod_of(first)];
@@ -313,8 +319,8 @@ fn pin_held(engine: &Engine, nodes: &[usize], mut rest: Vec<Vec<f64>>, pattern: 
     }
 }
 
-/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length: centred
-/// differences between the neighbours, turned back through the seam where it lies between.
+/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length:
+/// centred differences between the neighbours, turned back through the seam where it lies between.
 fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     let (first, count) = (engine.first_node[0], engine.first_node[1] - engine.first_node[0]);
     let local = node - first;
@@ -328,8 +334,8 @@ fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     ((state.positions[after] - state.positions[before]) / reach, turn / reach)
 }
 
-/// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of a pure twist would stretch the rod by second
-/// order.
+/// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of
+/// a pure twist would stretch the rod by second order.
 fn weights(engine: &Engine) -> [f64; 2] {
     let lever = 1e-3 * engine.scales.length;
     [1.0, lever * lever]

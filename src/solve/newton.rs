@@ -79,7 +79,8 @@ pub struct Workspace {
     pub(crate) timings: Timings,
     /// The extent of a step with which a search ends that only prepares the next one.
     pub(crate) rough: Option<f64>,
-    /// Shear forces and tension, per element and integration point, that the next search starts from instead of those of the state; empty: of the state.
+    /// Shear forces and tension, per element and integration point, that the next search starts from instead of those
+    /// of the state; empty: of the state.
     pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
     /// A search was given up because it was asked to.
     pub(crate) interrupted: bool,
@@ -90,9 +91,10 @@ const MAX_DIRECT: usize = 15;
 impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
-    /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in one step,
-    /// passing tangents that are indefinite although both ends of the way are stable. If it does not converge, or if strands are
-    /// near or would touch or pass each other, or when leaving an unstable state (`leaving`), the guarded search does the work.
+    /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
+    /// one step, passing tangents that are indefinite although both ends of the way are stable. If it does not
+    /// converge, or if strands are near or would touch or pass each other, or when leaving an unstable state
+    /// (`leaving`), the guarded search does the work.
     ///
     /// # Errors
     /// Numbers that break down; not converging is in the report.
@@ -136,8 +138,9 @@ impl Workspace {
         Ok(report)
     }
 
-    /// The plain search for rods that are apart, as if there were no contact: none is felt where none comes about. Its result counts if nothing touches
-    /// there and no strand passes another on the way; otherwise its iterations are `spent`.
+    /// The plain search for rods that are apart, as if there were no contact: none is felt where none comes about. Its
+    /// result counts if nothing touches there and no strand passes another on the way; otherwise its iterations are
+    /// `spent`.
     fn direct_apart(
         &mut self,
         engine: &mut Engine,
@@ -300,7 +303,8 @@ impl Workspace {
         step
     }
 
-    /// Response of all unknowns to forces by the last factorisation, moments' skew part included, neutral parts taken out.
+    /// Response of all unknowns to forces by the last factorisation, moments' skew part included, neutral parts taken
+    /// out.
     pub(crate) fn respond(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
         let mut response = self.solve_last(engine, forces);
         self.add_moment_skew(engine, &mut response);
@@ -335,8 +339,8 @@ impl Workspace {
         Some(negative - usize::from(negative > 0 && compliance < 0.0))
     }
 
-    /// Size of what rounding makes of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units in the last place of
-    /// the largest eigenvalue.
+    /// Size of what rounding makes of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units
+    /// in the last place of the largest eigenvalue.
     pub(crate) fn rounding_of_eigenvalues(&self, engine: &Engine) -> f64 {
         let Some(pattern) = &self.pattern else { return 0.0 };
         let quotient = |(i, mass): (usize, &f64)| {
@@ -406,14 +410,15 @@ struct Border {
     compliance: f64,
 }
 
-/// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along itself
-/// are neutral but for rounding and discretisation.
+/// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along
+/// itself are neutral but for rounding and discretisation.
 pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 
-/// The same where a motion may cost next to nothing that neither springs hold nor elasticity. Of several rods, one that others push comes to rest where it
-/// just touches them without force; what force the tolerance leaves (1e-8 B/L²) makes rolling off along them unstable by that over the strands' distance. A
-/// closed rod clamped at a node swings about its tangent there and spins back, which loads resist by as little as they are. The softest bending of a rod has
-/// 12 and more.
+/// The same where a motion may cost next to nothing that neither springs hold nor elasticity. Of several rods, one that
+/// others push comes to rest where it just touches them without force; what force the tolerance leaves (1e-8 B/L²)
+/// makes rolling off along them unstable by that over the strands' distance. A closed rod clamped at a node swings
+/// about its tangent there and spins back, which loads resist by as little as they are. The softest bending of a rod
+/// has 12 and more.
 const LOOSE: f64 = 1e-3;
 
 /// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.
@@ -447,8 +452,8 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
     })
 }
 
-/// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node spacing, so that
-/// pure bending, where all forces are rounding, is judged by its moments.
+/// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node
+/// spacing, so that pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
     let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
     let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);

@@ -111,9 +111,9 @@ pub fn run(
     run_from(model, stages, options, None, &mut |progress, _| observer(progress))
 }
 
-/// As [`run`], with an observer that may keep a [`Restart`] of what it sees, or taking up a run where an earlier one left it: with the same
-/// model, stages and options the steps that follow are the same, bit for bit, as if it had gone on. The observer is not
-/// called again for the state the run is taken up from.
+/// As [`run`], with an observer that may keep a [`Restart`] of what it sees, or taking up a run where an earlier one
+/// left it: with the same model, stages and options the steps that follow are the same, bit for bit, as if it had gone
+/// on. The observer is not called again for the state the run is taken up from.
 ///
 /// # Errors
 /// As [`run`]; a restart that belongs to another model or other stages.
@@ -355,7 +355,8 @@ impl Solver {
         }
     }
 
-    /// Does all of the work in the solver's own pool, if it has one: to go in and out for every sum takes longer than a small sum does.
+    /// Does all of the work in the solver's own pool, if it has one: to go in and out for every sum takes longer than a
+    /// small sum does.
     fn in_own_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
         let pool = self.engine.pool.take();
         let result = in_pool(pool.as_ref(), || work(self));

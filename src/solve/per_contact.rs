@@ -1,8 +1,9 @@
 //! Numbers of contacts at nodes: one per node, and where a node touches several strands at once, one for each of them.
 //!
-//! Where two strands touch a node, or two places of one that are apart (a knot, a ply of three), each has an entry: an interval of its arc length. A segment of a strand
-//! belongs to the entry that is nearest along its curve, so in between numbers change half way from one contact to the next, where nothing touches. Of
-//! a single curve nearly all nodes touch one place at most and need no entry: their number follows it wherever it slides.
+//! Where two strands touch a node, or two places of one that are apart (a knot, a ply of three), each has an entry: an
+//! interval of its arc length. A segment of a strand belongs to the entry that is nearest along its curve, so in
+//! between numbers change half way from one contact to the next, where nothing touches. Of a single curve nearly all
+//! nodes touch one place at most and need no entry: their number follows it wherever it slides.
 
 use std::ops::Range;
 
@@ -15,8 +16,8 @@ use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::ContactSide;
 
-/// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry: what an offset towards another one would
-/// be felt by is nearer.
+/// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry:
+/// what an offset towards another one would be felt by is nearer.
 const REMEMBERED: f64 = 2.0;
 
 /// A place on a strand that a node touches.
@@ -121,7 +122,8 @@ impl PerContact {
         values
     }
 
-    /// These numbers on a finer mesh of the same strands, each of whose nodes lies between two of this one's, nearer to the second by the fraction given.
+    /// These numbers on a finer mesh of the same strands, each of whose nodes lies between two of this one's, nearer to
+    /// the second by the fraction given.
     pub(crate) fn interleaved(&self, set: &CurveSet, between: &[([usize; 2], f64)]) -> Self {
         let mix = |[a, b]: [f64; 2], part: f64| if part == 0.0 { a } else { a + part * (b - a) };
         let mut fine =
@@ -172,8 +174,9 @@ struct Seen<'a> {
     master: usize,
     zone: &'a ZonePiece,
     window: f64,
-    /// Farther from it along the other strand is another contact \[L\]: beyond what one contact spans in the window, and beyond the contact distance. Feet on
-    /// one strand that far from each other lie 60° apart or more about the slave.
+    /// Farther from it along the other strand is another contact \[L\]: beyond what one contact spans in the window,
+    /// and beyond the contact distance. Feet on one strand that far from each other lie 60° apart or more about the
+    /// slave.
     apart: f64,
     /// Its place on the other strand; the node is still to be said.
     place: Entry,
@@ -205,8 +208,9 @@ fn seen<'a>(
     })
 }
 
-/// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches. Offsets at nodes that touch several strands get entries of
-/// their own by that; those that there are already stay for as long as the strands are near.
+/// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches. Offsets at nodes that
+/// touch several strands get entries of their own by that; those that there are already stay for as long as the strands
+/// are near.
 pub(crate) fn smallest_gaps(
     side: &ContactSide,
     residual: &Residual,
@@ -287,7 +291,8 @@ fn joined(set: &CurveSet, mut places: Vec<(Entry, f64)>) -> Vec<Entry> {
     entries
 }
 
-/// Adds the entries that there are already whose strands, out of reach by now, are still near; of a single curve leaves out those of nodes that have but one.
+/// Adds the entries that there are already whose strands, out of reach by now, are still near; of a single curve leaves
+/// out those of nodes that have but one.
 fn remember(side: &ContactSide, positions: &[Vec3], apart: f64, entries: &mut Vec<Entry>) {
     let set = &side.set;
     let found = PerContact { num_nodes: positions.len(), values: Vec::new(), entries: std::mem::take(entries) };

@@ -1,9 +1,10 @@
 //! Where a path is heading: the next state extrapolated from the last accepted ones.
 //!
-//! A polynomial through the last two or three states, in the fraction of the stage done, for positions and for quaternions (as vectors
-//! of ℝ⁴ with aligned signs, normalised afterwards). Seams are turned to their target in all of them first, so that only what
-//! the rods did in answer is extrapolated. Linear extrapolation stretches a rod that rotates by the square of its turn; the
-//! parabola by the cube, which is what makes a prediction near contact worth its price.
+//! A polynomial through the last two or three states, in the fraction of the stage done, for positions and for
+//! quaternions (as vectors of ℝ⁴ with aligned signs, normalised afterwards). Seams are turned to their target in all of
+//! them first, so that only what the rods did in answer is extrapolated. Linear extrapolation stretches a rod that
+//! rotates by the square of its turn; the parabola by the cube, which is what makes a prediction near contact worth its
+//! price.
 
 use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
@@ -48,8 +49,8 @@ impl History {
         self.states.iter().map(|(_, state)| state)
     }
 
-    /// The increment from the engine's state with its seams turned by `drive` to the state predicted at `fraction`, supported unknowns
-    /// moved by exactly what is prescribed. `None` until two states are known.
+    /// The increment from the engine's state with its seams turned by `drive` to the state predicted at `fraction`,
+    /// supported unknowns moved by exactly what is prescribed. `None` until two states are known.
     pub(crate) fn predict(&self, engine: &Engine, drive: &Drive, fraction: f64) -> Option<Vec<f64>> {
         if self.states.len() < 2 {
             return None;

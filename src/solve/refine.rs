@@ -23,7 +23,8 @@ impl Model {
         Ok(self.with_rods(rods, |node| NodeRef { node: factor * node.node, ..node }))
     }
 
-    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and what is held, joined or loaded is among these nodes.
+    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and what is held,
+    /// joined or loaded is among these nodes.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
         let rods = self.rods.iter().map(|rod| rod.coarsened(factor)).collect::<Option<_>>()?;
         let at = self.supports.iter().map(|s| s.node).chain(self.joints.iter().flat_map(|j| [j.a, j.b]));
@@ -46,8 +47,9 @@ impl Model {
 }
 
 impl Engine {
-    /// Largest residual over the largest sum of its contributions at the present state, moments compared with forces over the node
-    /// spacing (dimensionless). The force along the sliding of a uniform closed rod, a ripple of the mesh, does not count.
+    /// Largest residual over the largest sum of its contributions at the present state, moments compared with forces
+    /// over the node spacing (dimensionless). The force along the sliding of a uniform closed rod, a ripple of the
+    /// mesh, does not count.
     pub fn relative_residual(&self) -> f64 {
         let mut residual = self.residual(&self.state);
         Neutral::of(self, &self.state).remove_sliding_force(&mut residual.gradient);
@@ -56,8 +58,8 @@ impl Engine {
 }
 
 impl Solver {
-    /// A solver for the same problem on `factor` times the elements, in this solver's state interpolated, with its contact law and offsets;
-    /// [`Solver::resettle`] brings it to rest.
+    /// A solver for the same problem on `factor` times the elements, in this solver's state interpolated, with its
+    /// contact law and offsets; [`Solver::resettle`] brings it to rest.
     ///
     /// # Errors
     /// A rod that cannot be refined.
@@ -95,8 +97,8 @@ impl Solver {
         Ok(fine)
     }
 
-    /// Multiplies the contact stiffness in force by `factor`; pressures are kept, and the next search lets the strands find the gaps that go
-    /// with them. Without contact nothing happens.
+    /// Multiplies the contact stiffness in force by `factor`; pressures are kept, and the next search lets the strands
+    /// find the gaps that go with them. Without contact nothing happens.
     pub fn harden_contact(&mut self, factor: f64) {
         let Some(side) = &mut self.engine.contact else { return };
         if let Law::Linear { stiffness } = side.law {
@@ -107,7 +109,8 @@ impl Solver {
         }
     }
 
-    /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if that fails.
+    /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if
+    /// that fails.
     pub fn resettle(&mut self) -> StepReport {
         let still = vec![0.0; 6 * self.engine.num_nodes()];
         self.settle_along(&Drive::default(), Some(still))

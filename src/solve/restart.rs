@@ -1,9 +1,10 @@
 //! What a run needs in order to go on later as if it had never stopped.
 //!
-//! A load step depends on four things only: where the run stands ([`Place`]), the accepted state, the states before it from which the
-//! next is predicted, and the contact law with its offsets. Everything else the solver keeps (candidate lists, sparsity pattern, factorisation, the last soft direction) is
-//! dropped after every accepted step, because it depends on how that step was reached and would show in the last bits of the next.
-//! So a run that goes on from a [`Restart`] takes the same steps, bit for bit, as one that never stopped.
+//! A load step depends on four things only: where the run stands ([`Place`]), the accepted state, the states before it
+//! from which the next is predicted, and the contact law with its offsets. Everything else the solver keeps (candidate
+//! lists, sparsity pattern, factorisation, the last soft direction) is dropped after every accepted step, because it
+//! depends on how that step was reached and would show in the last bits of the next. So a run that goes on from a
+//! [`Restart`] takes the same steps, bit for bit, as one that never stopped.
 
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +42,8 @@ impl Place {
     }
 }
 
-/// A run between two steps as plain data: 88 bytes a node for the state, and as much for each of up to three earlier ones.
+/// A run between two steps as plain data: 88 bytes a node for the state, and as much for each of up to three earlier
+/// ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Restart {
     /// Where the run stands.
@@ -66,8 +68,8 @@ struct ContactRestart {
 }
 
 impl Solver {
-    /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a new field has
-    /// to decide here whether a run depends on it.
+    /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
+    /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
         let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history } = self;
         let contact =
@@ -132,8 +134,8 @@ impl Solver {
 }
 
 impl Engine {
-    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh one. Of a law under which no step was
-    /// taken, as where strands were apart, none is remembered.
+    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh
+    /// one. Of a law under which no step was taken, as where strands were apart, none is remembered.
     fn forget_the_way(&mut self) -> Result<(), SolveError> {
         if let Some(side) = &mut self.contact {
             side.before = None;

@@ -1,11 +1,12 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
-//! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already balance the shape
-//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law is hardened by way of one
-//! half as stiff as asked for in decades, which takes the pressures of the one before for its own: the first step of a stage moves the strands to where the new law
-//! has them. Then the offsets of the augmented Lagrangian are raised until no penetration beyond the tolerance is left.
-//! Unstable equilibria are left along their most negative direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
-//! (`short_first`, `coarse_first`), if these come to rest.
+//! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already
+//! balance the shape (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again.
+//! The law is hardened by way of one half as stiff as asked for in decades, which takes the pressures of the one before
+//! for its own: the first step of a stage moves the strands to where the new law has them. Then the offsets of the
+//! augmented Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left
+//! along their most negative direction. Long plectonemes and large turns are not begun like this but from a short rod
+//! or a coarse mesh (`short_first`, `coarse_first`), if these come to rest.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -27,8 +28,8 @@ const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
 const SOFTENING: f64 = 10.0;
 const MAX_SOFTER: i32 = 3;
-/// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring given ten turns at
-/// once would buckle into its tenth mode.
+/// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
+/// given ten turns at once would buckle into its tenth mode.
 pub(super) const TURNS_AT_ONCE: f64 = 1.0;
 /// Iterations spent on a predicted state, and the largest rotation of a node for which the prediction is trusted, rad.
 const PREDICTED_ITERATIONS: usize = 20;
@@ -82,7 +83,8 @@ impl Solver {
         report
     }
 
-    /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back where it was.
+    /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back
+    /// where it was.
     pub(super) fn settle_predicted(
         &mut self,
         drive: &Drive,
@@ -115,7 +117,8 @@ impl Solver {
         settled
     }
 
-    /// Tries to settle a long plectoneme from a short one at rest; true if it did, otherwise the solver is back where it was.
+    /// Tries to settle a long plectoneme from a short one at rest; true if it did, otherwise the solver is back where
+    /// it was.
     fn settle_from_short(&mut self, drive: &Drive, report: &mut StepReport) -> Result<bool, SolveError> {
         let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
         if !(still && self.augments()) {
@@ -172,7 +175,8 @@ impl Solver {
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
-    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as balances the state.
+    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as
+    /// balances the state.
     fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
@@ -206,7 +210,8 @@ impl Solver {
         self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
     }
 
-    /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance is left.
+    /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance
+    /// is left.
     pub(super) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
             report.penetration = self.contact_errors().penetration;
@@ -238,8 +243,9 @@ impl Solver {
         Ok(())
     }
 
-    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges quadratically: after a last increment of √tol the
-    /// error is of the order of tol, and the tolerance itself is for the last search of all.
+    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges
+    /// quadratically: after a last increment of √tol the error is of the order of tol, and the tolerance itself is for
+    /// the last search of all.
     fn search_nearly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
         let tol = self.options.newton.tol_increment;
         if self.augments() && self.is_near_contact()? {
@@ -256,8 +262,8 @@ impl Solver {
         last.is_none_or(|iteration| iteration.increment <= self.options.newton.tol_increment)
     }
 
-    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it is too coarse, lines
-    /// of contact break up into points between nodes.
+    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it
+    /// is too coarse, lines of contact break up into points between nodes.
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let asked = self.engine.contact_stiffness();
         // half way in decades; to a law softer than the core at once

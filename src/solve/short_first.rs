@@ -1,20 +1,24 @@
 //! Long plectonemes come to rest on short ones first.
 //!
-//! A long plectoneme is the same all along but near its end loops, and what has to happen there is the same at any length. So where the start state of a closed
-//! rod is a uniform double helix in the middle, elements are cut out of it, the short rod is brought to rest, and what was cut out is put back in the shape that the
-//! middle of the short one has taken: the screw motion S that takes each element of one strand to the next takes each of the other to the one before, and
+//! A long plectoneme is the same all along but near its end loops, and what has to happen there is the same at any
+//! length. So where the start state of a closed rod is a uniform double helix in the middle, elements are cut out of
+//! it, the short rod is brought to rest, and what was cut out is put back in the shape that the middle of the short one
+//! has taken: the screw motion S that takes each element of one strand to the next takes each of the other to the one
+//! before, and
 //!
 //! ```text
 //! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
 //! ```
 //!
-//! closes again exactly. The short rod's link is such that the long one's is what it was: what an element more in each strand adds to it, twist and writhe, is
-//! found from the linking numbers of two rods of different length. The long rod then settles from there like any other state; whatever it was made
-//! from, it ends in equilibrium or says that it does not.
+//! closes again exactly. The short rod's link is such that the long one's is what it was: what an element more in each
+//! strand adds to it, twist and writhe, is found from the linking numbers of two rods of different length. The long rod
+//! then settles from there like any other state; whatever it was made from, it ends in equilibrium or says that it does
+//! not.
 //!
-//! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that face each other let strands slide along each
-//! other in waves: the curvature of the energy along these is negative by some κa²/h², a the ripples' height, whatever the wave's length, while stretching
-//! holds them by EA q², from some 3·10⁴ nodes on no longer.
+//! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
+//! face each other let strands slide along each other in waves: the curvature of the energy along these is negative by
+//! some κa²/h², a the ripples' height, whatever the wave's length, while stretching holds them by EA q², from some
+//! 3·10⁴ nodes on no longer.
 
 use std::f64::consts::TAU;
 
@@ -31,27 +35,32 @@ use crate::solve::per_contact::PerContact;
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
 
-/// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand for its end loops.
+/// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand
+/// for its end loops.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 const LOOPS: f64 = 60.0;
 /// Rods at least so many times as long as the short one are shortened.
 const LONG: usize = 2;
 /// Turns of the superhelix over which the screw motion is measured.
 const MEASURED_TURNS: f64 = 4.0;
-/// Deviation, in node spacings and rad, up to which a state is what its shortened one becomes when it is lengthened again.
+/// Deviation, in node spacings and rad, up to which a state is what its shortened one becomes when it is lengthened
+/// again.
 const SAME: f64 = 1e-3;
 /// Elements put in to measure what they add to the link.
 const PROBE: usize = 64;
-/// Penetration of the short rod, over the one asked for, and the least: what is left of it in its middle is out of balance all along the long one.
+/// Penetration of the short rod, over the one asked for, and the least: what is left of it in its middle is out of
+/// balance all along the long one.
 const CLOSER: f64 = 1e-3;
 const CLOSEST: f64 = 1e-11;
-/// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at most.
+/// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at
+/// most.
 const TOL_LINK: f64 = 1e-3;
 const MAX_ROUNDS: usize = 8;
 /// How often the pressures of the short rod are made smooth.
 const SMOOTHINGS: usize = 3;
 
-/// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about themselves beyond it along either strand.
+/// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about
+/// themselves beyond it along either strand.
 #[derive(Debug, Clone, Copy)]
 struct Screw {
     axis: Unit<Vec3>,
@@ -62,7 +71,8 @@ struct Screw {
 }
 
 impl Screw {
-    /// Least squares over `count` elements of order `p` on either side of the state's node `at` and of the node opposite; `None` where that is no screw motion.
+    /// Least squares over `count` elements of order `p` on either side of the state's node `at` and of the node
+    /// opposite; `None` where that is no screw motion.
     fn measure(state: &State, p: usize, at: usize, count: usize) -> Option<Self> {
         let nodes = state.positions.len();
         let around = |node: usize| node.checked_sub(count * p).map(|first| first..node + count * p);
@@ -105,10 +115,12 @@ impl Screw {
     }
 }
 
-/// A node of a changed rod: the old node it is made from, the power of the screw motion and the spin, rad, that take it there.
+/// A node of a changed rod: the old node it is made from, the power of the screw motion and the spin, rad, that take it
+/// there.
 type Made = (usize, f64, f64);
 
-/// Nodes of a rod of `nodes` with `elements` of order `p` put in (taken out, if negative) after node `at` and as many before the node opposite.
+/// Nodes of a rod of `nodes` with `elements` of order `p` put in (taken out, if negative) after node `at` and as many
+/// before the node opposite.
 fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> Vec<Made> {
     let k = elements as f64;
     let opposite = nodes - at;
@@ -163,8 +175,8 @@ pub(crate) struct Lengthened {
 }
 
 impl Solver {
-    /// Where the state is a long plectoneme that nothing holds: one whose ends are at rest, with the contact offsets that hold them there. None
-    /// where it is not, or where the short rod does not come to rest.
+    /// Where the state is a long plectoneme that nothing holds: one whose ends are at rest, with the contact offsets
+    /// that hold them there. None where it is not, or where the short rod does not come to rest.
     pub(crate) fn lengthened(&self) -> Option<Lengthened> {
         TURNS.iter().find_map(|turns| self.lengthened_from(*turns))
     }
@@ -292,7 +304,8 @@ mod tests {
         Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
     }
 
-    /// The plectoneme of another length at the same angle is what comes of putting elements into the middle of one, or of taking them out; its link too.
+    /// The plectoneme of another length at the same angle is what comes of putting elements into the middle of one, or
+    /// of taking them out; its link too.
     #[test]
     fn plectonemes_of_two_lengths_become_each_other() {
         for (angle, elements, other) in [(0.3, 200, 140), (-0.4, 151, 231), (0.25, 200, 260)] {
@@ -326,8 +339,9 @@ mod tests {
         assert!(solver.lengthened().is_none());
     }
 
-    /// Work per length² that strands do against each other while they slide along each other by unit length (K v · v over the middle), by differences of
-    /// gradients: negative where ripples of elements that face each other let the energy fall.
+    /// Work per length² that strands do against each other while they slide along each other by unit length (K v · v
+    /// over the middle), by differences of gradients: negative where ripples of elements that face each other let the
+    /// energy fall.
     fn stiffness_of_sliding(solver: &mut Solver) -> f64 {
         let engine = &mut solver.engine;
         let state = engine.state.clone();
@@ -363,8 +377,8 @@ mod tests {
         Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
     }
 
-    /// The state a long plectoneme settles in from a short one is that in which it rests the slow way, its start too far from uniform to be shortened, once
-    /// its pressures are as smooth.
+    /// The state a long plectoneme settles in from a short one is that in which it rests the slow way, its start too
+    /// far from uniform to be shortened, once its pressures are as smooth.
     #[test]
     fn lengthened_rods_rest_where_they_do_alone() {
         let [mut quick, mut slow] = [0.0, 0.02].map(dna);

@@ -8,8 +8,8 @@ use crate::solve::newton::Workspace;
 const DIRECTION_ROUNDS: usize = 60;
 
 impl Workspace {
-    /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse iterations that
-    /// start from the last such vector.
+    /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse
+    /// iterations that start from the last such vector.
     pub(crate) fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
         let mass = &engine.masses;
         if self.softest.len() != mass.len() {
@@ -32,8 +32,9 @@ impl Workspace {
         lowest
     }
 
-    /// Direction of the most negative eigenvalue of the tangent at the engine's state (mass-weighted inverse iteration from a
-    /// fixed start, so that runs repeat), scaled so that the largest rotation is 1 rad. Call after [`Workspace::count_unstable`].
+    /// Direction of the most negative eigenvalue of the tangent at the engine's state (mass-weighted inverse iteration
+    /// from a fixed start, so that runs repeat), scaled so that the largest rotation is 1 rad. Call after
+    /// [`Workspace::count_unstable`].
     ///
     /// # Errors
     /// When no shift makes the tangent positive definite.

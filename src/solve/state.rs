@@ -12,7 +12,8 @@ use crate::math::{Quat, Vec3};
 pub struct State {
     /// Node positions \[L\], rounded.
     pub positions: Vec<Vec3>,
-    /// What rounding took from the positions \[L\]: nodes are at `positions + remainders`. Far from the origin neighbours are known to each other by it.
+    /// What rounding took from the positions \[L\]: nodes are at `positions + remainders`. Far from the origin
+    /// neighbours are known to each other by it.
     pub remainders: Vec<Vec3>,
     /// Node frames.
     pub frames: Vec<Quat>,
@@ -24,8 +25,8 @@ pub struct State {
     pub pressures: Vec<f64>,
 }
 
-/// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps, so
-/// that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
+/// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps,
+/// so that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Drive {
     /// (node, displacement \[L\], rotation vector \[rad\]) of supported nodes.
@@ -35,7 +36,8 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drive in equal parts in none of which a seam turns by more than `turns` turns. Supports move in the first part.
+    /// The drive in equal parts in none of which a seam turns by more than `turns` turns. Supports move in the first
+    /// part.
     pub(crate) fn parts(&self, turns: f64) -> Vec<Self> {
         let largest = self.seams.iter().fold(0.0f64, |a, b| a.max(b.abs())) / std::f64::consts::TAU;
         let count = (largest / turns - 1e-9).ceil().clamp(1.0, 1000.0);
@@ -87,7 +89,8 @@ impl State {
         (self.positions[to] - self.positions[from]) + (self.remainders[to] - self.remainders[from])
     }
 
-    /// The increment whose retraction takes `before` to this state: displacements \[L\] and rotation vectors of at most half a turn, rad.
+    /// The increment whose retraction takes `before` to this state: displacements \[L\] and rotation vectors of at most
+    /// half a turn, rad.
     pub fn increment_since(&self, before: &Self) -> Vec<f64> {
         let mut increment = Vec::with_capacity(6 * self.positions.len());
         for node in 0..self.positions.len() {
@@ -99,8 +102,9 @@ impl State {
         increment
     }
 
-    /// Turns the seam of a closed rod (nodes `nodes`) by `angle` and spreads the twist evenly: frames spin about their own d3, the
-    /// centreline and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good start for others.
+    /// Turns the seam of a closed rod (nodes `nodes`) by `angle` and spreads the twist evenly: frames spin about their
+    /// own d3, the centreline and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good
+    /// start for others.
     pub fn twist(&mut self, rod: usize, nodes: std::ops::Range<usize>, angle: f64) {
         self.seams[rod] += angle;
         let count = nodes.len() as f64;

@@ -2,9 +2,10 @@
 //!
 //! Control points move by at most the chord of their linear motion plus the second-order part of the rotation, and the
 //! relative motion of two cubics is bounded by that of their control points (convex hulls). A step fraction t keeps
-//! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are looked for in a `tree`, in which
-//! parts that move together, far from each other or along an arc too straight to close are done with as a whole: where nothing is near, a step of any
-//! length is free. `way` joins such steps to a way from one state to another.
+//! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are
+//! looked for in a `tree`, in which parts that move together, far from each other or along an arc too straight to close
+//! are done with as a whole: where nothing is near, a step of any length is free. `way` joins such steps to a way from
+//! one state to another.
 
 mod tree;
 mod way;
@@ -32,8 +33,8 @@ struct Keep {
 const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0 };
 /// For the step as it is taken: corrections may use up half of what the step left.
 const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5 };
-/// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod bulges by much
-/// more than the rod's thickness: with that for an error no step near contact would be left.
+/// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod
+/// bulges by much more than the rod's thickness: with that for an error no step near contact would be left.
 const TOL_DISTANCE: f64 = 0.05;
 
 impl Engine {
@@ -42,8 +43,8 @@ impl Engine {
         self.fraction_keeping(state, increment, STEP)
     }
 
-    /// Whether a step that was within the bound before its corrections still lets no strand pass another. Contact geometry must be that of
-    /// `state`.
+    /// Whether a step that was within the bound before its corrections still lets no strand pass another. Contact
+    /// geometry must be that of `state`.
     pub(crate) fn keeps_apart(&mut self, state: &State, increment: &[f64]) -> Result<bool, SolveError> {
         Ok(self.fraction_keeping(state, increment, CORRECTED)? == 1.0)
     }
@@ -157,7 +158,8 @@ mod tests {
         step
     }
 
-    /// However long the step, the strands stay on their sides all along the part that is allowed, and most of the way is.
+    /// However long the step, the strands stay on their sides all along the part that is allowed, and most of the way
+    /// is.
     #[test]
     fn no_step_takes_a_strand_through_another() {
         for height in [0.3, 2.0, 2.5, 5.0, 40.0] {
@@ -230,8 +232,8 @@ mod tests {
         along.windows(2).any(|pair| (pair[1] - pair[0]).abs() > 1.0)
     }
 
-    /// Curves in no order at all, moved by wild steps: what is allowed of them passes nothing, though the whole steps do. Every fraction is compared with that of
-    /// all pairs on the way (see `passage_fraction`).
+    /// Curves in no order at all, moved by wild steps: what is allowed of them passes nothing, though the whole steps
+    /// do. Every fraction is compared with that of all pairs on the way (see `passage_fraction`).
     #[test]
     fn wild_steps_pass_nothing() {
         let (mut allowed, mut wild) = (0, 0);
@@ -253,7 +255,8 @@ mod tests {
         assert!(allowed >= 4 && wild >= 4, "{allowed} {wild}");
     }
 
-    /// A rod that rolls up through a whole circle is free to do so; one that comes through another is not, however far behind it ends.
+    /// A rod that rolls up through a whole circle is free to do so; one that comes through another is not, however far
+    /// behind it ends.
     #[test]
     fn ways_are_free_or_not() {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1e-3);

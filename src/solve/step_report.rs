@@ -52,15 +52,15 @@ pub struct StepReport {
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
-    /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside others that touch: what the energy is
-    /// too high by. They are released until it is 1e-9, but for contacts none of whose nodes is theirs alone, so near are their neighbours; 0 without contact and
-    /// under other laws.
+    /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside
+    /// others that touch: what the energy is too high by. They are released until it is 1e-9, but for contacts none of
+    /// whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
     pub held_open: f64,
-    /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise. Gaps are enforced
-    /// all the same; a point contact is spread wider by the cube root of it.
+    /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise.
+    /// Gaps are enforced all the same; a point contact is spread wider by the cube root of it.
     pub softening: f64,
-    /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long plectoneme was made, or on a
-    /// coarser mesh, on which a step of several turns was made first.
+    /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long
+    /// plectoneme was made, or on a coarser mesh, on which a step of several turns was made first.
     pub iterations_elsewhere: usize,
     /// The step settled at once from the state extrapolated from the steps before.
     pub predicted: bool,

@@ -1,4 +1,5 @@
-//! Forces that a step's linear prediction missed: what the rods' strains and the gaps of contact became beyond it, times their stiffness.
+//! Forces that a step's linear prediction missed: what the rods' strains and the gaps of contact became beyond it,
+//! times their stiffness.
 
 use rayon::prelude::*;
 
@@ -15,9 +16,9 @@ use crate::solve::step_bound::motion;
 const BATCH: usize = 8192;
 
 impl Engine {
-    /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its tangent: e is what gaps became
-    /// on the way to where contact now is, beyond what `increment` predicted. Strands that were nowhere in contact push with the forces
-    /// they have `there`.
+    /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
+    /// tangent: e is what gaps became on the way to where contact now is, beyond what `increment` predicted. Strands
+    /// that were nowhere in contact push with the forces they have `there`.
     pub(crate) fn add_contact_surprise(
         &self,
         state: &State,
@@ -50,7 +51,8 @@ impl Engine {
         self.add_contact_of(&pairs, |meeting| !known[meeting.slave], forces);
     }
 
-    /// Adds to `forces` (six per node) the gradient of the contact potential, of these candidate pairs as far as they are `wanted`, where contact now is.
+    /// Adds to `forces` (six per node) the gradient of the contact potential, of these candidate pairs as far as they
+    /// are `wanted`, where contact now is.
     pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&Meeting) -> bool, forces: &mut [f64]) {
         let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
         let ground = detect::Ground::of_set(&side.set);
@@ -64,8 +66,8 @@ impl Engine {
         }
     }
 
-    /// Forces (six per node) that the stiffness of contact along its normals makes of a motion from `state`, where the terms of `residual` were evaluated
-    /// with the tangent: their pressures are −k times the change of the gap.
+    /// Forces (six per node) that the stiffness of contact along its normals makes of a motion from `state`, where the
+    /// terms of `residual` were evaluated with the tangent: their pressures are −k times the change of the gap.
     pub(crate) fn contact_stiffness_force(&self, state: &State, increment: &[f64], residual: &Residual) -> Vec<f64> {
         let mut forces = vec![0.0; increment.len()];
         let Some(side) = &self.contact else { return forces };
@@ -169,8 +171,8 @@ mod tests {
         })
     }
 
-    /// Strands that slide sideways come apart by √(d² + s²) − d, whether they are still in contact there or not; the forces that it asks for lie along the
-    /// normal of the start.
+    /// Strands that slide sideways come apart by √(d² + s²) − d, whether they are still in contact there or not; the
+    /// forces that it asks for lie along the normal of the start.
     #[test]
     fn sideways_sliding_opens_gaps_by_second_order() {
         let distance = 2.0 * RADIUS - OVERLAP;
@@ -182,7 +184,8 @@ mod tests {
         }
     }
 
-    /// Where strands cross, motions along either, past joints, are predicted exactly; of strands along each other, motions along the normal, into or out of contact.
+    /// Where strands cross, motions along either, past joints, are predicted exactly; of strands along each other,
+    /// motions along the normal, into or out of contact.
     #[test]
     fn motions_along_crossing_strands_and_along_the_normal_are_no_surprise() {
         let cases =

@@ -1,7 +1,8 @@
 //! No frame may turn so far against its neighbour that elements would take the other way round.
 //!
-//! Elements interpolate along the shorter way between two frames. Past half a turn that is the other one: a rod twisted further would
-//! come out as one untwisted by the rest, with a smaller moment, in equilibrium, and nothing would look wrong.
+//! Elements interpolate along the shorter way between two frames. Past half a turn that is the other one: a rod twisted
+//! further would come out as one untwisted by the rest, with a smaller moment, in equilibrium, and nothing would look
+//! wrong.
 
 use std::f64::consts::TAU;
 
@@ -11,8 +12,8 @@ use crate::rod::MAX_TURN;
 use crate::solve::engine::Engine;
 use crate::solve::state::Drive;
 
-/// Turns between neighbouring nodes that one load step may add, on average over the nodes between what is turned and what is held: more
-/// could take a segment past half a turn and out on the other side.
+/// Turns between neighbouring nodes that one load step may add, on average over the nodes between what is turned and
+/// what is held: more could take a segment past half a turn and out on the other side.
 const MAX_ADDED: f64 = 0.3;
 
 impl Engine {

@@ -1,8 +1,9 @@
 //! Sparse LDLᵀ with inertia. The only file that names faer.
 //!
-//! The supernodal method is forced: the simplicial one reports no failures. Diagonal matrices, for which no work is to be done, are faer's simplicial ones
-//! all the same; their pivots are their entries. `Par::Seq`: the library parallelises dense
-//! kernels only, and the supernodes of rods are about twelve wide, where threads cost more than they give.
+//! The supernodal method is forced: the simplicial one reports no failures. Diagonal matrices, for which no work is to
+//! be done, are faer's simplicial ones all the same; their pivots are their entries. `Par::Seq`: the library
+//! parallelises dense kernels only, and the supernodes of rods are about twelve wide, where threads cost more than they
+//! give.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -202,8 +203,9 @@ mod tests {
         }
     }
 
-    /// Symptom: a model with a single unknown left, or with unknowns that have nothing to do with each other, broke down. Mechanism: without off-diagonal
-    /// entries faer takes its simplicial method, whatever is asked for, and pivots were looked for in supernodes.
+    /// Symptom: a model with a single unknown left, or with unknowns that have nothing to do with each other, broke
+    /// down. Mechanism: without off-diagonal entries faer takes its simplicial method, whatever is asked for, and
+    /// pivots were looked for in supernodes.
     #[test]
     fn diagonal_matrices() {
         for diagonal in [vec![3.0], vec![-2.0], vec![4.0, -1.0, 0.5]] {

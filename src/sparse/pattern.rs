@@ -1,8 +1,8 @@
 //! Sparsity pattern of the tangent: lower triangle, compressed columns, grouped by nodes.
 //!
 //! A node has up to six unknowns (three positions, three rotations); supported and out-of-plane ones are eliminated
-//! here, once, so that nothing further down knows of them. Equations are numbered in the order in which nodes are to be eliminated
-//! ([`Pattern::reordered`]), so that the factorisation takes the matrix as it is assembled.
+//! here, once, so that nothing further down knows of them. Equations are numbered in the order in which nodes are to be
+//! eliminated ([`Pattern::reordered`]), so that the factorisation takes the matrix as it is assembled.
 
 /// Marks an eliminated unknown.
 const NONE: u8 = u8::MAX;
@@ -36,8 +36,9 @@ impl Pattern {
         Self::joined(free, &master, pairs)
     }
 
-    /// As [`Pattern::new`] with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b is joined to. Of
-    /// joined nodes only the master's `free` counts; equations and blocks of the others are the master's.
+    /// As [`Pattern::new`] with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b
+    /// is joined to. Of joined nodes only the master's `free` counts; equations and blocks of the others are the
+    /// master's.
     pub fn joined(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let num_nodes = free.len();
         let mut local = Vec::with_capacity(num_nodes);
@@ -303,7 +304,8 @@ mod tests {
         assert_eq!(y[pattern.equation(1, 5).unwrap()], 2.0);
     }
 
-    /// The same blocks in another order of nodes make the same matrix, its upper triangle the transpose of the lower one.
+    /// The same blocks in another order of nodes make the same matrix, its upper triangle the transpose of the lower
+    /// one.
     #[test]
     fn order_changes_nothing_but_numbers() {
         let mut free = [[true; 6]; 5];

@@ -1,6 +1,7 @@
-//! The braid of a loose elastic knot in the limit of no thickness (Audoly, Clauvelin & Neukirch 2007), by finite differences: the difference of its two
-//! strands, w(s) ∈ ℝ² for |s| ≤ L, minimises ∫½|w″|² ds − w_x′(L) − w_x′(−L) (the loop's curvature, 1, bends both ends outwards; half turns are odd) with |w| ≥ 1.
-//! Lengths in √(2hR) along the strands and 2h across.
+//! The braid of a loose elastic knot in the limit of no thickness (Audoly, Clauvelin & Neukirch 2007), by finite
+//! differences: the difference of its two strands, w(s) ∈ ℝ² for |s| ≤ L, minimises ∫½|w″|² ds − w_x′(L) − w_x′(−L)
+//! (the loop's curvature, 1, bends both ends outwards; half turns are odd) with |w| ≥ 1. Lengths in √(2hR) along the
+//! strands and 2h across.
 //!
 //! Independent of the engine: its own unknowns, its own banded solver, damped Newton on a penalty ½k⟨1 − |w|⟩².
 
@@ -18,7 +19,8 @@ pub struct Braid {
     pub extent: f64,
 }
 
-/// Two strands wound about each other by an odd number of `half_turns`, on `points` equally spaced points over |s| ≤ `reach`; the penalties are gone through in turn.
+/// Two strands wound about each other by an odd number of `half_turns`, on `points` equally spaced points over |s| ≤
+/// `reach`; the penalties are gone through in turn.
 pub fn braid(half_turns: f64, reach: f64, points: usize, penalties: &[f64]) -> Braid {
     let spacing = 2.0 * reach / (points - 1) as f64;
     let place = |i: usize| spacing * i as f64 - reach;

@@ -19,17 +19,18 @@ pub struct PointForce {
 
 /// Elements on either side whose moments are used: polynomials of degree 2 × CELLS − 1.
 const CELLS: usize = 3;
-/// Within this many layers (B/κ)^¼ of the contact law the rods feel more of it than the spread of its force tells: elements that lie there are left out.
+/// Within this many layers (B/κ)^¼ of the contact law the rods feel more of it than the spread of its force tells:
+/// elements that lie there are left out.
 const LAYERS: f64 = 8.0;
 
-/// Tangent d3 and curvature vector d3' \[1/L\] that a rod would have at an arc length if the contact force there were concentrated;
-/// the mean of what the elements on either side say.
+/// Tangent d3 and curvature vector d3' \[1/L\] that a rod would have at an arc length if the contact force there were
+/// concentrated; the mean of what the elements on either side say.
 ///
-/// A force F at s₀ gives the curvature a kink, F|s − s₀|/2B. The contact law smears it, and the elements know only as much of it as
-/// their strains can hold: correct are, in every element, the mean and the first moment of the curvature (their virtual displacements
-/// are a parabola and a cubic, on which the contact centreline agrees with the elements'). From these, the smeared kink's own
-/// are taken off, and the kink's branch of the side in question put on; the polynomial of degree five that has the moments so found in
-/// three elements of that side is evaluated at s₀.
+/// A force F at s₀ gives the curvature a kink, F|s − s₀|/2B. The contact law smears it, and the elements know only as
+/// much of it as their strains can hold: correct are, in every element, the mean and the first moment of the curvature
+/// (their virtual displacements are a parabola and a cubic, on which the contact centreline agrees with the elements').
+/// From these, the smeared kink's own are taken off, and the kink's branch of the side in question put on; the
+/// polynomial of degree five that has the moments so found in three elements of that side is evaluated at s₀.
 pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: PointForce) -> (Vec3, Vec3) {
     let engine = solver.engine();
     let data = &engine.model().rods[rod];

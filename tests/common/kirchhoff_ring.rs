@@ -1,5 +1,5 @@
-//! The twisted closed ring in self-contact as a Kirchhoff rod (inextensible, unshearable, B = 1, L = 1) with hard contact, by shooting: the
-//! states at which its contact changes, to eleven digits.
+//! The twisted closed ring in self-contact as a Kirchhoff rod (inextensible, unshearable, B = 1, L = 1) with hard
+//! contact, by shooting: the states at which its contact changes, to eleven digits.
 //!
 //! ```text
 //!        z ▲   ___
@@ -10,13 +10,14 @@
 //!          ├────X──── x middle contact, s = 0
 //! ```
 //!
-//! States with three perpendicular twofold axes: x through the middle of the crossing, z through both loops' ends, y. A quarter of the ring,
-//! 0 ≤ s ≤ 1/4, with r′ = t, t′ = M × t, M′ = n × t (M the internal moment, n the internal force, constant between contacts) starts on the x axis, t_x = M_x = 0,
-//! and ends on the z axis, x = y = 0, t_z = M_z = n_z = 0. The other strand of the crossing is (−x, −y, z), so the outer contacts
-//! lie where x² + y² has a minimum, and the force there acts along (x, y, 0). Independent of the engine: its own unknowns, no mesh, no contact law.
+//! States with three perpendicular twofold axes: x through the middle of the crossing, z through both loops' ends, y.
+//! A quarter of the ring, 0 ≤ s ≤ 1/4, with r′ = t, t′ = M × t, M′ = n × t (M the internal moment, n the internal
+//! force, constant between contacts) starts on the x axis, t_x = M_x = 0, and ends on the z axis, x = y = 0, t_z = M_z
+//! = n_z = 0. The other strand of the crossing is (−x, −y, z), so the outer contacts lie where x² + y² has a minimum,
+//! and the force there acts along (x, y, 0). Independent of the engine: its own unknowns, no mesh, no contact law.
 //!
-//! Whether the middle contact can carry what it does without opening is told by the Hessian of |r(s) − r(u)|², which is singular at the events
-//! one point → two and three points → line.
+//! Whether the middle contact can carry what it does without opening is told by the Hessian of |r(s) − r(u)|², which is
+//! singular at the events one point → two and three points → line.
 
 #![allow(dead_code)] // one test file uses it
 
@@ -25,7 +26,8 @@ use std::f64::consts::{PI, TAU};
 /// r, t, M, n, and a direction carried along without turning about t.
 type State = [f64; 15];
 
-/// Steps of the integrator, of order five, on a quarter of the ring; a quarter as many before an outer contact; both multiples of four.
+/// Steps of the integrator, of order five, on a quarter of the ring; a quarter as many before an outer contact; both
+/// multiples of four.
 const STEPS: usize = 1200;
 const MAX_NEWTON: usize = 60;
 /// C/B.
@@ -125,8 +127,8 @@ fn quarter(start: State, place: Option<f64>, outer: f64) -> (Vec<State>, Vec<Sta
     (first, second)
 }
 
-/// Unknowns: angle of the tangent at s = 0, M_y, M_z, n_y, n_z; then n_x where the middle carries force, or half the distance there where it is open;
-/// then place and force of the outer contact.
+/// Unknowns: angle of the tangent at s = 0, M_y, M_z, n_y, n_z; then n_x where the middle carries force, or half the
+/// distance there where it is open; then place and force of the outer contact.
 struct Problem {
     diameter: f64,
     event: Event,
@@ -184,7 +186,8 @@ impl Problem {
     }
 }
 
-/// Smaller eigenvalue of the Hessian of ½|r(s) − r(u)|² at s = 0, where the other strand is (−x, −y, z)(u): |t|² + 2x t′_x twice, and −(t_z² − t_y²).
+/// Smaller eigenvalue of the Hessian of ½|r(s) − r(u)|² at s = 0, where the other strand is (−x, −y, z)(u): |t|² + 2x
+/// t′_x twice, and −(t_z² − t_y²).
 fn opening(start: &State) -> f64 {
     let turn = cross(&start[6..9], &start[3..6]);
     let mixed = start[4] * start[4] - start[5] * start[5];
@@ -213,9 +216,9 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// Writhe of the whole ring. A direction that is x at s = 0, normal to t, and carried along without turning is off from z, which is normal to t at s = 1/4,
-/// by an angle φ; by symmetry the ribbon that joins these directions has the twist −4φ/2π, and a link that is a multiple of ½, told by a sum
-/// over pairs of points.
+/// Writhe of the whole ring. A direction that is x at s = 0, normal to t, and carried along without turning is off from
+/// z, which is normal to t at s = 1/4, by an angle φ; by symmetry the ribbon that joins these directions has the twist
+/// −4φ/2π, and a link that is a multiple of ½, told by a sum over pairs of points.
 fn writhe(quarter: &[State]) -> f64 {
     let fraction = ribbon_writhe(&quarter[quarter.len() - 1]);
     let every = quarter.len() / 300;
@@ -252,8 +255,8 @@ fn ribbon_writhe(end: &State) -> f64 {
     -4.0 * angle / TAU
 }
 
-/// A state: events of a thick ring from a guess, of thinner ones by lowering the diameter from there, states between events by changing the link from
-/// the next event.
+/// A state: events of a thick ring from a guess, of thinner ones by lowering the diameter from there, states between
+/// events by changing the link from the next event.
 pub fn event_of(event: Event, diameter: f64) -> Ring {
     match event {
         Event::OnePoint(link) => at_link(link, diameter, Event::OneToTwo, &Event::OnePoint, |_| {}),

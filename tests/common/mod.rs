@@ -131,7 +131,8 @@ pub fn elastic_energy(solver: &Solver) -> f64 {
     points.iter().enumerate().map(|(i, s)| table.rule.weights[i % rod.order] * length * density(s)).sum()
 }
 
-/// A solid disc of slenderness L/ε with E = 2G, no shear correction, L = 1 and bending stiffness 1: EA = 4/ε², GA = 2/ε².
+/// A solid disc of slenderness L/ε with E = 2G, no shear correction, L = 1 and bending stiffness 1: EA = 4/ε², GA =
+/// 2/ε².
 pub fn slender_disc(slenderness: f64) -> Section {
     let radius = 1.0 / slenderness;
     Section::isotropic(1.0, 1.0, 4.0 / (radius * radius), 2.0 / (radius * radius), radius)

@@ -11,13 +11,14 @@ const PITCH: f64 = 9.0;
 const CAP: f64 = 4.0;
 const LOOP: [f64; 2] = [3.0, 6.0];
 
-/// `n` points about half a radius apart, of two strands of radius 1 wound about the x axis and joined by round end loops whose curvature
-/// stays below 0.7. The superhelix radius swings about `radius` by `swing` over every third turn: with radius 1 and a small swing the
-/// strands touch at many places.
+/// `n` points about half a radius apart, of two strands of radius 1 wound about the x axis and joined by round end
+/// loops whose curvature stays below 0.7. The superhelix radius swings about `radius` by `swing` over every third turn:
+/// with radius 1 and a small swing the strands touch at many places.
 pub fn plectoneme(n: usize, radius: f64, swing: f64) -> Vec<Vec3> {
     let turns = (n / 44).max(3) as f64;
     let half = 0.5 * turns * PITCH;
-    // along a strand from the middle to a tip; in the caps by the angle, so that points do not thin out where the strand turns round
+    // along a strand from the middle to a tip; in the caps by the angle, so that points do not thin out where the
+    // strand turns round
     let quarter = half - CAP + CAP * FRAC_PI_2;
     let at = |i: usize| {
         let s = 4.0 * i as f64 / n as f64;

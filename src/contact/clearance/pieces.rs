@@ -15,7 +15,8 @@ pub(super) struct Local {
     pub(super) scale: f64,
 }
 
-/// Lower bound of the distance between two pieces \[L\], and where its model is smallest (piece parameters in \[0, 1\]).
+/// Lower bound of the distance between two pieces \[L\], and where its model is smallest (piece parameters in \[0,
+/// 1\]).
 pub(super) struct Bound {
     pub(super) lower: f64,
     pub(super) at_place: f64,
@@ -33,8 +34,8 @@ impl Local {
         Self { a: part(&unit(a), u), b: part(&unit(b), v), scale }
     }
 
-    /// Lower bound of ½∂²D/∂v² over the box (scaled units): Bernstein coefficients in v, control points of a (D's v-derivatives are
-    /// linear in a, so its hull's corners suffice).
+    /// Lower bound of ½∂²D/∂v² over the box (scaled units): Bernstein coefficients in v, control points of a (D's
+    /// v-derivatives are linear in a, so its hull's corners suffice).
     pub(super) fn convexity(&self) -> f64 {
         let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
         for x in &self.a.b {
@@ -47,7 +48,8 @@ impl Local {
         least - SAFETY * largest
     }
 
-    /// Parameters of a, ascending, where its foot on b passes an end of b: roots of (b(v_end) − a(u))·b′(v_end), linear in the cubic a.
+    /// Parameters of a, ascending, where its foot on b passes an end of b: roots of (b(v_end) − a(u))·b′(v_end), linear
+    /// in the cubic a.
     pub(super) fn foot_leaves(&self) -> Vec<f64> {
         let mut cuts = Vec::new();
         let mut found = Roots::new();

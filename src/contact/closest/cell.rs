@@ -1,13 +1,15 @@
 //! A parallelogram of parameters and what is proved of D(u, v) = ½|a(u) − b(v)|² over it.
 //!
-//! In the coordinates u and t, v = v₀ + s (u − u₀) + t, the difference w = a − b of the curves is a bicubic polynomial in Bernstein form, and with it
+//! In the coordinates u and t, v = v₀ + s (u − u₀) + t, the difference w = a − b of the curves is a bicubic polynomial
+//! in Bernstein form, and with it
 //!
 //! ```text
 //!     D_t = −w·b′,      D_u = w·(a′ − s b′)        (t held)
 //! ```
 //!
-//! are of degree (5, 5). Their coefficients bound them, the differences of neighbouring coefficients bound the second derivatives. The slope s lets a cell lie
-//! along a valley of D, where D_u changes slowly: cells along a contact line may be long and thin, instead of as small as the valley is level.
+//! are of degree (5, 5). Their coefficients bound them, the differences of neighbouring coefficients bound the second
+//! derivatives. The slope s lets a cell lie along a valley of D, where D_u changes slowly: cells along a contact line
+//! may be long and thin, instead of as small as the valley is level.
 
 use crate::contact::curve::Cubic;
 use crate::math::Vec3;
@@ -148,7 +150,8 @@ impl Bounds {
         Self { w, q, g, width: [du, dt], rounding, speed }
     }
 
-    /// The curves are farther apart than `reach` all over the cell: w has more than that along its direction in the middle.
+    /// The curves are farther apart than `reach` all over the cell: w has more than that along its direction in the
+    /// middle.
     pub(super) fn beyond(&self, reach: f64) -> bool {
         let middle = self.w[1][1] + self.w[1][2] + self.w[2][1] + self.w[2][2];
         let limit = (reach + 4.0 * ROUNDING) * middle.norm() * (1.0 + 1e-14);
@@ -183,7 +186,8 @@ impl Bounds {
         [scaled(tt, dt), scaled(ut, du), scaled(uu, du)]
     }
 
-    /// The parts of the cell's intervals of u and t (in 0..1) outside of which D_u or D_t has no zero: the hull of the coefficients against the axis.
+    /// The parts of the cell's intervals of u and t (in 0..1) outside of which D_u or D_t has no zero: the hull of the
+    /// coefficients against the axis.
     pub(super) fn clipped(&self) -> [Option<[f64; 2]>; 2] {
         let rows = |c: &[[f64; 6]; 6], k: usize| range(c[k].iter().copied());
         let columns = |c: &[[f64; 6]; 6], l: usize| range(c.iter().map(|row| row[l]));

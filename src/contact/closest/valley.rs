@@ -63,7 +63,8 @@ fn hull(group: &[&Rectangle], get: fn(&Rectangle) -> [f64; 2]) -> [f64; 2] {
     group.iter().map(|&c| get(c)).fold([1.0, 0.0], |h: [f64; 2], r| [h[0].min(r[0]), h[1].max(r[1])])
 }
 
-/// A level valley that only touches the square's border with its end: its length is another pair's, or the end of a curve, which is looked at by itself.
+/// A level valley that only touches the square's border with its end: its length is another pair's, or the end of a
+/// curve, which is looked at by itself.
 fn ends_here(group: &[&Rectangle]) -> bool {
     const POINT: f64 = 16.0 * BORDER;
     let (u, v) = (hull(group, |c| c.u), hull(group, |c| c.v));
@@ -115,7 +116,8 @@ fn step(a: &Cubic, b: &Cubic, u: f64, v: f64) -> (f64, f64) {
     (-(h.vv * gu - h.uv * gv) / det, -(h.uu * gv - h.uv * gu) / det)
 }
 
-/// Downhill inside a box of parameters: Newton where D is convex, else each parameter by itself; only steps that lower D are taken.
+/// Downhill inside a box of parameters: Newton where D is convex, else each parameter by itself; only steps that lower
+/// D are taken.
 fn descend(a: &Cubic, b: &Cubic, start: (f64, f64), hu: [f64; 2], hv: [f64; 2]) -> (f64, f64) {
     let value = |u: f64, v: f64| (a.point(u) - b.point(v)).norm_squared();
     let (mut u, mut v) = start;

@@ -1,4 +1,5 @@
-//! The potential where a slave passes centres of curvature and kinks of its master, against its definition and finite differences.
+//! The potential where a slave passes centres of curvature and kinks of its master, against its definition and finite
+//! differences.
 
 use super::super::curve::{Cubic, CurveInput};
 use super::*;
@@ -12,7 +13,8 @@ const REACH: f64 = 2.0 * RADIUS;
 /// Strands nearer than this overlap by more than the quadrature is for.
 const DEEP: f64 = 0.5 * REACH;
 
-/// Cubics through random points with common tangents where they meet, or kinks; on average curved about as much as 1 over the reach.
+/// Cubics through random points with common tangents where they meet, or kinks; on average curved about as much as 1
+/// over the reach.
 fn master(random: &mut Random, smooth: bool) -> Vec<Cubic> {
     let mut points = vec![Vec3::new(-0.7, 0.0, 0.0)];
     let mut tangents = vec![Vec3::new(0.5, 0.0, 0.0) + random.vector() * 0.5];
@@ -43,7 +45,8 @@ fn terms(master: &[Cubic], slave: &[Cubic], closed: bool, want: Want) -> Vec<Pai
     evaluate(&set, &pairs, Law::Linear { stiffness: STIFFNESS }, &|_, _| [0.0; 2], want)
 }
 
-/// ½∫φ ds over one slave by counting strands: φ of all nearest points of a densely sampled master less φ of all farthest.
+/// ½∫φ ds over one slave by counting strands: φ of all nearest points of a densely sampled master less φ of all
+/// farthest.
 fn energy_by_counting(master: &[Cubic], slave: &Cubic, closed: bool) -> f64 {
     const SLAVE: usize = 1000;
     const MASTER: usize = 400;
@@ -122,7 +125,8 @@ fn ring(size: f64, uneven: f64) -> Vec<Cubic> {
     (0..COUNT).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
 }
 
-/// A strand through a ring that is narrower than the contact distance: near the axis every point of the ring is about as far.
+/// A strand through a ring that is narrower than the contact distance: near the axis every point of the ring is about
+/// as far.
 #[test]
 fn a_ring_about_a_strand_is_one_strand() {
     for (size, uneven) in [(0.4, 0.0), (0.4, 1e-3), (0.35, 0.05), (0.45, 0.2)] {
@@ -160,8 +164,8 @@ fn whole(cubics: &[Cubic], want: Want) -> (f64, Vec<Vec3>, Vec<Vec<Mat3>>) {
     (energy, gradient, hessian)
 }
 
-/// Slopes by finite differences while the slave is moved through folds and kinks: along a random direction in which all control points of the slave
-/// and, continuously, those of the master move.
+/// Slopes by finite differences while the slave is moved through folds and kinks: along a random direction in which all
+/// control points of the slave and, continuously, those of the master move.
 #[test]
 fn derivatives_hold_through_folds_and_kinks() {
     let mut random = Random(47);

@@ -26,8 +26,8 @@ pub(super) struct Found<'a> {
     pub(super) touch: &'a Follow<'a>,
 }
 
-/// The geometry of a branch at the parameter it is followed by, from a guess of the other, and by what the slave's parameter changes with that: less than
-/// nothing where it is counted off.
+/// The geometry of a branch at the parameter it is followed by, from a guess of the other, and by what the slave's
+/// parameter changes with that: less than nothing where it is counted off.
 pub(super) type Follow<'a> = dyn Fn(f64, f64, &Branch) -> (Touch, f64) + 'a;
 
 impl Found<'_> {
@@ -85,9 +85,9 @@ impl Found<'_> {
 }
 
 impl Local<'_> {
-    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t what it is followed by, which returns the
-    /// other parameter; long pieces are divided so that each part is shorter than the contact distance. Guesses are interpolated between the ends of the
-    /// piece and what was returned.
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t what it
+    /// is followed by, which returns the other parameter; long pieces are divided so that each part is shorter than the
+    /// contact distance. Guesses are interpolated between the ends of the piece and what was returned.
     fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let [t, other] = piece.along();
         let width = t[1] - t[0];

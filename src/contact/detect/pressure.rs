@@ -10,8 +10,8 @@ pub type Offsets<'a> = dyn Fn(usize, usize) -> [f64; 2] + Sync + 'a;
 pub(crate) struct Pressures<'a> {
     pub(crate) law: Law,
     pub(crate) offset: &'a Offsets<'a>,
-    /// The law that the present pressures come from, if it has just been replaced: they are kept, and linearised is the new law about
-    /// the overlap at which it has the same pressure. A Newton step then moves the strands there.
+    /// The law that the present pressures come from, if it has just been replaced: they are kept, and linearised is the
+    /// new law about the overlap at which it has the same pressure. A Newton step then moves the strands there.
     pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
 }
 

@@ -14,8 +14,8 @@ const TIE: f64 = 1e-9;
 const SAME: f64 = 1e-6;
 
 impl Ground<'_> {
-    /// A closed curve that lies in the ball about a slave point as a whole is a strand there, though its nearest and farthest points are as many:
-    /// the farthest of all is not counted off.
+    /// A closed curve that lies in the ball about a slave point as a whole is a strand there, though its nearest and
+    /// farthest points are as many: the farthest of all is not counted off.
     pub(super) fn keep_rings(
         &self,
         [slave, master]: [usize; 2],
@@ -57,7 +57,8 @@ impl Ground<'_> {
         self.strands.curves[curve].closed && curve != self.strands.curve_of(slave)
     }
 
-    /// Segment and parameter of the point of a closed curve that is farthest from x, of equals the first; none if that is beyond the reach.
+    /// Segment and parameter of the point of a closed curve that is farthest from x, of equals the first; none if that
+    /// is beyond the reach.
     fn farthest(&self, x: &Vec3, curve: usize, reach: f64) -> Option<(usize, f64)> {
         let strand = &self.strands.curves[curve];
         let segments = strand.first..strand.first + strand.count;

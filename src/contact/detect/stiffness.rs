@@ -1,13 +1,16 @@
-//! The second derivative of a pair's contact potential, summed over quadrature points in the coordinates that are wanted.
+//! The second derivative of a pair's contact potential, summed over quadrature points in the coordinates that are
+//! wanted.
 //!
-//! At a point with pressure p, stiffness k and weight W, δd = g·δx and δv = −h·δx/d_vv to first order in the coordinates x, and
+//! At a point with pressure p, stiffness k and weight W, δd = g·δx and δv = −h·δx/d_vv to first order in the
+//! coordinates x, and
 //!
 //! ```text
 //! K += W [(k + p/d) g gᵀ + p/d_vv h hᵀ − p/d Σ w_m w_n δx_m·δx_n]
 //! ```
 //!
-//! Forces on the eight control points (slave's four, then the master's) are carried to the coordinates by the transpose of the map δx ↦ control points, so
-//! two vectors of 24 are all that a point adds; the last term is summed over w only and put in place at the end.
+//! Forces on the eight control points (slave's four, then the master's) are carried to the coordinates by the transpose
+//! of the map δx ↦ control points, so two vectors of 24 are all that a point adds; the last term is summed over w only
+//! and put in place at the end.
 
 use crate::contact::curve::Cubic;
 use crate::math::Vec3;
@@ -17,12 +20,13 @@ use crate::math::Vec3;
 pub(super) enum Coordinates {
     /// The control points themselves.
     Points,
-    /// Displacement and rotation vector of the four ends (slave's start and end, the master's): a handle, from an end to the control point next to it,
-    /// turns with the end. Start and end handle, slave and master \[L\].
+    /// Displacement and rotation vector of the four ends (slave's start and end, the master's): a handle, from an end
+    /// to the control point next to it, turns with the end. Start and end handle, slave and master \[L\].
     Ends([Vec3; 4]),
 }
 
-/// Second derivative with respect to 24 coordinates: blocks of six rows p ≤ six columns q filled, those on the diagonal in full.
+/// Second derivative with respect to 24 coordinates: blocks of six rows p ≤ six columns q filled, those on the diagonal
+/// in full.
 pub(crate) type Blocks = [[f64; 24]; 24];
 
 /// Vectors kept before their products are added.

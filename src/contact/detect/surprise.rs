@@ -1,9 +1,10 @@
 //! What a finite motion makes of gaps beyond their linear prediction.
 //!
-//! Strands that slide sideways by s come apart by s²/2d, and a line of contact turned about its axis opens: by little, but contact is stiff. What is told is
-//! how far the constraint was left, whether contact holds there or not: differences of contact forces would say nothing once it is lost, and would
-//! push along the strands as their normals turn. Gaps are compared where the points in contact have gone: along either strand, by as much as
-//! the motion slides them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
+//! Strands that slide sideways by s come apart by s²/2d, and a line of contact turned about its axis opens: by little,
+//! but contact is stiff. What is told is how far the constraint was left, whether contact holds there or not:
+//! differences of contact forces would say nothing once it is lost, and would push along the strands as their normals
+//! turn. Gaps are compared where the points in contact have gone: along either strand, by as much as the motion slides
+//! them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
 
 use super::integral::bernstein_weights;
 use super::stiffness::Coordinates;
@@ -29,9 +30,10 @@ pub(crate) struct Touched {
     pub(super) stiffness: f64,
 }
 
-/// Σ W k e ∂gap/∂x, e = gap(moved) − gap − δgap, of a term with respect to the ends of `cubics` (slave and master where the term was evaluated): the
-/// gradient, six coordinates an end, of a law that went on linearly. `change` is the linear motion of the control points, slave's four and
-/// master's four \[L\]. Also the segments that the first and the last point in contact have gone to.
+/// Σ W k e ∂gap/∂x, e = gap(moved) − gap − δgap, of a term with respect to the ends of `cubics` (slave and master where
+/// the term was evaluated): the gradient, six coordinates an end, of a law that went on linearly. `change` is the
+/// linear motion of the control points, slave's four and master's four \[L\]. Also the segments that the first and the
+/// last point in contact have gone to.
 pub(crate) fn surprise_of_gaps(
     term: &Meeting,
     cubics: [&Cubic; 2],
@@ -60,8 +62,8 @@ pub(crate) fn surprise_of_gaps(
     (gradient, [first.unwrap_or(last), last])
 }
 
-/// How far the point of contact of two lines with these unit tangents moves along each \[L\] when the second moves by `by` against the first: exactly where they
-/// cross; of parallel ones half of what they slide.
+/// How far the point of contact of two lines with these unit tangents moves along each \[L\] when the second moves by
+/// `by` against the first: exactly where they cross; of parallel ones half of what they slide.
 fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
     let part = |way: Vec3| {
         let size_sq = way.norm_squared();
@@ -71,7 +73,8 @@ fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
     [difference + sum, difference - sum]
 }
 
-/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`surprise_of_gaps`]: what the stiffness of contact along its normals makes of a motion.
+/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`surprise_of_gaps`]: what the stiffness of contact along its normals makes
+/// of a motion.
 pub(crate) fn stiffness_of_gaps(term: &Meeting, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }
@@ -113,7 +116,8 @@ fn sum_of_gaps(
     Coordinates::ends(slave, master).pull(&sum)
 }
 
-/// Segment and parameter of a place that is told by a parameter beyond a segment's ends; beyond an end of the curve it stays with the last segment.
+/// Segment and parameter of a place that is told by a parameter beyond a segment's ends; beyond an end of the curve it
+/// stays with the last segment.
 fn place(set: &CurveSet, mut segment: usize, mut u: f64) -> (usize, f64) {
     for _ in 0..MAX_STEPS {
         let beyond = match u {

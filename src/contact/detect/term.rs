@@ -42,7 +42,8 @@ pub struct PairTerm {
 }
 
 impl PairTerm {
-    /// The gradient with respect to the ends of two *straight* segments: slave's start and end, master's start and end \[F\].
+    /// The gradient with respect to the ends of two *straight* segments: slave's start and end, master's start and end
+    /// \[F\].
     #[must_use]
     pub fn point_gradient(&self) -> [Vec3; 4] {
         let ends = |g: &[Vec3]| [g[0] + (g[1] * 2.0 + g[2]) / 3.0, (g[1] + g[2] * 2.0) / 3.0 + g[3]];
@@ -50,8 +51,8 @@ impl PairTerm {
         [a0, a1, b0, b1]
     }
 
-    /// The Hessian with respect to the ends of two *straight* segments, in the order of [`PairTerm::point_gradient`]: all 16 blocks \[F/L\]; zero
-    /// if it was not asked for.
+    /// The Hessian with respect to the ends of two *straight* segments, in the order of [`PairTerm::point_gradient`]:
+    /// all 16 blocks \[F/L\]; zero if it was not asked for.
     #[must_use]
     pub fn point_hessian(&self) -> [[Mat3; 4]; 4] {
         // Parts that the ends have in the control points of a straight segment.
@@ -96,8 +97,8 @@ impl From<PairTerm> for Meeting {
     }
 }
 
-/// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six coordinates each (displacement,
-/// rotation vector), slave's start and end, master's start and end.
+/// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six
+/// coordinates each (displacement, rotation vector), slave's start and end, master's start and end.
 pub(crate) struct EndTerm {
     pub(crate) meeting: Meeting,
     /// Energy \[F·L\].

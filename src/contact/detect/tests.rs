@@ -88,7 +88,8 @@ fn penalty(stiffness: f64) -> Pressures<'static> {
     Pressures { law: Law::Linear { stiffness }, offset: &|_, _| [0.0; 2], before: None }
 }
 
-/// Three segments about the origin, and one that passes at about the distance `away`: crossing, parallel, at right angles.
+/// Three segments about the origin, and one that passes at about the distance `away`: crossing, parallel, at right
+/// angles.
 fn polylines(random: &mut Random, case: usize, away: f64) -> [Vec<Vec3>; 2] {
     let mut vector = || random.vector();
     let step = vector() + Vec3::x() * 2.0;
@@ -107,7 +108,8 @@ fn polylines(random: &mut Random, case: usize, away: f64) -> [Vec<Vec3>; 2] {
     [master, vec![middle - direction, middle + direction]]
 }
 
-/// What is computed in closed form for lines is what the general way finds for the same lines as cubics: pieces and terms.
+/// What is computed in closed form for lines is what the general way finds for the same lines as cubics: pieces and
+/// terms.
 #[test]
 fn lines_are_treated_as_the_cubics_that_they_are() {
     let mut random = Random(77);
@@ -167,8 +169,8 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
     assert!([0, 1, 2, 4].into_iter().all(|k| found[k] > 250), "{found:?}");
 }
 
-/// The potential of lines by its definition: midpoints of many small parts. How many strands of the master a slave point has within a distance is
-/// the number of its segments there less that of the joints there.
+/// The potential of lines by its definition: midpoints of many small parts. How many strands of the master a slave
+/// point has within a distance is the number of its segments there less that of the joints there.
 fn energy_by_sampling(slave: &[Vec3], master: &[Vec3], length: f64, reach: f64, stiffness: f64) -> f64 {
     const PARTS: usize = 10_000;
     let sample = |k: usize| {
@@ -192,7 +194,8 @@ fn with_ground<T>(points: &[Vec<Vec3>; 2], see: impl FnOnce(&Ground) -> T) -> T 
     see(&Ground::new(strands, lengths, None))
 }
 
-/// Overlaps deeper than this \[L\], a fifth of the contact distance, are beyond the accuracy asked of the quadrature here.
+/// Overlaps deeper than this \[L\], a fifth of the contact distance, are beyond the accuracy asked of the quadrature
+/// here.
 const DEEP: f64 = -0.1;
 
 /// Energy, forces on all points and smallest gap of the first curve against the last segment.
@@ -298,7 +301,8 @@ fn derivatives_of_lines_match_finite_differences() {
     assert!(touching > 50, "{touching}");
 }
 
-/// A straight slave that crosses .3 above a joint, in any attitude, to rounding on either side of it, up to a million radii from the origin.
+/// A straight slave that crosses .3 above a joint, in any attitude, to rounding on either side of it, up to a million
+/// radii from the origin.
 struct OverJoint {
     /// Along the master, along the slave, and from the one to the other.
     axes: [Vec3; 3],
@@ -318,8 +322,8 @@ impl OverJoint {
     }
 }
 
-/// Two smooth cubics that meet above the middle of a straight slave, in any attitude and to rounding on either side: together they cover
-/// the slave's zone once, near the origin and a million radii from it.
+/// Two smooth cubics that meet above the middle of a straight slave, in any attitude and to rounding on either side:
+/// together they cover the slave's zone once, near the origin and a million radii from it.
 #[test]
 fn a_slave_over_a_joint_is_covered_once() {
     let mut random = Random(99);
@@ -368,8 +372,9 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
     }
 }
 
-/// After a change of law the pressures stay, and what a Newton step sees is the new law about the overlap that has them: its energy's slope is its
-/// pressure, that one's slope its stiffness, and it starts from the old pressure if the way to go is nothing.
+/// After a change of law the pressures stay, and what a Newton step sees is the new law about the overlap that has
+/// them: its energy's slope is its pressure, that one's slope its stiffness, and it starts from the old pressure if the
+/// way to go is nothing.
 #[test]
 fn a_new_law_is_linearised_about_the_old_pressure() {
     let laws =
@@ -415,8 +420,8 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
     }
 }
 
-/// Symptom: two strands wound to touch exactly broke down before the first step. A piece of no width has both ends in one place, which guessed NaN for
-/// every foot.
+/// Symptom: two strands wound to touch exactly broke down before the first step. A piece of no width has both ends in
+/// one place, which guessed NaN for every foot.
 #[test]
 fn a_known_place_does_not_spoil_the_guess() {
     let mut line = Interpolation::between([0.3, 0.5], [0.3, 0.5]);

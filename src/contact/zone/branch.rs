@@ -20,8 +20,8 @@ enum Target {
 }
 
 impl Pair<'_> {
-    /// What a potential asks where a branch has come to `t`, what it is followed by, from a guess of the other parameter; and how fast the slave's
-    /// parameter changes with it, less than nothing where it is counted off.
+    /// What a potential asks where a branch has come to `t`, what it is followed by, from a guess of the other
+    /// parameter; and how fast the slave's parameter changes with it, less than nothing where it is counted off.
     pub(in crate::contact) fn touch(&self, t: f64, guess: f64, branch: &Branch) -> (Touch, f64) {
         let (u, v, rate) = if branch.kind == FootKind::Fold {
             let u = self.slave_of(t, guess, branch);
@@ -84,7 +84,8 @@ impl Pair<'_> {
             if v < low - border || v > high + border {
                 break;
             }
-            // Where the connection is longer than the segment, rounding keeps the last steps above a few ulp: they only stop shrinking.
+            // Where the connection is longer than the segment, rounding keeps the last steps above a few ulp: they only
+            // stop shrinking.
             let noise = step.abs() < 1e-12 && step.abs() >= 0.25 * last;
             if step.abs() <= 4.0 * f64::EPSILON || noise {
                 return v.clamp(low, high);

@@ -1,11 +1,13 @@
-//! Pairs of cubics with folds: the square of parameters is cut into cells until in each the feet are those of one branch that can be followed.
+//! Pairs of cubics with folds: the square of parameters is cut into cells until in each the feet are those of one
+//! branch that can be followed.
 //!
-//! With f(u, v) = (a(u) − b(v))·b′(v), whose zeros are nearest (∂f/∂v < 0) and farthest points (∂f/∂v > 0) of the master, a cell is
+//! With f(u, v) = (a(u) − b(v))·b′(v), whose zeros are nearest (∂f/∂v < 0) and farthest points (∂f/∂v > 0) of the
+//! master, a cell is
 //! * discarded if its curves are farther apart than the reach, or f has one sign by its Bernstein coefficients;
 //! * followed along the slave if ∂f/∂v has one sign: there is one foot at most for each u;
 //! * followed along the master if ∂f/∂u = a′·b′ has one sign: there is one u for each v, through any folds;
-//! * otherwise cut in two. What is left when cells are small or many (slave points that see an arc of the master at one distance) has its
-//!   feet held at the middle of the cell, where its distance is right to second order.
+//! * otherwise cut in two. What is left when cells are small or many (slave points that see an arc of the master at one
+//!   distance) has its feet held at the middle of the cell, where its distance is right to second order.
 
 use std::collections::VecDeque;
 
@@ -89,8 +91,8 @@ fn sense(a: &Cubic, b: &Cubic) -> Bounds {
     Bounds { low: -most, high: -least, noise: 100.0 * ROUNDING * edges * edges.max(size) }
 }
 
-/// `joined`: the part of the master ends at a smooth joint, where the tangent that both segments share decides, not this one's rounding.
-/// `even`: how little the slope of f may vary, so that what is integrated is smooth.
+/// `joined`: the part of the master ends at a smooth joint, where the tangent that both segments share decides, not
+/// this one's rounding. `even`: how little the slope of f may vary, so that what is integrated is smooth.
 fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64, even: f64) -> Verdict {
     if capsule::distance_lower_bound(a, b) > reach {
         return Verdict::Empty;
@@ -105,7 +107,8 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64, even: f64) -> Verdict {
     if along.evenness() > even {
         return Verdict::Along(-along.sign());
     }
-    // At a joint the two segments' tangents may differ by the rounding of coordinates far from the origin: nothing to be steep about.
+    // At a joint the two segments' tangents may differ by the rounding of coordinates far from the origin: nothing to
+    // be steep about.
     let noise = if joined { STEEP } else { 10.0 * ROUNDING };
     let across = Bounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
     if across.evenness() > even {
@@ -115,7 +118,8 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64, even: f64) -> Verdict {
 }
 
 impl Pair<'_> {
-    /// No slave point has more than one foot on the master: a bound that holds wherever the master is curved less than 1 over the distance.
+    /// No slave point has more than one foot on the master: a bound that holds wherever the master is curved less than
+    /// 1 over the distance.
     pub(super) fn has_one_branch(&self) -> bool {
         sense(self.slave, self.master).sign() < 0.0
     }

@@ -1,15 +1,18 @@
-//! Pairs of cubics where no point of the slave has more than one foot on the master: what [`Pair`] finds for all cubics, for a fraction of the work.
+//! Pairs of cubics where no point of the slave has more than one foot on the master: what [`Pair`] finds for all
+//! cubics, for a fraction of the work.
 //!
-//! With D(u, v) = ½|b(v) − a(u)|² the foot v(u) is a root of D_v. If D_vv > 0 on the whole square \[0, 1\]², shown by its Bernstein coefficients, there
-//! is at most one for every u, so Newton's method needs no certificate of its own, and there is one where the slave's point lies after the master's
-//! start and before its end. As in [`clearance`](crate::contact::clearance), with any map φ(u) into \[0, 1\], w(u) = a(u) − b(φ(u)) and Q(u) = w·b′(φ(u)),
+//! With D(u, v) = ½|b(v) − a(u)|² the foot v(u) is a root of D_v. If D_vv > 0 on the whole square \[0, 1\]², shown by
+//! its Bernstein coefficients, there is at most one for every u, so Newton's method needs no certificate of its own,
+//! and there is one where the slave's point lies after the master's start and before its end. As in
+//! [`clearance`](crate::contact::clearance), with any map φ(u) into \[0, 1\], w(u) = a(u) − b(φ(u)) and Q(u) =
+//! w·b′(φ(u)),
 //!
 //! ```text
 //!     |w(u)|² − Q(u)²/min D_vv  ≤  d(u)²  ≤  |w(u)|²
 //! ```
 //!
-//! With φ linear between the feet of the ends, |w|² is of degree six: mostly its coefficients tell that a slave is in reach all along, or nowhere. What
-//! they leave open, folds and open ends is for [`Pair`].
+//! With φ linear between the feet of the ends, |w|² is of degree six: mostly its coefficients tell that a slave is in
+//! reach all along, or nowhere. What they leave open, folds and open ends is for [`Pair`].
 
 use super::{Branch, NARROW, Pair, Piece, Sample, Side, Touch, unit};
 use crate::contact::curve::Cubic;
@@ -102,8 +105,8 @@ impl Facing {
         Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }
     }
 
-    /// [`Pair::pieces`] of this pair, but for [`Piece::nearest`], which is an end of the piece unless `nearest` is asked for; false if that has to do it.
-    /// The master must go on before its start and beyond its end.
+    /// [`Pair::pieces`] of this pair, but for [`Piece::nearest`], which is an end of the piece unless `nearest` is
+    /// asked for; false if that has to do it. The master must go on before its start and beyond its end.
     pub(in crate::contact) fn pieces(&self, pair: &Pair, nearest: bool, out: &mut Vec<Piece>) -> bool {
         let Some([start, end]) = between(&pair.sides()) else { return false };
         if end - start <= NARROW {
@@ -177,7 +180,8 @@ impl Facing {
     }
 }
 
-/// Bounds of D_vv/15 \[L²\], by Bernstein coefficients: (b − x)·b′/3 = own − foreign·x of degree five, x at the slave's control points.
+/// Bounds of D_vv/15 \[L²\], by Bernstein coefficients: (b − x)·b′/3 = own − foreign·x of degree five, x at the slave's
+/// control points.
 pub(super) fn convexity(slave: &Cubic, master: &Cubic) -> [f64; 2] {
     let (b, e) = (&master.b, master.edges());
     let own = product_with_quadratic(|i, j| b[i].dot(&e[j]));
@@ -211,8 +215,8 @@ fn beyond(curve: &Cubic, point: &Vec3, along: &Vec3) -> bool {
     })
 }
 
-/// The interval of slave parameters after the master's start and before its end, if that is one by the signs of the coefficients; of no width if it is
-/// empty.
+/// The interval of slave parameters after the master's start and before its end, if that is one by the signs of the
+/// coefficients; of no width if it is empty.
 fn between(sides: &[Side; 2]) -> Option<[f64; 2]> {
     let mut range = [0.0f64, 1.0f64];
     for (k, side) in sides.iter().enumerate() {

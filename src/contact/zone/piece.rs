@@ -12,8 +12,8 @@ pub enum FootKind {
     Start,
     /// The open end of the master, or a kink there.
     End,
-    /// The foot's parameter tells the slave's: a branch through a fold of the projection, nearest points before it and farthest after it (or the
-    /// other way round), followed along the master.
+    /// The foot's parameter tells the slave's: a branch through a fold of the projection, nearest points before it and
+    /// farthest after it (or the other way round), followed along the master.
     Fold,
     /// Feet that rounding cannot tell apart, all taken to be at one parameter.
     Held,
@@ -72,7 +72,8 @@ pub struct Piece {
 pub struct Branch {
     /// What the foot does.
     pub kind: FootKind,
-    /// 1 for nearest points of the master; −1 for farthest ones between two nearest, which are counted off; of a fold the sign of ∂f/∂u.
+    /// 1 for nearest points of the master; −1 for farthest ones between two nearest, which are counted off; of a fold
+    /// the sign of ∂f/∂u.
     pub sign: f64,
     /// Where the only foot is sought: an interval of v, for a fold of u.
     pub(super) within: [f64; 2],
@@ -115,7 +116,8 @@ impl Piece {
         Self { u: between(self.u), v: between(self.v), ..*self }
     }
 
-    /// Calls `keep` with the parts on which a condition does not hold; it is asked at samples and where it changes between them.
+    /// Calls `keep` with the parts on which a condition does not hold; it is asked at samples and where it changes
+    /// between them.
     pub(in crate::contact) fn parts_without(&self, holds: impl Fn(f64) -> bool, mut keep: impl FnMut(Self)) {
         let at = |k: usize| (k as f64 / NUM_SAMPLES as f64).clamp(1e-6, 1.0 - 1e-6);
         let mut before = holds(at(0));

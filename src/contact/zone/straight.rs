@@ -1,14 +1,16 @@
-//! Contact zones of a pair of straight segments in closed form: what [`Pair`](super::Pair) computes for cubics, for lines.
+//! Contact zones of a pair of straight segments in closed form: what [`Pair`](super::Pair) computes for cubics, for
+//! lines.
 //!
 //! ```text
 //!  slave   a(u) = a₀ + u d        foot   v(u) = e·(r + u d)/e²        from foot to slave point   x + u y   (orthogonal to e)
 //!  master  b(v) = b₀ + v e        r = a₀ − b₀                         x = r − e (e·r)/e²,  y = d − e (e·d)/e²
 //! ```
 //!
-//! At a kink the wedge between the planes orthogonal to both segments belongs to the corner itself: on the outside it is the nearest point, on
-//! the inside a point between two feet that is counted off.
+//! At a kink the wedge between the planes orthogonal to both segments belongs to the corner itself: on the outside it
+//! is the nearest point, on the inside a point between two feet that is counted off.
 //!
-//! The foot leaves the master where a linear function of u vanishes, the distance passes the reach at the roots of a quadratic.
+//! The foot leaves the master where a linear function of u vanishes, the distance passes the reach at the roots of a
+//! quadratic.
 
 use super::{Branch, FootKind, NARROW, Piece, Sample, Touch, unit};
 use crate::contact::input::Strands;
@@ -36,7 +38,8 @@ pub(in crate::contact) struct Lines {
 }
 
 impl Lines {
-    /// Two straight segments and a reach \[L\] that is the same all along; `kinks`: at which ends a kink of the master counts here.
+    /// Two straight segments and a reach \[L\] that is the same all along; `kinks`: at which ends a kink of the master
+    /// counts here.
     pub(in crate::contact) fn new(
         strands: &Strands,
         slave: usize,

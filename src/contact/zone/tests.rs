@@ -54,8 +54,8 @@ fn a_shallow_dip_between_samples_is_found() {
     assert!((pieces[0].nearest.u - 1.0 / 2.1).abs() < 1e-14);
 }
 
-/// A slave that crosses right above a joint of the master, in any attitude and to rounding on either side of it: together the two
-/// segments cover the zone once.
+/// A slave that crosses right above a joint of the master, in any attitude and to rounding on either side of it:
+/// together the two segments cover the zone once.
 #[test]
 fn a_zone_whose_foot_rests_on_a_joint_is_covered_once() {
     let mut numbers = Random(99);

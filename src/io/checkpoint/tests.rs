@@ -104,7 +104,8 @@ fn nonsense_is_not_understood() {
     }
 }
 
-/// A checkpoint of another model (which only a caller who goes round the fingerprint can bring about) is refused by the solver.
+/// A checkpoint of another model (which only a caller who goes round the fingerprint can bring about) is refused by the
+/// solver.
 #[test]
 fn another_models_state_is_refused() {
     let scene = Scene::from_toml(&SCENE.replace("elements = 2", "elements = 3"), Path::new("")).unwrap();

@@ -81,7 +81,8 @@ fn looking_along(forward: Vec3, up: Vec3) -> Result<Mat3, InputError> {
     Ok(Mat3::from_rows(&[right.transpose(), right.cross(&eye).transpose(), eye.transpose()]))
 }
 
-/// Rows right, down, towards the eye: widest and narrowest principal axis of all points, signs fixed by the largest entry.
+/// Rows right, down, towards the eye: widest and narrowest principal axis of all points, signs fixed by the largest
+/// entry.
 fn principal_axes(picture: &TubePicture) -> Mat3 {
     let points = || picture.tubes.iter().flat_map(|t| &t.points);
     let num = points().count().max(1) as f64;

@@ -1,6 +1,7 @@
 //! A small stroke-drawn font, so that captions need no system fonts.
 //!
-//! Letters are the classic 5×7 dot matrix; neighbouring dots are joined by round strokes, which looks drawn, not pixelled.
+//! Letters are the classic 5×7 dot matrix; neighbouring dots are joined by round strokes, which looks drawn, not
+//! pixelled.
 
 use super::Picture;
 

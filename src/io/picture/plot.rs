@@ -132,8 +132,8 @@ fn range(plot: &PlotSpec, axis: usize) -> Result<std::ops::Range<f64>, InputErro
     Ok(if logarithmic { low.exp()..high.exp() } else { low..high })
 }
 
-/// Short label of a tick on an axis whose values reach up to `largest`; on a logarithmic axis only 1, 2 and 5 times a power of ten
-/// have one.
+/// Short label of a tick on an axis whose values reach up to `largest`; on a logarithmic axis only 1, 2 and 5 times a
+/// power of ten have one.
 fn tick(value: f64, is_log: bool, largest: f64) -> String {
     let mantissa = value / 10_f64.powf(value.log10().floor());
     if is_log && ![1.0, 2.0, 5.0, 10.0].iter().any(|m| (mantissa - m).abs() < 1e-6) {

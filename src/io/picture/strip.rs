@@ -5,8 +5,8 @@ use crate::error::InputError;
 
 /// Composes `(picture, caption)` pairs, row by row with `columns` in each, captions centred below the pictures.
 ///
-/// All pictures get the space of the largest. Captions are dark on a light `background` (sRGB) and light on a dark one, and are
-/// as large as fits, at most 1/14 of the height of a picture.
+/// All pictures get the space of the largest. Captions are dark on a light `background` (sRGB) and light on a dark one,
+/// and are as large as fits, at most 1/14 of the height of a picture.
 ///
 /// # Errors
 /// [`InputError::Count`] if there is no picture or `columns` is 0.

@@ -84,8 +84,8 @@ impl<'a> Look<'a> {
         Self { tube, stripe, radius: radius.max(0.5 * LEAST_WIDTH * camera.per_pixel), thin }
     }
 
-    /// Pieces beyond which nothing more is seen, of a span that turns by `turning` (rad) over `length` samples: the sagitta of
-    /// a piece is then an eighth of a sample.
+    /// Pieces beyond which nothing more is seen, of a span that turns by `turning` (rad) over `length` samples: the
+    /// sagitta of a piece is then an eighth of a sample.
     fn pieces(&self, turning: f64, length: f64) -> f64 {
         let visible = (turning * length).sqrt();
         if self.thin { visible } else { visible.max(self.radius) }

@@ -10,7 +10,8 @@ use super::{Frame, Record, RodHead};
 
 /// Rods of more points than this are thinned out for the film strip.
 const MAX_POINTS: usize = 4096;
-/// Distance of a point that is left out from the line drawn, relative to the rod's extent: less than a sample of the film strip.
+/// Distance of a point that is left out from the line drawn, relative to the rod's extent: less than a sample of the
+/// film strip.
 const TOLERANCE: f64 = 1.0 / 2000.0;
 
 /// One picture's worth of a state.

@@ -1,7 +1,7 @@
 //! Writhe and link of long closed polygons from the crossings of one projection.
 //!
-//! Seen along n, the ribbon that points towards the eye has the link Σ ±1 over the self-crossings of the projection, hence
-//! `Wr = Σ ±1 − Tw(n)` where Tw(n) is the twist of the constant field n about the polygon (Fuller 1978; Agarwal,
+//! Seen along n, the ribbon that points towards the eye has the link Σ ±1 over the self-crossings of the projection,
+//! hence `Wr = Σ ±1 − Tw(n)` where Tw(n) is the twist of the constant field n about the polygon (Fuller 1978; Agarwal,
 //! Edelsbrunner & Wang 2004). Crossings are found with a uniform grid, so the cost is that of the edges plus the pairs
 //! that share a cell. Anything too close to call makes the next viewing direction be tried.
 
@@ -20,8 +20,8 @@ const DIRECTIONS: [[f64; 3]; 4] = [
 /// Relative size below which the sign of a product of coordinate differences is not trusted.
 const CLEAR: f64 = 1e-13;
 
-/// Writhe (turns) of a closed polygon of extent about 1; `None` if no direction shows all crossings clearly, or if an edge
-/// folds straight back on the one before, where no ribbon has a definite twist.
+/// Writhe (turns) of a closed polygon of extent about 1; `None` if no direction shows all crossings clearly, or if an
+/// edge folds straight back on the one before, where no ribbon has a definite twist.
 pub(super) fn writhe(points: &[Vec3]) -> Option<f64> {
     let num = points.len();
     let folds_back = |i: usize| {

@@ -6,8 +6,8 @@ use super::{Zone, class};
 use crate::contact::arc::ascending;
 use crate::contact::curve::CurveSet;
 
-/// Zones by strand and partner strand, in buckets of arc length: as many as there are zones, so that zones, which hardly overlap each
-/// other on their own strand, fill a few of them each.
+/// Zones by strand and partner strand, in buckets of arc length: as many as there are zones, so that zones, which
+/// hardly overlap each other on their own strand, fill a few of them each.
 pub(super) struct ByPlace {
     classes: BTreeMap<(usize, usize), Buckets>,
 }

@@ -1,7 +1,8 @@
 //! Strains as quadratic forms over |z|², in space and in a plane.
 //!
-//! In space r' has three components, z is a quaternion and there are six strains. Where all frames of an element are turned from one by angles about the
-//! normal of a plane, z = w q with one constant q and complex w = c + is, which leaves r' = x + iy, w and w' to tell
+//! In space r' has three components, z is a quaternion and there are six strains. Where all frames of an element are
+//! turned from one by angles about the normal of a plane, z = w q with one constant q and complex w = c + is, which
+//! leaves r' = x + iy, w and w' to tell
 //!
 //! ```text
 //! V = w̄² r' / |w|²  (extension, shear)        K = 2 Im(w̄ w') / |w|²
@@ -13,7 +14,8 @@ use crate::math::quaternion::{Q, dot, mul, mul_e1, mul_e2, mul_e3, mul_pure, pur
 /// Nodes that have their frames in the plane to rounding: 1 − |w|² at most, a quarter of the square of the tilt.
 const TOL_TILT: f64 = 1e-14;
 
-/// Nodal input of one element: positions and sign-aligned quaternions (four components, or two in a plane); entries beyond order + 1 are ignored.
+/// Nodal input of one element: positions and sign-aligned quaternions (four components, or two in a plane); entries
+/// beyond order + 1 are ignored.
 #[derive(Debug, Clone, Copy)]
 pub struct Nodes<const R: usize, const Z: usize> {
     /// Positions \[L\].
@@ -202,7 +204,8 @@ impl Plane {
         Some(flat)
     }
 
-    /// Stiffnesses against extension, shear and bending in the plane. Sections are isotropic or have an axis normal to it.
+    /// Stiffnesses against extension, shear and bending in the plane. Sections are isotropic or have an axis normal to
+    /// it.
     pub(super) fn material(&self, material: &[f64; 6]) -> [f64; 3] {
         let weighted = |first: usize, [a, b]: [f64; 2]| material[first] * a * a + material[first + 1] * b * b;
         [material[2], weighted(0, self.across), weighted(3, self.normal)]

@@ -127,8 +127,8 @@ fn tangent_is_the_symmetric_second_derivative_of_the_energy_along_the_update() {
     }
 }
 
-/// The kernel's blocks against the formula as it stands: Σ w (Bᵀ C B + Σ_i S_i ∂²ε_i) with B and ∂² from differences of the strains along the update, and any
-/// stress S in the geometric part; C (ε + B δ) with the same B.
+/// The kernel's blocks against the formula as it stands: Σ w (Bᵀ C B + Σ_i S_i ∂²ε_i) with B and ∂² from differences of
+/// the strains along the update, and any stress S in the geometric part; C (ε + B δ) with the same B.
 #[test]
 fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_strains() {
     for order in 1..=3 {
@@ -189,8 +189,9 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
     }
 }
 
-/// Symptom: rods of slenderness 1e4 and more missed branch points and did not come to rest. Mechanism: lengths divided by in one kernel, multiplied by the inverse
-/// in another, strains that differ in the last bit, times EA. Threshold: none may differ.
+/// Symptom: rods of slenderness 1e4 and more missed branch points and did not come to rest. Mechanism: lengths divided
+/// by in one kernel, multiplied by the inverse in another, strains that differ in the last bit, times EA. Threshold:
+/// none may differ.
 #[test]
 fn all_kernels_see_the_same_strains_to_the_last_bit() {
     for (order, length) in (1..=3).flat_map(|order| [0.3, 1.0 / 49.0, 1.7].map(|length| (order, length))) {

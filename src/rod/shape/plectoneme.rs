@@ -16,8 +16,8 @@ use strand::{HalfLoop, LOOP_HEIGHT, LOOP_WIDTH, Place, integrals};
 
 pub use energy::superhelix_angle;
 
-/// Smallest end loops, relative to the distance between the strands: smaller ones would be bent beyond what the rod's own thickness
-/// allows.
+/// Smallest end loops, relative to the distance between the strands: smaller ones would be bent beyond what the rod's
+/// own thickness allows.
 const MIN_LOOP: f64 = 2.0;
 
 /// Panels per turn of the superhelix where its axis is curved.
@@ -26,11 +26,13 @@ const PANELS_PER_TURN: f64 = 4.0;
 /// Relative error of the length at which the helix on a curved axis is taken as fitted.
 const TOL_LENGTH: f64 = 1e-12;
 
-/// A closed rod wound up on itself: a double helix of two strands that run in opposite directions, closed at both ends by a loop.
+/// A closed rod wound up on itself: a double helix of two strands that run in opposite directions, closed at both ends
+/// by a loop.
 ///
-/// With R = `distance`/2 the strands are helices of radius R at the angle α to the axis, opposite to each other, so their distance
-/// is 2R everywhere (|α| ≤ 45°; steeper strands would come closer than 2R obliquely). The loops are teardrops in a plane that turns
-/// about the axis, at the helix's rate first and at no rate at the apex. Position, tangent and curvature are continuous everywhere.
+/// With R = `distance`/2 the strands are helices of radius R at the angle α to the axis, opposite to each other, so
+/// their distance is 2R everywhere (|α| ≤ 45°; steeper strands would come closer than 2R obliquely). The loops are
+/// teardrops in a plane that turns about the axis, at the helix's rate first and at no rate at the apex. Position,
+/// tangent and curvature are continuous everywhere.
 ///
 /// A straight-axis plectoneme with the helix length H along the axis has
 ///
@@ -39,9 +41,9 @@ const TOL_LENGTH: f64 = 1e-12;
 /// curvature sin²α/R             writhe Wr = −2 n cosα − 4 τ/2π = −(L − 4λ) sin2α/(4πR) − 4τ/2π
 /// ```
 ///
-/// λ the length of half a loop and τ the twist in it of the direction about the axis, both by quadrature. (Writhe: the ribbon that
-/// points around the axis is unlinked, as turning the strands back about the axis shows, so Wr = −Tw of that ribbon.) A
-/// right-handed superhelix, α > 0, has negative writhe: it is that of negative excess link.
+/// λ the length of half a loop and τ the twist in it of the direction about the axis, both by quadrature. (Writhe: the
+/// ribbon that points around the axis is unlinked, as turning the strands back about the axis shows, so Wr = −Tw of
+/// that ribbon.) A right-handed superhelix, α > 0, has negative writhe: it is that of negative excess link.
 ///
 /// The rod starts at one apex, so that nodes i and N − i lie opposite to each other.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +54,8 @@ pub struct Plectoneme {
     pub distance: f64,
     /// Angle α of the strands to the axis, rad; positive right-handed. 0 < |α| ≤ π/4.
     pub angle: f64,
-    /// Size S of the end loops \[L\]: they are about S long, half as wide; their half length is about 1.34 S. At least twice the distance.
+    /// Size S of the end loops \[L\]: they are about S long, half as wide; their half length is about 1.34 S. At least
+    /// twice the distance.
     pub loop_size: f64,
     /// The axis of the superhelix.
     pub axis: Axis,
@@ -68,12 +71,12 @@ pub enum Axis {
         /// Direction (need not be unit).
         direction: Vec3,
     },
-    /// The middle part of an open curve, so that a long plectoneme can be coiled up. The superhelix winds relative to twist-free
-    /// frames of that curve, which hardly changes its writhe; the distance of the strands is that of the straight one, and the
-    /// length of the helix is fitted to the rod's.
+    /// The middle part of an open curve, so that a long plectoneme can be coiled up. The superhelix winds relative to
+    /// twist-free frames of that curve, which hardly changes its writhe; the distance of the strands is that of the
+    /// straight one, and the length of the helix is fitted to the rod's.
     ///
-    /// Placing it refuses axes that are too short, that bend too tightly, or that come too close to themselves (two plectonemes side by
-    /// side need 2.13 `distance` between their axes, more at the loops).
+    /// Placing it refuses axes that are too short, that bend too tightly, or that come too close to themselves (two
+    /// plectonemes side by side need 2.13 `distance` between their axes, more at the loops).
     Along(Box<Shape>),
 }
 
@@ -85,8 +88,8 @@ impl Default for Axis {
 }
 
 impl Plectoneme {
-    /// A plectoneme at a given angle α (rad, positive right-handed), its loops of the size that they would have in a long plectoneme
-    /// at rest at that angle, but together no longer than half the rod (or the smallest there are).
+    /// A plectoneme at a given angle α (rad, positive right-handed), its loops of the size that they would have in a
+    /// long plectoneme at rest at that angle, but together no longer than half the rod (or the smallest there are).
     ///
     /// # Errors
     /// Sizes that are not positive, an angle that is 0 or beyond ±π/4, a rod too short for two loops.
@@ -96,7 +99,8 @@ impl Plectoneme {
         energy::of_angle(length, distance, angle)
     }
 
-    /// A plectoneme with a given number of turns of the helix (positive right-handed), with the loops of least bending energy in all.
+    /// A plectoneme with a given number of turns of the helix (positive right-handed), with the loops of least bending
+    /// energy in all.
     ///
     /// # Errors
     /// Sizes that are not positive, a number of turns that is 0 or more than the rod is long enough for.
@@ -106,16 +110,16 @@ impl Plectoneme {
         energy::of_turns(length, distance, turns)
     }
 
-    /// The plectoneme of least elastic energy at a given excess link, for a naturally straight rod of bending stiffness B =
-    /// `bending` and twisting stiffness C = `twisting` \[F·L²\]; `excess_link` in turns, negative for a right-handed
-    /// superhelix.
+    /// The plectoneme of least elastic energy at a given excess link, for a naturally straight rod of bending stiffness
+    /// B = `bending` and twisting stiffness C = `twisting` \[F·L²\]; `excess_link` in turns, negative for a
+    /// right-handed superhelix.
     ///
-    /// Minimises ½B∫κ² ds + 2π²C (ΔLk − Wr)²/L over the angle and the size of the loops at fixed length and distance. Without
-    /// its loops (a long plectoneme) the minimum is given by [`superhelix_angle`].
+    /// Minimises ½B∫κ² ds + 2π²C (ΔLk − Wr)²/L over the angle and the size of the loops at fixed length and distance.
+    /// Without its loops (a long plectoneme) the minimum is given by [`superhelix_angle`].
     ///
     /// # Errors
-    /// Sizes and stiffnesses that are not positive; a rod too short for two loops; an excess link so small that the flat circle has
-    /// less energy than any plectoneme (start from a circle then).
+    /// Sizes and stiffnesses that are not positive; a rod too short for two loops; an excess link so small that the
+    /// flat circle has less energy than any plectoneme (start from a circle then).
     pub fn of_link(
         length: f64,
         distance: f64,
@@ -229,7 +233,8 @@ impl Plectoneme {
     }
 }
 
-/// The closed curve, parameter 0..6: half a loop, helix, half loop to the other apex and all the way back on the other side.
+/// The closed curve, parameter 0..6: half a loop, helix, half loop to the other apex and all the way back on the other
+/// side.
 struct Wound<'a> {
     half_loop: HalfLoop,
     /// Length of the helix along the axis.

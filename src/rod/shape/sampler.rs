@@ -99,8 +99,8 @@ impl<'a, C: Parametrised> Measured<'a, C> {
         whole.unwrap_or(Carry { rotation: Quat::identity(), turn: 0.0, to: start })
     }
 
-    /// Nodes at equal arc lengths, frames transported from the first; `length` is the reference length (that of the curve
-    /// to rounding).
+    /// Nodes at equal arc lengths, frames transported from the first; `length` is the reference length (that of the
+    /// curve to rounding).
     pub(super) fn place(&self, closed: bool, num_segments: usize, length: f64) -> Placement {
         let total = self.length();
         let num_nodes = num_segments + usize::from(!closed);
@@ -137,10 +137,11 @@ fn refine<C: Parametrised>(curve: &C, from: f64, to: f64, depth: usize, panels: 
     }
 }
 
-/// Transport without twist from one tangent to another along a curve: the smallest rotation, then a turn about the new tangent.
+/// Transport without twist from one tangent to another along a curve: the smallest rotation, then a turn about the new
+/// tangent.
 ///
-/// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; its integral is
-/// turned back. t is interpolated at degree 8, on pieces over which it turns by less than ½ rad.
+/// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; its
+/// integral is turned back. t is interpolated at degree 8, on pieces over which it turns by less than ½ rad.
 #[derive(Clone, Copy)]
 struct Carry {
     rotation: Quat,

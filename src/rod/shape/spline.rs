@@ -69,7 +69,8 @@ impl Piece {
     /// Transports `d1` from `from` to `to` without twist and returns it with the tangent there.
     ///
     /// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; its
-    /// integral is turned back. Exact up to quadrature; steps are short enough that t0·t stays above ½. None over a cusp, where no step is short enough.
+    /// integral is turned back. Exact up to quadrature; steps are short enough that t0·t stays above ½. None over a
+    /// cusp, where no step is short enough.
     fn transport(&self, d1: Vec3, from: f64, to: f64, depth: usize) -> Option<Vec3> {
         let tangent_0 = self.derivative(from).normalize();
         let tangent_1 = self.derivative(to).normalize();

@@ -59,7 +59,8 @@ fn frames_are_twist_free() {
                 twist_between([&x[i], &x[i + 1]], [&q[i], &q[i + 1]])
             })
             .sum();
-        // the jumps of the third derivative at the knots of a spline cost double reflection, the test's own tool, its order
+        // the jumps of the third derivative at the knots of a spline cost double reflection, the test's own tool, its
+        // order
         let tolerance = if matches!(shape, Shape::Points(_)) { 1e-6 } else { 1e-11 };
         assert!(total.abs() < tolerance, "{total:e} {shape:?}");
     }
@@ -139,7 +140,8 @@ fn bad_shapes_are_refused_with_field_and_value() {
     let repeated = points(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0; 3]]);
     assert!(text(repeated, true).contains("does not repeat its first point"));
     assert!(text(points(&[[0.0; 3], [1.0; 3]]), true).contains("at least 3 points"));
-    // straight out and straight back: the frame cannot be carried round the tip, wherever nodes lie (without this, quadrature of no numbers did not end)
+    // straight out and straight back: the frame cannot be carried round the tip, wherever nodes lie (without this,
+    // quadrature of no numbers did not end)
     let back = points(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]]);
     for num_segments in [4, 9, 30] {
         let refused = back.place(false, num_segments).unwrap_err().to_string();

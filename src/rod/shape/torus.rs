@@ -11,11 +11,12 @@ use super::{Placement, Shape, finite, normal_to, unit};
 /// Panels per winding before they are refined.
 const PANELS: usize = 8;
 
-/// A closed curve on a torus that winds `windings[0]` = p times about the torus' axis while it winds `windings[1]` = q times around
-/// its tube: ((1 + a cos β) cos pt, (1 + a cos β) sin pt, −a sin β)·R with β = qt + phase, scaled to the length.
+/// A closed curve on a torus that winds `windings[0]` = p times about the torus' axis while it winds `windings[1]` = q
+/// times around its tube: ((1 + a cos β) cos pt, (1 + a cos β) sin pt, −a sin β)·R with β = qt + phase, scaled to the
+/// length.
 ///
-/// (2, 3) is the trefoil, (2, 5) the cinquefoil, (1, q) and (p, 1) are unknotted; −q is the mirror image of q. The crossings of
-/// (p, q > 0) are right-handed, so its writhe is positive.
+/// (2, 3) is the trefoil, (2, 5) the cinquefoil, (1, q) and (p, 1) are unknotted; −q is the mirror image of q. The
+/// crossings of (p, q > 0) are right-handed, so its writhe is positive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorusKnot {
     /// Length of the curve \[L\].
@@ -38,9 +39,9 @@ impl TorusKnot {
         Self { length, windings, aspect: 0.5, phase: 0.0, center: Vec3::zeros(), normal: Vec3::z() }
     }
 
-    /// The components of the torus link (p, q), each of length `length`: as many as the greatest common divisor of p and q says, laid
-    /// evenly on one torus. Any two of them have the linking number pq/d² (d that divisor), so (2, 2) is the Hopf link of number 1, and
-    /// (2, −2) that of −1.
+    /// The components of the torus link (p, q), each of length `length`: as many as the greatest common divisor of p
+    /// and q says, laid evenly on one torus. Any two of them have the linking number pq/d² (d that divisor), so (2, 2)
+    /// is the Hopf link of number 1, and (2, −2) that of −1.
     ///
     /// # Errors
     /// p < 1 or q = 0.

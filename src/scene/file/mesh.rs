@@ -10,12 +10,14 @@ use crate::scene::Fidelity;
 use super::text::{LawText, RodText, SceneText};
 use super::values::List;
 
-/// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about one.
+/// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
+/// one.
 const MOVED: f64 = 1.0;
 /// Samples that suffice to measure the turning of any start shape worth running.
 const FINEST: usize = 1 << 20;
 
-/// Length of a rod \[L\] and turns of bending and twist that the scene puts it through, as far as they can be told beforehand.
+/// Length of a rod \[L\] and turns of bending and twist that the scene puts it through, as far as they can be told
+/// beforehand.
 fn turns(
     scene: &SceneText,
     rod: &RodText,

@@ -12,9 +12,9 @@ use crate::math::Vec3;
 ///   lines and what follows `#` are ignored.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] naming file, line and what was found if a line
-/// has too few or too many numbers, a word, a NaN or an infinity, or if the number of points disagrees with the first
-/// line of an `.xyz` file.
+/// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] naming file, line and what was found if a
+/// line has too few or too many numbers, a word, a NaN or an infinity, or if the number of points disagrees with the
+/// first line of an `.xyz` file.
 pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
     let text =
         std::fs::read_to_string(path).map_err(|e| InputError::File { path: path.to_owned(), reason: e.to_string() })?;

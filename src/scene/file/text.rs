@@ -1,4 +1,5 @@
-//! The scene file as it is written: one struct a table, every unknown key refused. Meaning is given in the parent module.
+//! The scene file as it is written: one struct a table, every unknown key refused. Meaning is given in the parent
+//! module.
 
 use std::path::PathBuf;
 

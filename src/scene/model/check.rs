@@ -56,10 +56,11 @@ impl Model {
     /// Refuses stages that this model cannot follow.
     ///
     /// # Errors
-    /// Whatever [`Model::check`] refuses; a stage of no steps or no ramps; two ramps of one quantity in a stage; targets that are not finite; the excess
-    /// link of an open rod or in a planar model; a rotation of a node whose rotation no support fixes, a displacement of
-    /// a component no support fixes; an open rod so moved that is otherwise free to move as a rigid body; a load factor
-    /// without loads; pressure on anything but a closed rod of a planar model.
+    /// Whatever [`Model::check`] refuses; a stage of no steps or no ramps; two ramps of one quantity in a stage;
+    /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
+    /// rotation no support fixes, a displacement of a component no support fixes; an open rod so moved that is
+    /// otherwise free to move as a rigid body; a load factor without loads; pressure on anything but a closed rod of a
+    /// planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // ramps are judged by what supports and rods allow, which must be sound for that
         self.check()?;
@@ -285,8 +286,8 @@ impl Model {
 
     /// A rigid motion of `rod` that no support stops, in words.
     ///
-    /// A velocity v of the first node and a spin ω (times the length ℓ, to be of one unit with v) move a node at distance d
-    /// from it by v + ω × d. The supports stop every rigid motion when their rows have rank 6.
+    /// A velocity v of the first node and a spin ω (times the length ℓ, to be of one unit with v) move a node at
+    /// distance d from it by v + ω × d. The supports stop every rigid motion when their rows have rank 6.
     fn free_rigid_motion(&self, rod: usize) -> Option<String> {
         let (origin, length) = (self.rods[rod].positions[0], self.rods[rod].length);
         let axes = [Vec3::x(), Vec3::y(), Vec3::z()];

@@ -26,7 +26,8 @@ impl Engine {
         }
     }
 
-    /// Gradient, potential and tangent of all elements; `predicted` are the stresses of mixed-integration-point Newton, three per element.
+    /// Gradient, potential and tangent of all elements; `predicted` are the stresses of mixed-integration-point Newton,
+    /// three per element.
     pub(super) fn add_elements(
         &self,
         state: &State,
@@ -143,7 +144,8 @@ impl Engine {
         local
     }
 
-    /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`: see [`element::surprise_force`].
+    /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`:
+    /// see [`element::surprise_force`].
     pub(crate) fn elastic_surprise(
         &self,
         state: &State,

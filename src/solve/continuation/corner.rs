@@ -1,12 +1,14 @@
 //! Round the corners of a path: where a contact begins or ends, the first, the last or one among others.
 //!
-//! While strands are apart the path has the tangent t₋ of the rods and of the contacts there are, K Δ + c δλ = 0. From first touch on a force of some pattern N
-//! (forces and moments on the nodes) keeps the gap closed, K Δ + c δλ + N δp = 0 with N·Δ = 0: another tangent t₊. Its direction is the one
-//! in which the force rises. Where a contact ends it is the other way round: the force has come to zero, and the tangent without it goes on in the
-//! direction in which the gap opens. λ may turn back at such a point, and unstable directions appear or vanish without an eigenvalue that passes zero.
+//! While strands are apart the path has the tangent t₋ of the rods and of the contacts there are, K Δ + c δλ = 0. From
+//! first touch on a force of some pattern N (forces and moments on the nodes) keeps the gap closed, K Δ + c δλ + N δp =
+//! 0 with N·Δ = 0: another tangent t₊. Its direction is the one in which the force rises. Where a contact ends it is
+//! the other way round: the force has come to zero, and the tangent without it goes on in the direction in which the
+//! gap opens. λ may turn back at such a point, and unstable directions appear or vanish without an eigenvalue that
+//! passes zero.
 //!
-//! Newton does not find its way from one side to the other: before contact it knows nothing of the contact's stiffness. So the first point beyond is
-//! predicted with the overlap under which the contact law exerts the force expected there.
+//! Newton does not find its way from one side to the other: before contact it knows nothing of the contact's stiffness.
+//! So the first point beyond is predicted with the overlap under which the contact law exerts the force expected there.
 
 use crate::error::SolveError;
 use crate::solve::continuation::contacts::Contacts;
@@ -45,8 +47,8 @@ struct Beyond {
 }
 
 impl Tracer<'_> {
-    /// The way on from `here` if a contact begins or ends within the arc length `reach` along the tangent; `longest` is the first step tried
-    /// beyond. `None` where nothing of that kind happens or no point was found beyond.
+    /// The way on from `here` if a contact begins or ends within the arc length `reach` along the tangent; `longest` is
+    /// the first step tried beyond. `None` where nothing of that kind happens or no point was found beyond.
     pub(super) fn round_corner(
         &mut self,
         here: &Point,
@@ -64,7 +66,8 @@ impl Tracer<'_> {
         let force = self.changing_force(here, &at(if begins { clear } else { 0.0 }), &change)?;
         let size = norm(&force);
         let pattern: Vec<f64> = force.iter().map(|f| f / size).collect();
-        // along the path a force that ends falls evenly; with the tangent's overlap, as its power 3/2 at points, it lasts longer
+        // along the path a force that ends falls evenly; with the tangent's overlap, as its power 3/2 at points, it
+        // lasts longer
         let little = BEYOND * place;
         let before = if begins {
             place

@@ -16,8 +16,9 @@ use crate::solve::state::State;
 const MAX_ITERATIONS: usize = 20;
 /// Steps cut by the passage bound in a row before a point is given up.
 const MAX_CUT: usize = 3;
-/// Near a branch point rounding makes increments along the critical direction that never shrink. Rest is then told by the relative
-/// residual: below this, and in [`STALLED`] iterations in a row no longer [`SHRINKING`] below the least so far ...
+/// Near a branch point rounding makes increments along the critical direction that never shrink. Rest is then told by
+/// the relative residual: below this, and in [`STALLED`] iterations in a row no longer [`SHRINKING`] below the least so
+/// far ...
 const ROUNDING: f64 = 1e-8;
 const SHRINKING: f64 = 0.3;
 const STALLED: usize = 2;
@@ -152,8 +153,8 @@ impl Tracer<'_> {
         solver.workspace.refresh(&mut solver.engine, &point.state)
     }
 
-    /// The point of the path in a plane, from `base` with `first` as the first step; `None` if Newton does not converge. The tangent
-    /// is oriented along `first`, or along the normal where the first step is nothing.
+    /// The point of the path in a plane, from `base` with `first` as the first step; `None` if Newton does not
+    /// converge. The tangent is oriented along `first`, or along the normal where the first step is nothing.
     pub(super) fn correct(&mut self, base: &Point, first: &Motion, plane: &Plane) -> Result<Option<Point>, SolveError> {
         self.enter(base)?;
         let mut point = Point { iterations: 0, augmentations: 0, penetration: 0.0, ..base.clone() };
@@ -169,8 +170,9 @@ impl Tracer<'_> {
         self.analyse(point, along)
     }
 
-    /// Bordered Newton: with Δ1 = −K⁻¹g and Δ2 = −K⁻¹c, c the gradient's rate with the parameter, the step Δ1 + δ Δ2 ends in the
-    /// plane. Two solves on one symmetric factorisation; K is singular at the points sought only where the path crosses another.
+    /// Bordered Newton: with Δ1 = −K⁻¹g and Δ2 = −K⁻¹c, c the gradient's rate with the parameter, the step Δ1 + δ Δ2
+    /// ends in the plane. Two solves on one symmetric factorisation; K is singular at the points sought only where the
+    /// path crosses another.
     fn newton(
         &mut self,
         point: &mut Point,
@@ -312,7 +314,8 @@ impl Tracer<'_> {
         solver.workspace.factorise(&solver.engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
 
-    /// The eigenvalue of the tangent nearest to zero, in units of B/L⁴, at the point analysed last; the workspace keeps its vector.
+    /// The eigenvalue of the tangent nearest to zero, in units of B/L⁴, at the point analysed last; the workspace keeps
+    /// its vector.
     pub(super) fn critical_eigenvalue(&mut self) -> f64 {
         let solver = &mut *self.solver;
         solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - self.neutral

@@ -1,4 +1,5 @@
-//! Where between two neighbouring points of a path something happens: a limit point, a branch point, a corner, the target.
+//! Where between two neighbouring points of a path something happens: a limit point, a branch point, a corner, the
+//! target.
 
 use crate::error::SolveError;
 use crate::solve::continuation::PointKind;
@@ -8,8 +9,8 @@ use crate::solve::continuation::corrector::{Motion, Plane, Point, Tracer};
 const MAX_TRIALS: usize = 60;
 /// Branch points, or corners, located between two points of a path before the rest is left unlocated.
 const MAX_CROSSINGS: usize = 8;
-/// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is located: beyond it Newton has gone to
-/// another path.
+/// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is
+/// located: beyond it Newton has gone to another path.
 const JUMP: [f64; 2] = [1e-4, 100.0];
 
 /// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
@@ -61,8 +62,8 @@ impl Tracer<'_> {
         self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
     }
 
-    /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order. `None` if contact changes in a
-    /// jump: `next` is on another path.
+    /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order.
+    /// `None` if contact changes in a jump: `next` is on another path.
     pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Option<Vec<Event>> {
         let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
         let (mut from, to) = (end(base, 0.0), end(next, distance));
@@ -91,8 +92,9 @@ impl Tracer<'_> {
         self.dot(&motion, &motion).sqrt()
     }
 
-    /// The last point with as many contacts as at the first end and the first one with another number, by bisection. Each is sought from the nearest
-    /// known to lie before the corner, which leaves Newton the least to find out about contact.
+    /// The last point with as many contacts as at the first end and the first one with another number, by bisection.
+    /// Each is sought from the nearest known to lie before the corner, which leaves Newton the least to find out about
+    /// contact.
     fn corner(&mut self, base: &Point, [mut low, mut high]: [End; 2], tol: f64) -> [End; 2] {
         while high.distance - low.distance > tol {
             let distance = 0.5 * (low.distance + high.distance);
@@ -172,8 +174,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function is not yet
-    /// known. Ends early at what is known if a trial does not converge.
+    /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function
+    /// is not yet known. Ends early at what is known if a trial does not converge.
     fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> Found {
         let [mut low, mut high] = ends;
         if matches!(test, Test::Slope) {
@@ -198,7 +200,8 @@ impl Tracer<'_> {
                 Test::Target(target) => point.value - target,
                 Test::Critical => self.critical_eigenvalue(),
             };
-            // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to pass, its sign decides
+            // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to
+            // pass, its sign decides
             let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.neutral);
             let passes =
                 clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);

@@ -139,8 +139,8 @@ fn loads_alone(engine: &Engine, state: &State, factor: f64, pressed: Option<usiz
     out.gradient
 }
 
-/// A turn of the seam turns the last node of the closing element about its own d3 before the increment turns it with the first
-/// node: K d3, and ½ d3 × m where m is the moment there, because the two rotations do not commute.
+/// A turn of the seam turns the last node of the closing element about its own d3 before the increment turns it with
+/// the first node: K d3, and ½ d3 × m where m is the moment there, because the two rotations do not commute.
 fn link_rate(engine: &Engine, rod: usize, state: &State, stress: &[[Six; 3]]) -> Vec<f64> {
     let mut out = vec![0.0; 6 * engine.num_nodes()];
     let Some(e) = closing_element(engine, rod) else { return out };

@@ -5,13 +5,15 @@ use super::trial::Trial;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 
-/// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is lightly loaded,
-/// increments far below any length of the rods still matter to it.
+/// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is
+/// lightly loaded, increments far below any length of the rods still matter to it.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
-/// A search that only prepares the next one goes on while a step changes contact forces by more than this, relative to the largest.
+/// A search that only prepares the next one goes on while a step changes contact forces by more than this, relative to
+/// the largest.
 const STEADY: f64 = 0.3;
-/// Increments this much below the tolerance are rest where contact forces changed in the last step by no more than [`NEARLY_BALANCED`], relative, and are out of balance by no more,
-/// or where contact bends nothing by more than [`UNLOADED`], rad: strands that touch without a load press by rounding alone.
+/// Increments this much below the tolerance are rest where contact forces changed in the last step by no more than
+/// [`NEARLY_BALANCED`], relative, and are out of balance by no more, or where contact bends nothing by more than
+/// [`UNLOADED`], rad: strands that touch without a load press by rounding alone.
 const IMMOBILE: f64 = 1e-4;
 const NEARLY_BALANCED: f64 = 1e-3;
 const UNLOADED: f64 = 1e-6;
@@ -67,8 +69,9 @@ impl Rest {
         let indefinite = accepted.shift > 0.0;
         let still = match self.rough {
             None => tiny && self.balances(engine, residual, trial, accepted),
-            // relative motion decides, for a long rod swings far by little, once forces have found their places: the end of a line of contact moves by
-            // about a layer (B/κ)^¼ an iteration, so it has less far to go under the softer law
+            // relative motion decides, for a long rod swings far by little, once forces have found their places: the
+            // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
+            // softer law
             Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= STEADY),
         };
         // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it

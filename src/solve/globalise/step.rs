@@ -1,4 +1,5 @@
-//! The step of a guarded search: of the smallest shift that keeps the model convex and the step within the trust region.
+//! The step of a guarded search: of the smallest shift that keeps the model convex and the step within the trust
+//! region.
 
 use crate::error::SolveError;
 use crate::math::Vec3;
@@ -30,8 +31,9 @@ pub(super) struct Step {
 }
 
 impl Workspace {
-    /// Factorises with the present shift, raised until no eigenvalue is negative; a raised shift is then lowered to half again as much
-    /// as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of a Newton step.
+    /// Factorises with the present shift, raised until no eigenvalue is negative; a raised shift is then lowered to
+    /// half again as much as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of
+    /// a Newton step.
     fn convexify(&mut self, engine: &Engine, iteration: usize) -> Result<(), SolveError> {
         if self.shift < FIRST_SHIFT {
             self.shift = 0.0;
@@ -76,7 +78,8 @@ impl Workspace {
         Ok(Step { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
     }
 
-    /// Adds to a step that shifts keep short as much of the softest direction as takes it `farther`, if the model falls along it.
+    /// Adds to a step that shifts keep short as much of the softest direction as takes it `farther`, if the model falls
+    /// along it.
     fn add_softest(&self, engine: &Engine, residual: &Residual, step: &mut Step, farther: f64) {
         let way = &self.softest;
         if way.len() != step.raw.len() {
@@ -103,9 +106,9 @@ impl Workspace {
         step.inertia += 2.0 * scale * mixed + scale * scale * inertia;
     }
 
-    /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is near enough). Where
-    /// the model is not convex and the step falls short of the radius, the softest direction makes up for it. `at` is the iteration
-    /// and the tolerance below which a step is left as it is.
+    /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is
+    /// near enough). Where the model is not convex and the step falls short of the radius, the softest direction makes
+    /// up for it. `at` is the iteration and the tolerance below which a step is left as it is.
     pub(super) fn step_within(
         &mut self,
         engine: &Engine,
@@ -132,7 +135,8 @@ impl Workspace {
         Ok(step)
     }
 
-    /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that the step has.
+    /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that
+    /// the step has.
     pub(super) fn shift_for(&self, step: &Step, shorter: f64) -> f64 {
         let ratio = step.curvature / step.inertia;
         let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
@@ -140,8 +144,8 @@ impl Workspace {
     }
 }
 
-/// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over their contact
-/// distance.
+/// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
+/// over their contact distance.
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
     let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);

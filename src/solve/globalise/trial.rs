@@ -1,4 +1,5 @@
-//! A step brought back to the surface that stretch and contact confine the motion to, by corrections on the factorisation at hand.
+//! A step brought back to the surface that stretch and contact confine the motion to, by corrections on the
+//! factorisation at hand.
 
 use super::step::Step;
 use super::{gain, noise};
@@ -10,7 +11,8 @@ use crate::solve::newton::Workspace;
 use crate::solve::state::State;
 use crate::solve::timing::timed;
 
-/// Largest change of a contact force, over the largest, in a step that is corrected by all that is out of balance after it.
+/// Largest change of a contact force, over the largest, in a step that is corrected by all that is out of balance after
+/// it.
 const GENTLE: f64 = 0.1;
 /// Correction rounds per step.
 const MAX_ROUNDS: usize = 10;
@@ -38,8 +40,9 @@ pub(super) struct Trial {
 }
 
 impl Workspace {
-    /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the potential there. While
-    /// supports are `pushed`, contact is left to the iterations after: its potential may rise, the push does the work.
+    /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the
+    /// potential there. While supports are `pushed`, contact is left to the iterations after: its potential may rise,
+    /// the push does the work.
     pub(super) fn trial(
         &mut self,
         engine: &mut Engine,

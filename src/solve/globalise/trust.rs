@@ -16,13 +16,15 @@ const REJECTED: f64 = 0.25;
 /// What a step came to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outcome {
-    /// Largest rotation, rad, or relative displacement of strands in contact over their contact distance, of the whole step.
+    /// Largest rotation, rad, or relative displacement of strands in contact over their contact distance, of the whole
+    /// step.
     pub(super) extent: f64,
     /// Fraction of it that was taken.
     pub(super) fraction: f64,
     /// Correction rounds.
     pub(super) rounds: usize,
-    /// Decrease of the potential over the expected one; `None` where rounding hides it, which says nothing against a step.
+    /// Decrease of the potential over the expected one; `None` where rounding hides it, which says nothing against a
+    /// step.
     pub(super) gain: Option<f64>,
 }
 

@@ -1,7 +1,8 @@
-//! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but nothing else, and the spin of each free isotropic
-//! closed rod about its centreline, which contact without friction does not feel; of groups that are held somewhere, what their supports let pass of these (two
-//! linked rings, one of them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods along themselves is
-//! left to the mesh's ripple.
+//! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but
+//! nothing else, and the spin of each free isotropic closed rod about its centreline, which contact without friction
+//! does not feel; of groups that are held somewhere, what their supports let pass of these (two linked rings, one of
+//! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
+//! along themselves is left to the mesh's ripple.
 
 use super::{Supports, is_free, spins, subtract, tangent_of};
 use crate::contact::detect::Meeting;
@@ -55,7 +56,8 @@ impl Several {
         several
     }
 
-    /// The rigid motions of a group that is held somewhere, with spins of the rods that hold it, as far as supports let them pass.
+    /// The rigid motions of a group that is held somewhere, with spins of the rods that hold it, as far as supports let
+    /// them pass.
     fn add_what_passes(&mut self, engine: &Engine, state: &State, group: &[usize], start: usize) {
         let joined = |rod: usize| engine.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod);
         let clamped = |rod: usize| {

@@ -52,7 +52,8 @@ fn places_that_meet_are_one() {
     }
 }
 
-/// A segment has the number of the entry nearest along its curve, over the seam too; of what a node does not touch the node's own.
+/// A segment has the number of the entry nearest along its curve, over the seam too; of what a node does not touch the
+/// node's own.
 #[test]
 fn segments_belong_to_the_nearest_place() {
     let set = strands();
@@ -104,8 +105,8 @@ fn beams() -> Solver {
     Solver::new(model, Options::default()).unwrap()
 }
 
-/// With offsets that differ from contact to contact, forces are the slope of the energy and the tangent is theirs, along motions of all nodes: to the order of
-/// the differences, since nothing jumps.
+/// With offsets that differ from contact to contact, forces are the slope of the energy and the tangent is theirs,
+/// along motions of all nodes: to the order of the differences, since nothing jumps.
 #[test]
 fn forces_are_the_slope_of_the_energy() {
     let mut solver = beams();

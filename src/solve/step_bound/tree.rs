@@ -1,10 +1,11 @@
 //! Which fraction of a step lets no strand pass another: branch and bound over a tree of runs of segments.
 //!
-//! The tree halves each curve into runs. A pair of runs is done with if the most that any two of their points approach each other, times the
-//! best fraction known, is less than what their boxes are apart; or if both belong to one curve and the arc over both cannot close: at a
-//! point where a curve meets itself the arc between is a loop with one corner, and such a loop turns by π at least (Fenchel). The
-//! turning on the way is at most that of the present plus the relative rotations of the step, so straight stretches cost nothing
-//! however far they swing. The result is the minimum over pairs of segments, whatever the order in which they are met.
+//! The tree halves each curve into runs. A pair of runs is done with if the most that any two of their points approach
+//! each other, times the best fraction known, is less than what their boxes are apart; or if both belong to one curve
+//! and the arc over both cannot close: at a point where a curve meets itself the arc between is a loop with one corner,
+//! and such a loop turns by π at least (Fenchel). The turning on the way is at most that of the present plus the
+//! relative rotations of the step, so straight stretches cost nothing however far they swing. The result is the minimum
+//! over pairs of segments, whatever the order in which they are met.
 
 use std::f64::consts::PI;
 
@@ -18,7 +19,8 @@ use crate::math::Vec3;
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
-/// Turning below which an arc cannot meet itself, rad: π less what the cubics between nodes may turn beyond the frames at nodes.
+/// Turning below which an arc cannot meet itself, rad: π less what the cubics between nodes may turn beyond the frames
+/// at nodes.
 const CLOSING: f64 = PI - 0.5;
 /// Pairs of runs to share out among threads.
 const SHARES: usize = 256;
@@ -46,7 +48,8 @@ pub(super) struct PassageTree<'a> {
     set: &'a CurveSet,
     motions: &'a [Motion],
     capsules: Vec<Capsule>,
-    /// Turning on the way, accumulated along each curve: to the start and to the end of each segment, and per curve in all.
+    /// Turning on the way, accumulated along each curve: to the start and to the end of each segment, and per curve in
+    /// all.
     turning: Vec<[f64; 2]>,
     totals: Vec<f64>,
     runs: Vec<Run>,
@@ -54,7 +57,8 @@ pub(super) struct PassageTree<'a> {
 }
 
 impl<'a> PassageTree<'a> {
-    /// `relative` are the relative rotations of the ends of each segment, rad; `exclusion` is that of the present geometry.
+    /// `relative` are the relative rotations of the ends of each segment, rad; `exclusion` is that of the present
+    /// geometry.
     pub(super) fn new(
         set: &'a CurveSet,
         exclusion: &Exclusion,
@@ -145,7 +149,8 @@ impl<'a> PassageTree<'a> {
         shares.into_par_iter().map(|pair| self.descend(vec![pair], usize::MAX, t).1).reduce(|| t, f64::min)
     }
 
-    /// Works off pairs of runs, deepest first, until none is left; or, broadest first, until `enough` are open. Those and the fraction so far.
+    /// Works off pairs of runs, deepest first, until none is left; or, broadest first, until `enough` are open. Those
+    /// and the fraction so far.
     fn descend(&self, mut open: Vec<[usize; 2]>, enough: usize, mut t: f64) -> (Vec<[usize; 2]>, f64) {
         let mut at = 0;
         while at < open.len() && open.len() - at < enough {

@@ -1,8 +1,8 @@
 //! Whether a way leads from one state to another on which no strand passes through another.
 //!
-//! The way turns every chord between nodes as its frames turn, so that rods keep their lengths on it however far they swing (a straight line between
-//! the states would squeeze a rod that rolls up to nothing), in legs of so small rotations that each is nearly a straight line. Any way will do:
-//! one that is free keeps knots and links.
+//! The way turns every chord between nodes as its frames turn, so that rods keep their lengths on it however far they
+//! swing (a straight line between the states would squeeze a rod that rolls up to nothing), in legs of so small
+//! rotations that each is nearly a straight line. Any way will do: one that is free keeps knots and links.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,8 +21,8 @@ const MAX_LEGS: f64 = 64.0;
 const MAX_STEPS: usize = 8;
 
 impl Engine {
-    /// Whether no strand passes another on the way from `start` to the engine's state, as far as one way tells; contact geometry is that of the engine's
-    /// state afterwards.
+    /// Whether no strand passes another on the way from `start` to the engine's state, as far as one way tells; contact
+    /// geometry is that of the engine's state afterwards.
     ///
     /// # Errors
     /// Contact geometry that breaks down at the engine's state.
@@ -71,8 +71,8 @@ impl Engine {
         turned
     }
 
-    /// The increment between the states with the rotations that turn tangents only, whole turns added where those of neighbouring nodes would
-    /// be more than half a turn apart. Spin about the tangent moves no strand.
+    /// The increment between the states with the rotations that turn tangents only, whole turns added where those of
+    /// neighbouring nodes would be more than half a turn apart. Spin about the tangent moves no strand.
     fn swings(&self, start: &State, end: &State) -> Vec<f64> {
         let mut increment = Vec::with_capacity(6 * self.num_nodes());
         for rod in 0..self.model.rods.len() {

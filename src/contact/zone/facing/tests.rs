@@ -18,7 +18,8 @@ fn strands(random: &mut Random, wild: f64, away: f64) -> (Cubic, Cubic) {
     (bent(offset + along * -0.5 + Vec3::x() * 0.5, along), master)
 }
 
-/// Pieces, where they are nearest and feet are those of the general way, whatever the bounds told; and they tell nearly always.
+/// Pieces, where they are nearest and feet are those of the general way, whatever the bounds told; and they tell nearly
+/// always.
 #[test]
 fn what_faces_plainly_is_found_as_in_general() {
     let mut random = Random(31);

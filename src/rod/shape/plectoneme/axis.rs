@@ -16,7 +16,8 @@ const SAMPLES_PER_DISTANCE: f64 = 2.0;
 /// Most samples of a curved axis.
 const MAX_SAMPLES: f64 = 2e7;
 
-/// The axis at one place: position, derivative by arc length z, frame, and the rate K at which the frame turns (in its own axes).
+/// The axis at one place: position, derivative by arc length z, frame, and the rate K at which the frame turns (in its
+/// own axes).
 pub(super) struct AxisPoint {
     pub position: Vec3,
     pub slope: Vec3,
@@ -30,8 +31,8 @@ pub(super) enum AxisCurve {
         center: Vec3,
         frame: Quat,
     },
-    /// Cubic Hermite interpolation of positions and of twist-free frames at equal arc lengths: continuous tangents and, to the
-    /// square of the spacing, curvature.
+    /// Cubic Hermite interpolation of positions and of twist-free frames at equal arc lengths: continuous tangents and,
+    /// to the square of the spacing, curvature.
     Curved {
         spacing: f64,
         positions: Vec<Vec3>,
@@ -160,7 +161,8 @@ impl AxisCurve {
     }
 }
 
-/// Cubic Hermite weights (value, slope, value, slope) at u of an interval of length `span`, and their derivatives by arc length.
+/// Cubic Hermite weights (value, slope, value, slope) at u of an interval of length `span`, and their derivatives by
+/// arc length.
 fn hermite(u: f64, span: f64) -> ([f64; 4], [f64; 4]) {
     let v = 1.0 - u;
     let value = [v * v * (1.0 + 2.0 * u), u * v * v * span, u * u * (1.0 + 2.0 * v), -u * u * v * span];

@@ -10,20 +10,21 @@ use super::{Axis, MIN_LOOP, Plectoneme, too_short};
 /// Relative accuracy of angles and loop sizes.
 const TOL: f64 = 1e-10;
 
-/// Largest share of the rod's length that the loops may take: where an angle is asked for, and where the energy decides.
+/// Largest share of the rod's length that the loops may take: where an angle is asked for, and where the energy
+/// decides.
 const MAX_SHARE: f64 = 0.5;
 const ALL_BUT_SOME: f64 = 0.999;
 
 /// Smallest angle considered, rad.
 const MIN_ANGLE: f64 = 1e-4;
 
-/// Angle α (rad, 0 to π/4) of the strands of a long free plectoneme at an excess link per length of `link_density` turns (its
-/// sign does not matter), strands `distance` = 2R apart, twisting over bending stiffness C/B = `ratio`.
+/// Angle α (rad, 0 to π/4) of the strands of a long free plectoneme at an excess link per length of `link_density`
+/// turns (its sign does not matter), strands `distance` = 2R apart, twisting over bending stiffness C/B = `ratio`.
 ///
 /// Per length the double helix has writhe sin2α/(4πR) turns and bending energy ½B sin⁴α/R². The energy at given link,
-/// ½B sin⁴α/R² + 2π²C (ΔLk/L − sin2α/(4πR))², is stationary where the twisting moment is M = 2B sin³α cosα/(R cos2α), the
-/// moment of a plectoneme under end moment and force (van der Heijden et al. 2003; Clauvelin, Audoly & Neukirch 2009, without
-/// repulsion). With M = 2πC Tw/L the angle is the only root of
+/// ½B sin⁴α/R² + 2π²C (ΔLk/L − sin2α/(4πR))², is stationary where the twisting moment is M = 2B sin³α cosα/(R cos2α),
+/// the moment of a plectoneme under end moment and force (van der Heijden et al. 2003; Clauvelin, Audoly & Neukirch
+/// 2009, without repulsion). With M = 2πC Tw/L the angle is the only root of
 ///
 /// ```text
 /// sin2α/(4πR) + (B/C) sin³α cosα/(πR cos2α) = |ΔLk|/L ,
@@ -54,8 +55,8 @@ pub fn superhelix_angle(distance: f64, ratio: f64, link_density: f64) -> Result<
     Ok(0.5 * (low + high))
 }
 
-/// Minimum over the size of the loops of `cost`, the loops together no longer than `share` of the rod; `None` if it is too short
-/// for the smallest.
+/// Minimum over the size of the loops of `cost`, the loops together no longer than `share` of the rod; `None` if it is
+/// too short for the smallest.
 fn best_loops(
     [length, distance, angle]: [f64; 3],
     share: f64,
@@ -77,7 +78,8 @@ fn best_loops(
     Some((of_size(size.exp().clamp(low, high)), least))
 }
 
-/// Loops as under the twisting moment M = 2B sin³α cosα/(R cos2α) that holds the helix at its angle: least ½B∫κ² ds − 2πM|Wr|.
+/// Loops as under the twisting moment M = 2B sin³α cosα/(R cos2α) that holds the helix at its angle: least ½B∫κ² ds −
+/// 2πM|Wr|.
 pub(super) fn of_angle(length: f64, distance: f64, angle: f64) -> Result<Plectoneme, InputError> {
     let (sin, cos) = angle.abs().sin_cos();
     let moment = 4.0 * sin.powi(3) * cos / (distance * (2.0 * angle).cos());

@@ -1,7 +1,7 @@
 //! One strand of a plectoneme between apex and apex, in cylindrical coordinates about its axis: closed forms.
 
-/// Parameters of the planar end loop. Of all loops of this family (even and odd polynomials about the apex, curvature 0 where
-/// they begin) these have the least ∫κ² for a given length.
+/// Parameters of the planar end loop. Of all loops of this family (even and odd polynomials about the apex, curvature 0
+/// where they begin) these have the least ∫κ² for a given length.
 const HEIGHT: [f64; 2] = [0.625, 0.36];
 const FULLNESS: f64 = 0.84;
 
@@ -10,8 +10,8 @@ pub(super) const LOOP_WIDTH: f64 = 0.2695;
 /// Height of the loop relative to its size.
 pub(super) const LOOP_HEIGHT: f64 = 1.25 * HEIGHT[0] + HEIGHT[1];
 
-/// A place of the strand: distance x from the axis, height z, angle φ about the axis, with first and second derivatives by the
-/// parameter.
+/// A place of the strand: distance x from the axis, height z, angle φ about the axis, with first and second derivatives
+/// by the parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub x: [f64; 3],
@@ -21,10 +21,10 @@ pub(super) struct Place {
 
 /// A half loop of size `size` above a double helix of radius `radius` whose angle turns by `rate` per height.
 ///
-/// In its own plane the loop is x = R A(w) + S b(w), z = S c(w), w = 1 at the helix and 0 at the apex, A = (15w − 10w³ + 3w⁵)/8,
-/// b = w(1 + e w²) y³, c = γ1(y + y²/4) + γ3 y³, y = 1 − w². The plane turns about the axis at the helix's own rate at first; the
-/// rate decays to 0 at the apex as (5w³ − 3w⁵)/2. Position, tangent and curvature are continuous where helix and loop meet; at the
-/// apex the curve is smooth.
+/// In its own plane the loop is x = R A(w) + S b(w), z = S c(w), w = 1 at the helix and 0 at the apex, A = (15w −
+/// 10w³ + 3w⁵)/8, b = w(1 + e w²) y³, c = γ1(y + y²/4) + γ3 y³, y = 1 − w². The plane turns about the axis at the
+/// helix's own rate at first; the rate decays to 0 at the apex as (5w³ − 3w⁵)/2. Position, tangent and curvature are
+/// continuous where helix and loop meet; at the apex the curve is smooth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HalfLoop {
     pub radius: f64,
@@ -66,8 +66,8 @@ impl Place {
 
     /// ds/dv, κ² ds/dv, and the twist rate (rad per v) about the curve of the direction "around".
     ///
-    /// Let a be that direction, of derivative −φ′ outwards, t the tangent: the part of a normal to t turns about t at the
-    /// rate (t·(a × a′) − (a·t) t·(a × t′))/(1 − (a·t)²).
+    /// Let a be that direction, of derivative −φ′ outwards, t the tangent: the part of a normal to t turns about t at
+    /// the rate (t·(a × a′) − (a·t) t·(a × t′))/(1 − (a·t)²).
     pub(super) fn rates(&self) -> [f64; 3] {
         let [r1, r2] = self.derivatives();
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

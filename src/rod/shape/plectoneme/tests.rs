@@ -90,8 +90,8 @@ fn asked_turns_are_met() {
     }
 }
 
-/// Of all angles and loop sizes the chosen ones have the least energy: both derivatives vanish (or point out of the range), the second
-/// ones are positive, and a coarse search over everything finds nothing lower.
+/// Of all angles and loop sizes the chosen ones have the least energy: both derivatives vanish (or point out of the
+/// range), the second ones are positive, and a coarse search over everything finds nothing lower.
 #[test]
 fn the_energy_is_least() {
     for (length, distance, ratio, link) in
@@ -153,7 +153,8 @@ fn both_hands_are_alike() {
     assert!((writhe(points, true) - right.writhe()).abs() < 1e-3);
 }
 
-/// Wound about an arc, a helix and a spline: the length is the rod's, strands are the distance apart, the writhe hardly changes.
+/// Wound about an arc, a helix and a spline: the length is the rod's, strands are the distance apart, the writhe hardly
+/// changes.
 #[test]
 fn curved_axes() {
     let straight = Plectoneme::of_angle(2000.0, 2.0, 0.5).unwrap();
