@@ -194,7 +194,7 @@ struct Piece {
 ///   computed values is never lost: both halves of a subdivided piece share the computed value at their common end.
 /// * Exact zeros at t = 0 and t = 1 are reported as 0 and 1 exactly, with the one-sided sign as their [`Crossing`].
 /// * A multiple root, and a group of roots that rounding cannot separate (all coefficients of the piece around it below
-///   a few ulp of the largest coefficient, about 1e-8 apart for a pair), is one root: `Rising`/ `Falling` if the sign
+///   a few ulp of the largest coefficient, about 1e-8 apart for a pair), is one root: `Rising`/`Falling` if the sign
 ///   differs across the group, else `Touching`. A minimum of |p| above zero by less than that noise may be reported as
 ///   `Touching` too.
 /// * The zero polynomial reports no root and sets [`Roots::identically_zero`]; so does nothing else.
