@@ -1,21 +1,18 @@
-//! The assembled problem: elements, contact curves, supports, state and buffers. Built once from a model.
+//! The assembled problem: elements, contact, supports and state. Built once from a model.
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use crate::contact::broad_phase::BroadPhase;
-use crate::contact::curve::{Cubic, CurveInput, CurveSet};
-use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::Table;
-use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{Body, ElementNodes, Plane, Six, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
+use crate::solve::contact_side::{self, ContactSide};
 use crate::solve::per_contact::PerContact;
 use crate::solve::state::State;
 
@@ -25,8 +22,6 @@ const MOST_SLENDER: f64 = 1e10;
 /// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest
 /// nothing of it is left but where supports hold nodes: searches know positions in two parts.
 const RESOLUTION: f64 = 1e-3;
-/// Part of a segment's length that sums of lengths may be off by.
-const ROUNDING: f64 = 1e-9;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -37,67 +32,6 @@ pub struct Element {
     pub nodes: [usize; 4],
     /// The last node is the first node of the rod seen through the seam.
     pub closes: bool,
-}
-
-/// Contact side of the engine; absent when the law is none.
-#[derive(Debug)]
-pub struct ContactSide {
-    /// Contact curves of all rods with a contact radius.
-    pub set: CurveSet,
-    /// Per segment: the two global nodes it joins.
-    pub nodes: Vec<[usize; 2]>,
-    /// Per curve: the rod.
-    pub rods: Vec<usize>,
-    /// Turning bounds.
-    pub exclusion: Exclusion,
-    /// Candidate pairs.
-    pub broad_phase: BroadPhase,
-    /// Pressure against overlap.
-    pub law: Law,
-    /// Offsets c \[L\] (zero for a plain penalty).
-    pub offsets: PerContact,
-    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see
-    /// [`Pressures`](crate::contact::detect::Pressures).
-    pub(crate) before: Option<(Law, PerContact)>,
-    /// Smallest contact radius \[L\].
-    pub min_radius: f64,
-    /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for
-    /// contact), there is nothing to be said about gaps.
-    pub is_current: bool,
-}
-
-impl ContactSide {
-    /// Offsets at both ends of a segment towards another one \[L\].
-    pub fn offset(&self, slave: usize, master: usize) -> [f64; 2] {
-        self.at_ends(&self.offsets, slave, master)
-    }
-
-    /// Numbers at both ends of a segment for its contact with another one.
-    pub(crate) fn at_ends(&self, numbers: &PerContact, slave: usize, master: usize) -> [f64; 2] {
-        self.nodes[slave].map(|node| numbers.at(&self.set, node, master))
-    }
-
-    /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
-    pub(crate) fn change_law(&mut self, law: Law, offsets: PerContact) {
-        let old = (std::mem::replace(&mut self.law, law), std::mem::replace(&mut self.offsets, offsets));
-        // under a law that no step was taken under there are no pressures
-        self.before.get_or_insert(old);
-    }
-
-    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the
-    /// curve. What is left of the distance by rounding reaches no segment: windows are often just an element long, and
-    /// would be one segment longer in some units of length than in others.
-    pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
-        let mut here = segment;
-        loop {
-            self.nodes[here].iter().for_each(|&node| visit(node));
-            match if forward { self.set.next(here) } else { self.set.prev(here) } {
-                Some(next) if distance > ROUNDING * self.set.lengths[next] && next != segment => here = next,
-                _ => break,
-            }
-            distance -= self.set.lengths[here];
-        }
-    }
 }
 
 /// The problem in the form the solver works on.
@@ -211,7 +145,10 @@ impl Engine {
             pool,
         };
         engine.reference = engine.build_reference();
-        engine.contact = engine.build_contact()?;
+        if let Some(stiffness) = engine.model.contact.law.stiffness() {
+            let (rods, first_node, bending) = (&engine.model.rods, &engine.first_node, engine.scales.bending);
+            engine.contact = ContactSide::new(rods, first_node, &engine.state, (stiffness, bending))?;
+        }
         Ok(engine)
     }
 
@@ -244,7 +181,7 @@ impl Engine {
             return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
         };
         InputError::positive("contact.stiffness", stiffness)?;
-        let raised = law_stiffness(stiffness, &self.scales, side.min_radius);
+        let raised = contact_side::stiffness(stiffness, self.scales.bending, side.min_radius);
         let offsets = if matches!(law, ContactLaw::Penalty { .. }) {
             PerContact::uniform(side.offsets.num_nodes(), 0.0)
         } else {
@@ -258,7 +195,7 @@ impl Engine {
     /// Stiffness of the contact law asked for \[F/L²\]; 0 without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
-        law_stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), &self.scales, radius)
+        contact_side::stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), self.scales.bending, radius)
     }
 
     /// Runs in the engine's own pool, if it has one.
@@ -403,43 +340,6 @@ impl Engine {
         }
         all
     }
-
-    fn build_contact(&self) -> Result<Option<ContactSide>, InputError> {
-        let Some(dimensionless) = self.model.contact.law.stiffness() else { return Ok(None) };
-        let mut inputs = Vec::new();
-        let (mut nodes, mut rods) = (Vec::new(), Vec::new());
-        for (index, rod) in self.model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
-            let count = rod.num_elements * rod.order;
-            let first = self.first_node[index];
-            nodes.extend((0..count).map(|k| [first + k, first + (k + 1) % rod.num_nodes()]));
-            rods.push(index);
-            let length = rod.length / count as f64;
-            inputs.push(CurveInput {
-                segments: nodes[nodes.len() - count..].iter().map(|&n| contact_cubic(&self.state, n, length)).collect(),
-                lengths: vec![length; count],
-                closed: rod.closed,
-                radius: rod.section.contact_radius,
-            });
-        }
-        if inputs.is_empty() {
-            return Ok(None);
-        }
-        let min_radius = inputs.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
-        let mut set = CurveSet::new(inputs)?;
-        set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
-        Ok(Some(ContactSide {
-            set,
-            nodes,
-            rods,
-            exclusion: Exclusion::new(),
-            broad_phase: BroadPhase::new(),
-            law: Law::Linear { stiffness: law_stiffness(dimensionless, &self.scales, min_radius) },
-            offsets: PerContact::uniform(self.num_nodes(), 0.0),
-            before: None,
-            min_radius,
-            is_current: false,
-        }))
-    }
 }
 
 /// Runs in a pool of one's own, if there is one.
@@ -450,28 +350,6 @@ pub(crate) fn in_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOn
         None if rayon::current_thread_index().is_none() => rayon::scope(|_| work()),
         None => work(),
     }
-}
-
-/// κ \[F/L²\] of a dimensionless stiffness κ ε⁴/B.
-fn law_stiffness(dimensionless: f64, scales: &Scales, radius: f64) -> f64 {
-    dimensionless * scales.bending / radius.powi(4)
-}
-
-/// The contact centreline between two neighbouring nodes: the cubic Hermite curve through r_a, r_b with the nodes' own
-/// tangents d3. C¹ along the rod, which the elements' own Lagrange curve is not.
-pub(crate) fn contact_cubic(state: &State, nodes: [usize; 2], length: f64) -> Cubic {
-    contact_cubic_exactly(state, nodes, length).0
-}
-
-/// [`contact_cubic`] and what rounding took from its control points \[L\].
-pub(crate) fn contact_cubic_exactly(state: &State, [a, b]: [usize; 2], length: f64) -> (Cubic, [Vec3; 4]) {
-    let handle = |n: usize| state.frames[n] * Vec3::z() * (length / 3.0);
-    let (start, end) = (state.positions[a], state.positions[b]);
-    let (after, lost_after) = two_sum(&start, &handle(a));
-    let (before, lost_before) = two_sum(&end, &-handle(b));
-    let [lost_start, lost_end] = [state.remainders[a], state.remainders[b]];
-    let lost = [lost_start, lost_start + lost_after, lost_end + lost_before, lost_end];
-    (Cubic { b: [start, after, before, end] }, lost)
 }
 
 fn planes(model: &Model) -> Vec<Option<Plane>> {

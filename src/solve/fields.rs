@@ -7,7 +7,8 @@ use std::ops::Range;
 use crate::math::Vec3;
 use crate::math::shape_functions::{Table, lagrange};
 use crate::rod::element::{Six, raw_strains};
-use crate::solve::engine::{Engine, contact_cubic};
+use crate::solve::contact_side::contact_cubic;
+use crate::solve::engine::Engine;
 
 /// Fields at the nodes of one rod.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -10,7 +10,7 @@
 
 use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
-use crate::solve::engine::ContactSide;
+use crate::solve::contact_side::ContactSide;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 

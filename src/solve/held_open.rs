@@ -10,7 +10,7 @@
 
 use crate::contact::chain::{Link, chains};
 use crate::solve::assembly::Residual;
-use crate::solve::engine::ContactSide;
+use crate::solve::contact_side::ContactSide;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::settle::TOL_OPENING;

@@ -4,7 +4,7 @@
 use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
-use crate::solve::engine::ContactSide;
+use crate::solve::contact_side::ContactSide;
 use crate::solve::held_open::{HeldOpen, TOL_HELD_OPEN};
 use crate::solve::path::Solver;
 use crate::solve::per_contact::{self, PerContact};

@@ -14,7 +14,7 @@ use crate::contact::curve::CurveSet;
 use crate::contact::detect::ZonePiece;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
-use crate::solve::engine::ContactSide;
+use crate::solve::contact_side::ContactSide;
 
 /// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry:
 /// what an offset towards another one would be felt by is nearer.

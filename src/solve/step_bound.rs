@@ -15,7 +15,8 @@ use rayon::prelude::*;
 use self::tree::PassageTree;
 use crate::error::SolveError;
 use crate::math::Vec3;
-use crate::solve::engine::{ContactSide, Engine};
+use crate::solve::contact_side::ContactSide;
+use crate::solve::engine::Engine;
 use crate::solve::state::State;
 
 /// What strands must keep between them within one step.

@@ -8,7 +8,8 @@ use crate::contact::detect::surprise::{stiffness_of_gaps, surprise_of_gaps};
 use crate::contact::detect::{self, Besides, Meeting, Pressures};
 use crate::math::Vec3;
 use crate::solve::assembly::{PAIRS, Residual};
-use crate::solve::engine::{ContactSide, Engine, contact_cubic};
+use crate::solve::contact_side::{ContactSide, contact_cubic};
+use crate::solve::engine::Engine;
 use crate::solve::state::State;
 use crate::solve::step_bound::motion;
 

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::{Residual, Sink};
-use crate::contact::detect::{self, Besides, Meeting};
+use crate::contact::detect::{self, Besides};
 use crate::error::{InputError, SolveError};
-use crate::solve::engine::{ContactSide, Engine, contact_cubic_exactly, in_pool};
+use crate::solve::contact_side::{ContactSide, contact_cubic_exactly};
+use crate::solve::engine::{Engine, in_pool};
 use crate::solve::state::State;
 
 /// Candidate pairs evaluated before their terms are scattered.
@@ -100,12 +101,6 @@ impl ContactSide {
             })
             .reduce(|| false, |a, b| a || b);
         self.is_current &= !moved;
-    }
-
-    /// Global nodes: slave a, b, master a, b.
-    pub(crate) fn nodes_of(&self, meeting: &Meeting) -> [usize; 4] {
-        let (s, m) = (self.nodes[meeting.slave], self.nodes[meeting.master]);
-        [s[0], s[1], m[0], m[1]]
     }
 }
 
