@@ -25,13 +25,13 @@ const RESOLUTION: f64 = 1e-3;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
-pub struct Element {
+pub(crate) struct Element {
     /// Rod index.
-    pub rod: usize,
+    pub(crate) rod: usize,
     /// Global node indices; order + 1 of them are used.
-    pub nodes: [usize; 4],
+    pub(crate) nodes: [usize; 4],
     /// The last node is the first node of the rod seen through the seam.
-    pub closes: bool,
+    pub(crate) closes: bool,
 }
 
 /// The problem in the form the solver works on.
@@ -85,13 +85,13 @@ impl Reference {
 
 /// Scales that make tolerances and shifts dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scales {
+pub(crate) struct Scales {
     /// Largest rod length \[L\].
-    pub length: f64,
+    pub(crate) length: f64,
     /// Smallest bending stiffness \[F·L²\].
-    pub bending: f64,
+    pub(crate) bending: f64,
     /// Length that turns rotations into displacements in norms: a node distance \[L\].
-    pub lever: f64,
+    pub(crate) lever: f64,
 }
 
 impl Engine {
@@ -113,7 +113,7 @@ impl Engine {
             remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
             frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
-            seams: model.rods.iter().map(|r| std::f64::consts::TAU * r.start_excess_link).collect(),
+            seams: model.rods.iter().map(|r| TAU * r.start_excess_link).collect(),
             load_factor: 0.0,
             pressures: vec![0.0; model.rods.len()],
         };
@@ -211,6 +211,22 @@ impl Engine {
     /// Nodes of a rod among all.
     pub(crate) fn nodes(&self, rod: usize) -> Range<usize> {
         self.first_node[rod]..self.first_node[rod + 1]
+    }
+
+    /// Whether some node of a rod is held altogether.
+    pub(crate) fn is_clamped(&self, rod: usize) -> bool {
+        self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
+    }
+
+    /// Whether a rod is joined to another one, or to itself.
+    pub(crate) fn is_joined(&self, rod: usize) -> bool {
+        self.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod)
+    }
+
+    /// Whether a rod bears loads, at nodes or along itself.
+    pub(crate) fn bears_loads(&self, rod: usize) -> bool {
+        let model = &self.model;
+        model.loads.iter().any(|load| load.node.rod == rod) || model.line_loads.iter().any(|load| load.rod == rod)
     }
 
     /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.

@@ -39,8 +39,12 @@ const PASSES: f64 = 1e-24;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
-    let joined = engine.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod);
-    !joined && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
+    !engine.is_joined(rod) && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
+}
+
+/// Whether a rod's joints or supports let none of its motions pass, on the face of it.
+fn holds_all(engine: &Engine, rod: usize) -> bool {
+    engine.is_joined(rod) || !engine.model.rods[rod].closed && engine.is_clamped(rod)
 }
 
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
@@ -191,14 +195,11 @@ impl Neutral {
     /// bears no loads, those that its supports let pass (a closed rod clamped at one node travels along its own shape
     /// through the clamp, and swings about the tangent there). None otherwise.
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
-        let model = &engine.model;
-        let bare = model.joints.is_empty() && model.loads.is_empty() && model.line_loads.is_empty();
-        if model.rods.len() != 1 {
+        if engine.model.rods.len() != 1 {
             return Self::default();
         }
         let free = is_free(engine, 0);
-        let clamped = !model.rods[0].closed && engine.free.iter().any(|node| node.iter().all(|free| !free));
-        if !free && (!bare || clamped) {
+        if !free && (holds_all(engine, 0) || engine.bears_loads(0)) {
             return Self::default();
         }
         let mut neutral = Self { weights: weights(engine), ..Self::default() };

@@ -423,13 +423,9 @@ const LOOSE: f64 = 1e-3;
 
 /// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.
 fn has_loose_motions(engine: &Engine) -> bool {
-    let model = &engine.model;
-    let clamped = |rod: usize| engine.free[engine.nodes(rod)].iter().any(|node| node.iter().all(|free| !free));
-    let pushed = model.rods.len() > 1 && !(0..model.rods.len()).all(clamped);
-    let on_closed = |rod: usize| model.rods[rod].closed;
-    pushed
-        || model.loads.iter().any(|load| on_closed(load.node.rod))
-        || model.line_loads.iter().any(|load| on_closed(load.rod))
+    let rods = 0..engine.model.rods.len();
+    let pushed = rods.len() > 1 && rods.clone().any(|rod| !engine.is_clamped(rod));
+    pushed || rods.into_iter().any(|rod| engine.model.rods[rod].closed && engine.bears_loads(rod))
 }
 
 fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {

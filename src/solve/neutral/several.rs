@@ -31,7 +31,7 @@ impl Several {
     pub(super) fn of(engine: &Engine, state: &State, meetings: &[Meeting], weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
         for group in
-            groups(engine, meetings).into_iter().filter(|group| !group.iter().any(|rod| bears_loads(engine, *rod)))
+            groups(engine, meetings).into_iter().filter(|group| !group.iter().any(|rod| engine.bears_loads(*rod)))
         {
             let start = several.motions.len();
             for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
@@ -59,11 +59,7 @@ impl Several {
     /// The rigid motions of a group that is held somewhere, with spins of the rods that hold it, as far as supports let
     /// them pass.
     fn add_what_passes(&mut self, engine: &Engine, state: &State, group: &[usize], start: usize) {
-        let joined = |rod: usize| engine.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod);
-        let clamped = |rod: usize| {
-            !engine.model.rods[rod].closed && engine.free[engine.nodes(rod)].iter().any(|node| node.iter().all(|f| !f))
-        };
-        if group.iter().any(|&rod| joined(rod) || clamped(rod)) {
+        if group.iter().any(|&rod| holds_all(engine, rod)) {
             return;
         }
         let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
@@ -143,11 +139,6 @@ impl Several {
         motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
         self.motions.push(motion);
     }
-}
-
-fn bears_loads(engine: &Engine, rod: usize) -> bool {
-    let model = &engine.model;
-    model.loads.iter().any(|load| load.node.rod == rod) || model.line_loads.iter().any(|load| load.rod == rod)
 }
 
 /// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
