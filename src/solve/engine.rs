@@ -213,7 +213,7 @@ impl Engine {
         self.first_node[rod]..self.first_node[rod + 1]
     }
 
-    /// Whether some node of a rod is held altogether.
+    /// Whether some node of a rod is held altogether, by supports or by being joined to one before.
     pub(crate) fn is_clamped(&self, rod: usize) -> bool {
         self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
     }

@@ -90,28 +90,29 @@ pub(crate) struct Neutral {
     several: Several,
 }
 
-/// Rigid motions of the first rod and its spin, and its sliding along itself, where these cost nothing.
-fn motions_of_the_first_rod(engine: &Engine, state: &State) -> (Vec<Vec<f64>>, Option<Vec<f64>>) {
-    let planar = engine.model.planar;
-    let centre = state.positions.iter().sum::<Vec3>() / engine.num_nodes() as f64;
-    let motion = |f: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
-        let six = |n: usize| {
-            let (d, r) = f(n);
-            [d.x, d.y, d.z, r.x, r.y, r.z]
-        };
-        (0..engine.num_nodes()).flat_map(six).collect()
+/// A motion of some nodes: displacement and rotation vector of each, six numbers.
+fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, Vec3)) -> Vec<f64> {
+    let six = |n: usize| {
+        let (d, r) = of_node(n);
+        [d.x, d.y, d.z, r.x, r.y, r.z]
     };
-    let mut motions = Vec::new();
-    for k in 0..if planar { 2 } else { 3 } {
-        motions.push(motion(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
-    }
-    for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
-        motions.push(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
-    }
-    if spins(engine, 0) {
-        motions.push(motion(&|n| (Vec3::zeros(), tangent_of(state, n))));
-    }
-    (motions, slides(engine, 0).then(|| motion(&|n| sliding_rate(engine, state, n))))
+    nodes.flat_map(six).collect()
+}
+
+/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it.
+fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize]) -> Vec<Vec<f64>> {
+    let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
+    let (along, about) = if engine.model.planar { (0..2, 2..3) } else { (0..3, 0..3) };
+    let of_all = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| motion(nodes.iter().copied(), of_node);
+    let displacements = along.map(|k| of_all(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
+    let rotation = |axis: Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), axis));
+    displacements.chain(about.map(|k| rotation(Vec3::ith(k, 1.0)))).collect()
+}
+
+/// Spin of a rod about its centreline, as a motion of nodes that its own are among.
+fn spin_of(engine: &Engine, state: &State, rod: usize, nodes: impl Iterator<Item = usize>) -> Vec<f64> {
+    let own = engine.nodes(rod);
+    motion(nodes, |n| (Vec3::zeros(), if own.contains(&n) { tangent_of(state, n) } else { Vec3::zeros() }))
 }
 
 /// What the supports of a rod let pass of its motions.
@@ -124,9 +125,9 @@ struct Supports {
 
 impl Supports {
     /// Of some nodes, as motions of these list them.
-    fn of(engine: &Engine, nodes: impl Iterator<Item = usize>) -> Self {
-        let held = |(k, node): (usize, usize)| (0..6).filter(move |i| !engine.free[node][*i]).map(move |i| 6 * k + i);
-        Self { held: nodes.enumerate().flat_map(held).collect(), scale: 1.0 / engine.scales.length }
+    fn of(engine: &Engine, nodes: &[usize]) -> Self {
+        let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| !engine.free[node][*i]).map(move |i| 6 * k + i);
+        Self { held: nodes.iter().enumerate().flat_map(held).collect(), scale: 1.0 / engine.scales.length }
     }
 
     /// Product of two motions where the rod is held.
@@ -203,9 +204,14 @@ impl Neutral {
             return Self::default();
         }
         let mut neutral = Self { weights: weights(engine), ..Self::default() };
-        let (mut motions, mut sliding) = motions_of_the_first_rod(engine, state);
+        let nodes: Vec<usize> = engine.nodes(0).collect();
+        let mut motions = rigid_motions(engine, state, &nodes);
+        if spins(engine, 0) {
+            motions.push(spin_of(engine, state, 0, engine.nodes(0)));
+        }
+        let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
         if !free {
-            let supports = Supports::of(engine, engine.nodes(0));
+            let supports = Supports::of(engine, &nodes);
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             motions = supports.all_that_pass(&motions);
             neutral.held = true;

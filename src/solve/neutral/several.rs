@@ -4,9 +4,8 @@
 //! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
 //! along themselves is left to the mesh's ripple.
 
-use super::{Supports, is_free, spins, subtract, tangent_of};
+use super::{Supports, holds_all, is_free, rigid_motions, spin_of, spins, subtract};
 use crate::contact::detect::Meeting;
-use crate::math::Vec3;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
 
@@ -30,71 +29,34 @@ impl Several {
     /// Of a model where strands touch as in `meetings`; groups that bear loads have none.
     pub(super) fn of(engine: &Engine, state: &State, meetings: &[Meeting], weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
-        for group in
-            groups(engine, meetings).into_iter().filter(|group| !group.iter().any(|rod| engine.bears_loads(*rod)))
-        {
+        let mut groups = groups(engine, meetings);
+        groups.retain(|group| !group.iter().any(|rod| engine.bears_loads(*rod)));
+        for group in groups {
             let start = several.motions.len();
             for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
-                several.add(start, several.motion(&[rod], &|n| (Vec3::zeros(), tangent_of(state, n))));
+                several.add(start, vec![(rod, spin_of(engine, state, rod, engine.nodes(rod)))]);
             }
-            if !group.iter().all(|rod| is_free(engine, *rod)) {
-                several.add_what_passes(engine, state, &group, start);
+            if group.iter().any(|&rod| holds_all(engine, rod)) {
                 continue;
             }
-            several.anchors.push(group[0]);
-            let nodes = || group.iter().flat_map(|rod| engine.nodes(*rod));
-            let centre = nodes().map(|n| state.positions[n]).sum::<Vec3>() / nodes().count() as f64;
-            let planar = engine.model.planar;
-            for k in 0..if planar { 2 } else { 3 } {
-                several.add(start, several.motion(&group, &|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
-            }
-            for axis in (if planar { 2 } else { 0 }..3).map(|k| Vec3::ith(k, 1.0)) {
-                let turning = |n: usize| (axis.cross(&(state.positions[n] - centre)), axis);
-                several.add(start, several.motion(&group, &turning));
+            let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
+            let rigid = rigid_motions(engine, state, &nodes);
+            if group.iter().all(|rod| is_free(engine, *rod)) {
+                several.anchors.push(group[0]);
+                rigid.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
+            } else {
+                // spins of the rods that are held may make up for what supports hold
+                let held = group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod));
+                let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
+                let motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
+                let passing = Supports::of(engine, &nodes).all_that_pass(&motions);
+                passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
+                if !passing.is_empty() {
+                    several.held.push((nodes, passing));
+                }
             }
         }
         several
-    }
-
-    /// The rigid motions of a group that is held somewhere, with spins of the rods that hold it, as far as supports let
-    /// them pass.
-    fn add_what_passes(&mut self, engine: &Engine, state: &State, group: &[usize], start: usize) {
-        if group.iter().any(|&rod| holds_all(engine, rod)) {
-            return;
-        }
-        let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
-        let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
-        let motion = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| -> Vec<f64> {
-            let six = |n: &usize| {
-                let (d, r) = of_node(*n);
-                [d.x, d.y, d.z, r.x, r.y, r.z]
-            };
-            nodes.iter().flat_map(six).collect()
-        };
-        let mut motions = Vec::new();
-        for axis in (0..3).map(|k| Vec3::ith(k, 1.0)) {
-            motions.push(motion(&|_| (axis, Vec3::zeros())));
-            motions.push(motion(&|n| (axis.cross(&(state.positions[n] - centre)), axis)));
-        }
-        for &rod in group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod)) {
-            let own = engine.nodes(rod);
-            let spin = |n: usize| if own.contains(&n) { tangent_of(state, n) } else { Vec3::zeros() };
-            motions.push(motion(&|n| (Vec3::zeros(), spin(n))));
-        }
-        let passing = Supports::of(engine, nodes.iter().copied()).all_that_pass(&motions);
-        for motion in &passing {
-            let mut first = 0;
-            let piece = |&rod: &usize| {
-                let range = first..first + 6 * engine.nodes(rod).len();
-                first = range.end;
-                (rod, motion[range].to_vec())
-            };
-            let pieces = group.iter().map(piece).collect();
-            self.add(start, pieces);
-        }
-        if !passing.is_empty() {
-            self.held.push((nodes, passing));
-        }
     }
 
     /// Takes the neutral part out of an increment.
@@ -103,16 +65,6 @@ impl Several {
             let part: f64 = motion.iter().map(|(rod, values)| self.dot(&step[self.range(*rod)], values)).sum();
             motion.iter().for_each(|(rod, values)| subtract(&mut step[self.range(*rod)], values, part));
         }
-    }
-
-    /// Displacement and rotation vector of each node of some rods.
-    fn motion(&self, rods: &[usize], of_node: &dyn Fn(usize) -> (Vec3, Vec3)) -> Motion {
-        let six = |n: usize| {
-            let (d, r) = of_node(n);
-            [d.x, d.y, d.z, r.x, r.y, r.z]
-        };
-        let values = |rod: usize| (self.first_node[rod]..self.first_node[rod + 1]).flat_map(six).collect();
-        rods.iter().map(|&rod| (rod, values(rod))).collect()
     }
 
     fn range(&self, rod: usize) -> std::ops::Range<usize> {
@@ -139,6 +91,17 @@ impl Several {
         motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
         self.motions.push(motion);
     }
+}
+
+/// A motion of the nodes of some rods, rod by rod.
+fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> Motion {
+    let mut rest = motion;
+    let piece = |&rod: &usize| {
+        let (own, others) = rest.split_at(6 * engine.nodes(rod).len());
+        rest = others;
+        (rod, own.to_vec())
+    };
+    rods.iter().map(piece).collect()
 }
 
 /// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
