@@ -181,18 +181,22 @@ impl Solver {
         }
         let residual = self.engine.residual(&self.engine.state);
         let ContactErrors { mut gaps, penetration, opening } = self.contact_errors_of(&residual);
-        let HeldOpen { work, releasable, gaps: own } = self.held_open(&residual);
         let met = penetration <= tol && opening <= tol.max(TOL_OPENING);
-        let may_release = (paces.rounds < EARLY || met) && paces.releases < MAX_RELEASES;
-        let releases = may_release && releasable > TOL_HELD_OPEN;
-        if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
-            paces.releases += 1;
-            let own = own.at_places_of(&side.set, &gaps).values;
-            gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
+        let mut outstanding = Outstanding { penetration, held_open: None, gaps: None };
+        let mut releases = false;
+        if paces.rounds < EARLY || met {
+            let HeldOpen { work, releasable, gaps: own } = self.held_open(&residual);
+            outstanding.held_open = met.then_some(work);
+            releases = releasable > TOL_HELD_OPEN && paces.releases < MAX_RELEASES;
+            if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
+                paces.releases += 1;
+                let own = own.at_places_of(&side.set, &gaps).values;
+                gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
+            }
         }
         paces.rounds += 1;
-        let left = !met || releases;
-        Outstanding { penetration, held_open: met.then_some(work), gaps: left.then_some(gaps) }
+        outstanding.gaps = (!met || releases).then_some(gaps);
+        outstanding
     }
 
     /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at
