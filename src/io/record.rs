@@ -1,5 +1,6 @@
 //! What a run leaves behind: tables, final state, VTK files, pictures, summary. Fed with snapshots, knows no solver.
 
+mod files;
 mod pictures;
 mod still;
 
@@ -123,7 +124,7 @@ impl Record {
     /// [`InputError::File`] if the folder cannot be made, or a file of an earlier run not be removed.
     pub fn new(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
         let record = Self::open(scene, dir)?;
-        remove_outputs(dir)?;
+        files::remove_all(dir)?;
         Ok(record)
     }
 
@@ -151,7 +152,7 @@ impl Record {
             stride: 1,
             last: None,
             last_written: None,
-            pvd: PvdWriter::new(dir.join("run.pvd")),
+            pvd: PvdWriter::new(dir.join(files::COLLECTION)),
             error_estimate: None,
         })
     }
@@ -163,7 +164,7 @@ impl Record {
     pub fn resume(scene: &Scene, dir: &Path, state: RecordState) -> Result<Self, InputError> {
         let fresh = Self::open(scene, dir)?;
         let RecordState { steps, film, stride, last_written, collection } = state;
-        let pvd = PvdWriter::resume(dir.join("run.pvd"), collection);
+        let pvd = PvdWriter::resume(dir.join(files::COLLECTION), collection);
         Ok(Self { steps, film, stride: stride.max(1), last_written, pvd, ..fresh })
     }
 
@@ -225,11 +226,11 @@ impl Record {
     /// [`InputError::File`] if a file cannot be written.
     pub fn finish(&mut self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
         let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
-        write_steps(&self.dir.join("table.csv"), &names, &self.steps)?;
+        write_steps(&self.dir.join(files::TABLE), &names, &self.steps)?;
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
         self.write_final_state(&last)?;
-        write_sites(&self.dir.join("sites.csv"), &names, &last.sites)?;
+        write_sites(&self.dir.join(files::SITES), &names, &last.sites)?;
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
         }
@@ -241,7 +242,7 @@ impl Record {
     }
 
     fn write_summary(&self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
-        let path = self.dir.join("summary.json");
+        let path = self.dir.join(files::SUMMARY);
         let (title, units, rods, steps) = (&self.title, &self.units, &self.rods, &self.steps);
         let (last, error_estimate) = (steps.last(), self.error_estimate.as_ref());
         let summary = Summary { title, units, rods, converged, status, seconds, last, error_estimate, steps };
@@ -260,7 +261,7 @@ impl Record {
             }
         };
         let states: Vec<RodState> = self.rods.iter().zip(&last.rods).map(state).collect();
-        write_state(&self.dir.join("final_state.csv"), &states)
+        write_state(&self.dir.join(files::FINAL_STATE), &states)
     }
 
     fn write_vtk(&mut self, frame: &Frame) -> Result<(), InputError> {
@@ -285,7 +286,7 @@ impl Record {
         if let Some(link) = step.links.first() {
             numbers.extend([("excess_link", link.excess_link), ("writhe", link.writhe), ("twist", link.twist)]);
         }
-        let path = self.dir.join(format!("step_{:04}.vtp", frame.step));
+        let path = self.dir.join(files::of_step(frame.step));
         write_vtp(&path, &rods, &numbers)?;
         self.last_written = Some(frame.step);
         self.pvd.push(frame.step as f64, &path)
@@ -298,34 +299,6 @@ impl Record {
             None => every(rod.positions.len(), self.output.node_every, head.closed),
         }
     }
-}
-
-/// Names of the files of a record but `step_0000.vtp` ….
-const FILES: [&str; 8] = [
-    "run.pvd",
-    "table.csv",
-    "final_state.csv",
-    "sites.csv",
-    "summary.json",
-    "picture.png",
-    "filmstrip.png",
-    "writhe.svg",
-];
-
-/// Removes what a record in `dir` has left, and nothing else.
-fn remove_outputs(dir: &Path) -> Result<(), InputError> {
-    let is_output = |name: &str| {
-        let step = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtp"));
-        FILES.contains(&name) || step.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
-    };
-    let refuse = |path: &Path, e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
-    for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
-        let path = entry.map_err(|e| refuse(dir, e))?.path();
-        if path.file_name().and_then(|name| name.to_str()).is_some_and(is_output) && !path.is_dir() {
-            std::fs::remove_file(&path).map_err(|e| refuse(&path, e))?;
-        }
-    }
-    Ok(())
 }
 
 /// The [`MAX_SITES`] sites with the largest forces, in their old order.

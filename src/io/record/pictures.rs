@@ -7,7 +7,7 @@ use crate::io::picture::{
 use crate::math::{Mat3, Vec3};
 
 use super::still::{Still, StillRod};
-use super::{Frame, Record, RodHead};
+use super::{Frame, Record, RodHead, files};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
@@ -15,7 +15,7 @@ const STRIP: usize = 6;
 impl Record {
     pub(super) fn write_pictures(&self, last: &Frame) -> Result<(), InputError> {
         let picture = TubePicture { width: 1600, height: 1200, ..self.picture(&self.still(last, false)) };
-        picture.render()?.save_png(&self.dir.join("picture.png"))?;
+        picture.render()?.save_png(&self.dir.join(files::PICTURE))?;
         let mut stills = Vec::new();
         let last = self.still(last, true);
         let frames = self.strip(&last);
@@ -25,7 +25,7 @@ impl Record {
                 TubePicture { width: 560, height: 420, supersampling: 2, visible_width, ..self.picture(frame) };
             stills.push((picture.render()?, self.caption(frame.step)));
         }
-        film_strip(&stills, 3, [255; 3])?.save_png(&self.dir.join("filmstrip.png"))?;
+        film_strip(&stills, 3, [255; 3])?.save_png(&self.dir.join(files::FILM_STRIP))?;
         self.write_plot()
     }
 
@@ -114,7 +114,7 @@ impl Record {
             ],
             ..PlotSpec::default()
         };
-        plot_lines(&self.dir.join("writhe.svg"), &plot)
+        plot_lines(&self.dir.join(files::WRITHE), &plot)
     }
 }
 

@@ -1,0 +1,40 @@
+//! Names of the files of a record.
+
+use std::path::Path;
+
+use crate::error::InputError;
+
+pub(super) const COLLECTION: &str = "run.pvd";
+pub(super) const TABLE: &str = "table.csv";
+pub(super) const FINAL_STATE: &str = "final_state.csv";
+pub(super) const SITES: &str = "sites.csv";
+pub(super) const SUMMARY: &str = "summary.json";
+pub(super) const PICTURE: &str = "picture.png";
+pub(super) const FILM_STRIP: &str = "filmstrip.png";
+pub(super) const WRITHE: &str = "writhe.svg";
+
+/// All but those of single steps.
+const ALL: [&str; 8] = [COLLECTION, TABLE, FINAL_STATE, SITES, SUMMARY, PICTURE, FILM_STRIP, WRITHE];
+const STEP: [&str; 2] = ["step_", ".vtp"];
+
+/// Name of the VTK file of a step.
+pub(super) fn of_step(step: usize) -> String {
+    let [before, after] = STEP;
+    format!("{before}{step:04}{after}")
+}
+
+/// Removes what a record in `dir` has left, and nothing else.
+pub(super) fn remove_all(dir: &Path) -> Result<(), InputError> {
+    let is_output = |name: &str| {
+        let step = name.strip_prefix(STEP[0]).and_then(|rest| rest.strip_suffix(STEP[1]));
+        ALL.contains(&name) || step.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let refuse = |path: &Path, e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
+    for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
+        let path = entry.map_err(|e| refuse(dir, e))?.path();
+        if path.file_name().and_then(|name| name.to_str()).is_some_and(is_output) && !path.is_dir() {
+            std::fs::remove_file(&path).map_err(|e| refuse(&path, e))?;
+        }
+    }
+    Ok(())
+}
