@@ -25,14 +25,14 @@ impl Rod {
             let field = format!("rods.{}.refined", self.name);
             return Err(InputError::Count { field, value: factor, allowed: "a factor of at least 1" });
         }
-        let seam = std::f64::consts::TAU * self.start_excess_link;
-        let (positions, frames) = self.interleave(&self.positions, &self.frames, seam, factor);
         let num_elements = self.num_elements.saturating_mul(factor);
         if num_elements.saturating_mul(self.order) > super::shape::MAX_SEGMENTS {
             let allowed = "such that the rod has at most ten million nodes";
             let field = format!("rods.{}.elements", self.name);
             return Err(InputError::Count { field, value: num_elements, allowed });
         }
+        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let (positions, frames) = self.interleave(&self.positions, &self.frames, seam, factor);
         let fine = Self { num_elements, positions, frames, ..self.clone() };
         fine.check().map(|()| fine)
     }
@@ -159,6 +159,19 @@ mod tests {
         }
         let twisted = Rod::new("r", &shape, true, section, 12, 1, Natural::Straight).unwrap();
         assert!(twisted.with_excess_link(4.0).unwrap().coarsened(3).is_none());
+    }
+
+    /// Symptom: a factor too large for any rod panicked instead of being refused. Mechanism: the nodes were interpolated
+    /// before they were counted. Threshold: ten million nodes.
+    #[test]
+    fn too_many_nodes_are_refused_before_they_are_made() {
+        let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
+        let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
+        let rod = Rod::new("r", &line, false, section, 4, 3, Natural::Straight).unwrap();
+        for factor in [833_334, usize::MAX / 2, usize::MAX] {
+            let refused = rod.refined(factor).unwrap_err().to_string();
+            assert!(refused.contains("ten million nodes"), "{refused}");
+        }
     }
 
     /// Too few nodes for the whole stencil.

@@ -20,7 +20,7 @@ impl Model {
     /// As there.
     pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
         let rods = self.rods.iter().map(|rod| rod.refined(factor)).collect::<Result<_, _>>()?;
-        Ok(self.with_rods(rods, |node| NodeRef { node: factor * node.node, ..node }))
+        Ok(self.with_rods(rods, |node| NodeRef { node: factor.saturating_mul(node.node), ..node }))
     }
 
     /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and what is held,
