@@ -187,12 +187,7 @@ impl Engine {
             return None;
         }
         let mut all = vec![0.0; 6 * self.num_nodes()];
-        for &(node, displacement, rotation) in &drive.nodes {
-            for k in 0..3 {
-                all[6 * node + k] += displacement[k];
-                all[6 * node + 3 + k] += rotation[k];
-            }
-        }
+        drive.add_to(&mut all);
         Some(all)
     }
 }

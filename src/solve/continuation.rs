@@ -29,7 +29,7 @@ use crate::solve::continuation::locate::Event;
 use crate::solve::continuation::parameter::Parameter;
 use crate::solve::engine::Engine;
 use crate::solve::path::{Progress, Solver};
-use crate::solve::step_report::{Status, StepReport};
+use crate::solve::step_report::StepReport;
 
 /// Newton iterations per point that the step size aims at.
 const AIM: f64 = 5.0;
@@ -195,18 +195,12 @@ impl Reporter<'_> {
     fn tell(&mut self, tracer: &mut Tracer, point: &Point, kind: PointKind, arc: f64) -> Result<bool, SolveError> {
         tracer.enter(point)?;
         let report = StepReport {
-            status: Status::Converged,
             iterations: point.iterations,
             augmentations: point.augmentations,
-            departures: 0,
             num_unstable: point.num_unstable,
             penetration: point.penetration,
             held_open: point.held_open,
-            softening: 1.0,
-            iterations_elsewhere: 0,
-            predicted: false,
-            error: None,
-            history: Vec::new(),
+            ..StepReport::settled()
         };
         let way = tracer.parameter.target - tracer.parameter.start;
         let progress = Progress {

@@ -13,8 +13,8 @@ impl Workspace {
     pub(crate) fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
         let mass = &engine.masses;
         if self.softest.len() != mass.len() {
-            // a fixed start with components everywhere: runs repeat
-            // displacements in lengths of the rod: of several critical directions the same one in every unit
+            // a fixed start with components everywhere, so that runs repeat; displacements in lengths of the rod, so
+            // that of several critical directions it finds the same one in every unit
             let size = |i: usize| if i % 6 < 3 { engine.scales.length } else { 1.0 };
             let start = |i: usize| (((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5) * size(i);
             self.softest = (0..mass.len()).map(start).collect();

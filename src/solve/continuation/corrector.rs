@@ -254,12 +254,7 @@ impl Tracer<'_> {
         let rate = self.parameter.rate(&solver.engine, state, stress, driven);
         let force: Vec<f64> = rate.iter().map(|c| -c).collect();
         let mut field = solver.workspace.respond(&solver.engine, &force);
-        for (node, displacement, rotation) in self.parameter.drive().nodes {
-            for k in 0..3 {
-                field[6 * node + k] += displacement[k];
-                field[6 * node + 3 + k] += rotation[k];
-            }
-        }
+        self.parameter.drive().add_to(&mut field);
         Motion { field, parameter: 1.0 }
     }
 
