@@ -14,6 +14,7 @@ use super::input::Strands;
 use super::zone::straight::{chord, cut};
 use super::zone::{Joint, Pair, Piece};
 use crate::math::Vec3;
+use crate::math::groups::Groups;
 
 /// A maximal interval of one curve whose points have a point of the partner interval within range.
 ///
@@ -198,9 +199,7 @@ pub(crate) fn join(
     let key = |p: &Part| (p.curve, p.partner);
     in_order(lists, num_segments, workspace);
     let Workspace { parts, groups, zone_of, .. } = workspace;
-    groups.clear();
-    groups.extend(0..parts.len() as u32);
-    let mut groups = Groups(groups);
+    let mut groups = Groups::apart(parts.len(), groups);
     // Parts that reach as far as the present start.
     let mut active: Vec<usize> = Vec::new();
     for k in 0..parts.len() {
@@ -219,13 +218,13 @@ pub(crate) fn join(
     zone_of.clear();
     zone_of.resize(parts.len(), u32::MAX);
     for (k, part) in parts.iter().enumerate() {
-        let root = groups.root(k);
-        if zone_of[root] == u32::MAX {
-            zone_of[root] = zones.len() as u32;
+        let first = groups.first(k);
+        if zone_of[first] == u32::MAX {
+            zone_of[first] = zones.len() as u32;
             let (curve, partner) = (part.curve as usize, part.partner as usize);
             zones.push(Zone { curve, arc: part.arc, partner, partner_arc: part.partner_arc, gap: part.gap });
         }
-        let zone = &mut zones[zone_of[root] as usize];
+        let zone = &mut zones[zone_of[first] as usize];
         zone.arc[1] = zone.arc[1].max(part.arc[1]);
         zone.partner_arc = [zone.partner_arc[0].min(part.partner_arc[0]), zone.partner_arc[1].max(part.partner_arc[1])];
         zone.gap = zone.gap.min(part.gap);
@@ -271,24 +270,6 @@ fn in_order(lists: &[Vec<Part>], num_segments: usize, workspace: &mut Workspace)
         if curve.iter().any(|p| p.partner != curve[0].partner) {
             curve.sort_by_key(|p| p.partner);
         }
-    }
-}
-
-/// Union and find, smallest index as root.
-struct Groups<'a>(&'a mut [u32]);
-
-impl Groups<'_> {
-    fn root(&mut self, mut k: usize) -> usize {
-        while self.0[k] as usize != k {
-            self.0[k] = self.0[self.0[k] as usize];
-            k = self.0[k] as usize;
-        }
-        k
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = a.min(b) as u32;
     }
 }
 

@@ -1,8 +1,9 @@
 //! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein and Chebyshev
-//! polynomials, minimisation, topology of closed curves.
+//! polynomials, minimisation, groups, topology of closed curves.
 
 pub mod bernstein;
 pub(crate) mod chebyshev;
+pub(crate) mod groups;
 pub mod link;
 pub mod minimise;
 pub mod quadrature;

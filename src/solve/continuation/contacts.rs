@@ -4,6 +4,7 @@
 use crate::contact::arc::{self, ascending};
 use crate::contact::chain::{Link, pieces};
 use crate::contact::curve::CurveSet;
+use crate::math::groups::Groups;
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
 
@@ -115,22 +116,21 @@ fn groups(set: &CurveSet, places: &[Place], reach: f64) -> Vec<usize> {
         }
     }
     along.sort_by(|x, y| x.0.curves.cmp(&y.0.curves).then(x.0.arcs[0][0].total_cmp(&y.0.arcs[0][0])));
-    let mut leaders: Vec<usize> = (0..places.len()).collect();
+    let mut scratch = Vec::new();
+    let mut groups = Groups::apart(places.len(), &mut scratch);
     for (k, (place, index)) in along.iter().enumerate() {
         let end = place.arcs[0][1] + reach;
         let in_reach = |other: &&(Place, usize)| other.0.curves == place.curves && other.0.arcs[0][0] <= end;
         for (other, partner) in along[k + 1..].iter().take_while(in_reach) {
             if near(set, place, other, reach) {
-                let (x, y) = (leader(&mut leaders, *index), leader(&mut leaders, *partner));
-                leaders[x.max(y)] = x.min(y);
+                groups.join(*index, *partner);
             }
         }
     }
-    // a leader is the first of its group
     let mut numbers = vec![0; places.len()];
     let mut count = 0;
     for index in 0..places.len() {
-        let first = leader(&mut leaders, index);
+        let first = groups.first(index);
         if first == index {
             numbers[index] = count;
             count += 1;
@@ -139,14 +139,6 @@ fn groups(set: &CurveSet, places: &[Place], reach: f64) -> Vec<usize> {
         }
     }
     numbers
-}
-
-fn leader(leaders: &mut [usize], mut index: usize) -> usize {
-    while leaders[index] != index {
-        leaders[index] = leaders[leaders[index]];
-        index = leaders[index];
-    }
-    index
 }
 
 #[cfg(test)]

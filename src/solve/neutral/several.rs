@@ -6,6 +6,7 @@
 
 use super::{Supports, holds_all, is_free, rigid_motions, spin_of, spins, subtract};
 use crate::contact::detect::Meeting;
+use crate::math::groups::Groups;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
 
@@ -106,22 +107,16 @@ fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> Motion {
 
 /// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
 fn groups(engine: &Engine, meetings: &[Meeting]) -> Vec<Vec<usize>> {
-    let mut leader: Vec<usize> = (0..engine.model.rods.len()).collect();
-    let find = |leader: &[usize], mut rod: usize| {
-        while leader[rod] != rod {
-            rod = leader[rod];
-        }
-        rod
-    };
+    let mut scratch = Vec::new();
+    let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
     if let Some(side) = &engine.contact {
         for meeting in meetings {
             let [a, _, b, _] = side.nodes_of(meeting).map(|node| engine.rod_of(node));
-            let (a, b) = (find(&leader, a), find(&leader, b));
-            leader[a.max(b)] = a.min(b);
+            touching.join(a, b);
         }
     }
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); leader.len()];
-    (0..leader.len()).for_each(|rod| groups[find(&leader, rod)].push(rod));
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); engine.model.rods.len()];
+    (0..groups.len()).for_each(|rod| groups[touching.first(rod)].push(rod));
     groups.retain(|group| !group.is_empty());
     groups
 }
