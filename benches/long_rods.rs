@@ -13,9 +13,12 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
+mod fit;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use fit::exponent;
 use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{NewtonOptions, Options, Solver, Status};
@@ -50,15 +53,6 @@ fn peak_memory() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
     line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok()).map_or(0.0, |kib| kib / 1024.0)
-}
-
-/// Least-squares slope of log(time) against log(nodes).
-fn exponent(points: &[(f64, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    let n = logs.len() as f64;
-    let (mx, my) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
-    let (xy, xx) = logs.iter().fold((0.0, 0.0), |s, p| (s.0 + (p.0 - mx) * (p.1 - my), s.1 + (p.0 - mx).powi(2)));
-    xy / xx
 }
 
 fn main() {

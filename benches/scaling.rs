@@ -18,6 +18,7 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
+mod fit;
 mod inputs;
 mod rivals;
 
@@ -25,6 +26,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
+use fit::exponent;
 use inputs::Kind;
 use supercoil::contact::capsule::segment_distance;
 use supercoil::contact::detect::Want;
@@ -213,15 +215,6 @@ fn round(name: &str, arguments: &Arguments) {
         let whole = median(arguments.repeat, || detector.detect(&curve).unwrap().sites.len());
         println!("ours {name} {:.6}\nours sites {}", whole.0, whole.1);
     }
-}
-
-/// Slope of log(time) against log(segments).
-fn exponent(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let log: Vec<(f64, f64)> = points.iter().map(|p| (p.0.ln(), p.1.ln())).collect();
-    let (mx, my) = (log.iter().map(|p| p.0).sum::<f64>() / n, log.iter().map(|p| p.1).sum::<f64>() / n);
-    let xy: f64 = log.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-    xy / log.iter().map(|p| (p.0 - mx) * (p.0 - mx)).sum::<f64>()
 }
 
 fn of<'a>(rows: &'a [Row], input: &'a str, stage: &'a str, threads: usize) -> Vec<(f64, f64)> {
