@@ -11,7 +11,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
-use common::{any_equilibrium, observed, verify};
+use common::{any_equilibrium, observed, root, runge_kutta, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
@@ -203,28 +203,12 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
 /// dead end load P = F/2, B θ'' = −P cos θ, θ(0) = 0, θ'(L/4) = 0. Returns end deflection ∫sin θ, shortening ∫(1 − cos
 /// θ) and θ'(0).
 fn elastica_quarter(force: f64) -> [f64; 3] {
-    let (steps, length, load) = (4000, 0.25, 0.5 * force);
-    let h = length / f64::from(steps);
-    let shoot = |start: f64| {
-        let slope = |y: &[f64; 4]| [y[1], -load * y[0].cos(), y[0].sin(), 1.0 - y[0].cos()];
-        let mut y = [0.0, start, 0.0, 0.0];
-        for _ in 0..steps {
-            let moved = |k: &[f64; 4], t: f64| -> [f64; 4] { std::array::from_fn(|i| y[i] + t * k[i]) };
-            let k1 = slope(&y);
-            let k2 = slope(&moved(&k1, 0.5 * h));
-            let k3 = slope(&moved(&k2, 0.5 * h));
-            let k4 = slope(&moved(&k3, h));
-            y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-        }
-        y
-    };
-    let (mut low, mut high) = (0.0, load * length);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        *(if shoot(middle)[1] < 0.0 { &mut low } else { &mut high }) = middle;
-    }
-    let end = shoot(low);
-    [end[2], end[3], low]
+    let (length, load) = (0.25, 0.5 * force);
+    let rate = |y: &[f64; 4]| [y[1], -load * y[0].cos(), y[0].sin(), 1.0 - y[0].cos()];
+    let shoot = |start: f64| runge_kutta::along(rate, [0.0, start, 0.0, 0.0], length, 4000);
+    let start = root(0.0, load * length, |start| shoot(start)[1]);
+    let end = shoot(start);
+    [end[2], end[3], start]
 }
 
 /// Two beams that cross at right angles, their ends guided (free to slide along the beam, not to turn), pressed into

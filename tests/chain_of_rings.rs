@@ -23,7 +23,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use common::verify;
+use common::{root, runge_kutta, verify};
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::scene::Scene;
@@ -31,29 +31,9 @@ use supercoil::solve::{self, Options, Status};
 
 /// Angle and distance along the force at the end of a quarter of the elastica, from θ = π/2 with curvature `k`.
 fn quarter(force: f64, k: f64) -> [f64; 2] {
-    const STEPS: usize = 400;
-    let h = 0.5 * PI / STEPS as f64;
-    let rate = |y: [f64; 3]| [y[1], -0.5 * force * y[0].sin(), y[0].cos()];
-    let along = |y: [f64; 3], k: [f64; 3], t: f64| std::array::from_fn(|i| y[i] + t * k[i]);
-    let mut y = [0.5 * PI, k, 0.0];
-    for _ in 0..STEPS {
-        let k1 = rate(y);
-        let k2 = rate(along(y, k1, 0.5 * h));
-        let k3 = rate(along(y, k2, 0.5 * h));
-        let k4 = rate(along(y, k3, h));
-        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-    }
+    let rate = |y: &[f64; 3]| [y[1], -0.5 * force * y[0].sin(), y[0].cos()];
+    let y = runge_kutta::along(rate, [0.5 * PI, k, 0.0], 0.5 * PI, 400);
     [y[0], y[2]]
-}
-
-/// Where an increasing function vanishes.
-fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    assert!(f(low) < 0.0 && f(high) > 0.0);
-    while high - low > 1e-13 * high {
-        let middle = 0.5 * (low + high);
-        *(if f(middle) > 0.0 { &mut high } else { &mut low }) = middle;
-    }
-    0.5 * (low + high)
 }
 
 /// The force that stretches a ring of radius 1 to a width.

@@ -27,7 +27,7 @@ mod common;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use common::{history, observed, verify};
+use common::{history, observed, root, verify};
 use supercoil::math::Vec3;
 use supercoil::math::link::writhe;
 use supercoil::observe::observe;
@@ -105,17 +105,6 @@ fn seen(all: Observation, solver: &Solver) -> Seen {
 fn localised(m: f64) -> (f64, f64) {
     let root = (PHI - 4.0 * m.acos()) / (2.0 * m);
     (4.0 / root * (1.0 - m * m).sqrt(), root * root)
-}
-
-/// m between `low` and `high` where `f` changes sign.
-fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let sign = f(low).signum();
-    assert!(f(high).signum() != sign);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        *(if f(middle).signum() == sign { &mut low } else { &mut high }) = middle;
-    }
-    0.5 * (low + high)
 }
 
 /// m at the largest D.

@@ -13,7 +13,7 @@
 mod common;
 
 use common::curvature::interpolate_to_zero;
-use common::{any_equilibrium, fitted_order, path_point, verify};
+use common::{any_equilibrium, fitted_order, path_point, runge_kutta, verify};
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::nalgebra::{Matrix4, Vector4};
@@ -102,18 +102,8 @@ fn load_at_height(compliance: f64, height: f64, guess: &mut [f64; 4]) -> f64 {
                 let (dx, dy) = ((1.0 + normal) * cos - shear * sin, (1.0 + normal) * sin + shear * cos);
                 [dx, dy, y[3] / 1e6 - 1.0 / radius, dy * force[0] - dx * force[1]]
             };
-            let step = |y: &[f64; 4], h: f64| -> [f64; 4] {
-                let moved = |k: &[f64; 4], t: f64| -> [f64; 4] { std::array::from_fn(|i| y[i] + t * k[i]) };
-                let k1 = rate(y);
-                let k2 = rate(&moved(&k1, 0.5 * h));
-                let k3 = rate(&moved(&k2, 0.5 * h));
-                let k4 = rate(&moved(&k3, h));
-                std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
-            };
-            let h = half / STEPS as f64;
             for _ in 0..STEPS {
-                let (whole, halves) = (step(&y, h), step(&step(&y, 0.5 * h), 0.5 * h));
-                y = std::array::from_fn(|i| halves[i] + (halves[i] - whole[i]) / 15.0);
+                y = runge_kutta::extrapolated_step(&rate, &y, half / STEPS as f64);
             }
             if part == 0 {
                 apex = y[1];

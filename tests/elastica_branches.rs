@@ -14,7 +14,7 @@
 
 mod common;
 
-use common::{any_equilibrium, path_point, threshold, to_branch_point, verify};
+use common::{any_equilibrium, path_point, runge_kutta, threshold, to_branch_point, verify};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
@@ -138,20 +138,9 @@ fn the_root_seen_from_the_branch() {
 
 /// Angle at the foot of the heavy column whose top is turned by `angle` under the weight q.
 fn foot_angle(angle: f64, weight: f64) -> f64 {
-    let steps = 2000;
-    let h = -1.0 / f64::from(steps);
-    let slope = |s: f64, y: [f64; 2]| [y[1], -weight * (1.0 - s) * y[0].sin()];
-    let (mut s, mut y) = (1.0, [angle, 0.0]);
-    for _ in 0..steps {
-        let ahead = |k: [f64; 2], t: f64| [y[0] + t * k[0], y[1] + t * k[1]];
-        let k1 = slope(s, y);
-        let k2 = slope(s + 0.5 * h, ahead(k1, 0.5 * h));
-        let k3 = slope(s + 0.5 * h, ahead(k2, 0.5 * h));
-        let k4 = slope(s + h, ahead(k3, h));
-        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-        s += h;
-    }
-    y[0]
+    // s is carried along as a third unknown
+    let rate = |y: &[f64; 3]| [y[1], -weight * (1.0 - y[2]) * y[0].sin(), 1.0];
+    runge_kutta::along(rate, [angle, 0.0, 1.0], -1.0, 2000)[0]
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use common::observed;
+use common::{observed, runge_kutta};
 use supercoil::SolveError;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, Section, Shape};
@@ -58,25 +58,13 @@ fn tip(solver: &Solver) -> Vec3 {
 fn shot_tip(section: &Section, load: f64) -> (f64, f64) {
     let (b, ea, ga) = (section.bending[0], section.stretching, section.shearing[0]);
     // y = (x, y, θ, M); force is (0, P) throughout, M' = −(r' × n)
-    let slope = |y: [f64; 4]| {
+    let rate = |y: &[f64; 4]| {
         let (s, c) = y[2].sin_cos();
         let (stretch, shear) = (1.0 + load * s / ea, load * c / ga);
         let (dx, dy) = (c * stretch - s * shear, s * stretch + c * shear);
         [dx, dy, y[3] / b, -dx * load]
     };
-    let shoot = |moment: f64| {
-        let (steps, mut y) = (4000, [0.0, 0.0, 0.0, moment]);
-        let h = 1.0 / steps as f64;
-        for _ in 0..steps {
-            let plus = |k: [f64; 4], t: f64| std::array::from_fn(|i| y[i] + t * k[i]);
-            let k1 = slope(y);
-            let k2 = slope(plus(k1, 0.5 * h));
-            let k3 = slope(plus(k2, 0.5 * h));
-            let k4 = slope(plus(k3, h));
-            y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-        }
-        y
-    };
+    let shoot = |moment: f64| runge_kutta::along(rate, [0.0, 0.0, 0.0, moment], 1.0, 4000);
     let (mut a, mut c) = (0.5 * load, 0.6 * load);
     let (mut fa, mut fc) = (shoot(a)[3], shoot(c)[3]);
     for _ in 0..60 {

@@ -23,6 +23,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::runge_kutta::extrapolated_step;
+
 /// r, t, M, n, and a direction carried along without turning about t.
 type State = [f64; 15];
 
@@ -87,31 +89,12 @@ fn rate(y: &State) -> State {
     rate
 }
 
-fn plus(y: &State, slopes: &[(f64, &State)]) -> State {
-    std::array::from_fn(|i| y[i] + slopes.iter().map(|(h, k)| h * k[i]).sum::<f64>())
-}
-
-/// One step of the classical method of order four.
-fn step(y: &State, h: f64) -> State {
-    let k1 = rate(y);
-    let k2 = rate(&plus(y, &[(0.5 * h, &k1)]));
-    let k3 = rate(&plus(y, &[(0.5 * h, &k2)]));
-    let k4 = rate(&plus(y, &[(h, &k3)]));
-    plus(y, &[(h / 6.0, &k1), (h / 3.0, &k2), (h / 3.0, &k3), (h / 6.0, &k4)])
-}
-
-/// Extrapolated from one step and two halves: of order five.
-fn advance(y: &State, h: f64) -> State {
-    let (whole, halves) = (step(y, h), step(&step(y, 0.5 * h), 0.5 * h));
-    std::array::from_fn(|i| halves[i] + (halves[i] - whole[i]) / 15.0)
-}
-
 /// The quarter ring: states at equal steps before and after the outer contact, if there is one.
 fn quarter(start: State, place: Option<f64>, outer: f64) -> (Vec<State>, Vec<State>) {
     let run = |mut y: State, length: f64, steps: usize| {
         let mut all = vec![y];
         for _ in 0..steps {
-            y = advance(&y, length / steps as f64);
+            y = extrapolated_step(&rate, &y, length / steps as f64);
             all.push(y);
         }
         all

@@ -8,6 +8,7 @@ pub mod cases;
 pub mod curvature;
 pub mod fuzz;
 pub mod kirchhoff_ring;
+pub mod runge_kutta;
 
 use std::ops::ControlFlow;
 
@@ -54,6 +55,17 @@ pub fn threshold(mut below: f64, mut above: f64, tolerance: f64, mut unstable: i
         *(if unstable(middle) { &mut above } else { &mut below }) = middle;
     }
     0.5 * (below + above)
+}
+
+/// Where `f` changes sign between `low` and `high`, to rounding.
+pub fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let sign = f(low).signum();
+    assert!(f(high).signum() != sign, "no change of sign between {low} and {high}");
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if f(middle).signum() == sign { &mut low } else { &mut high }) = middle;
+    }
+    0.5 * (low + high)
 }
 
 /// Any equilibrium, stable or not: for staying on a branch beyond its loss of stability.
