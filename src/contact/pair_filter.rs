@@ -14,8 +14,7 @@
 //!
 //! Lanes are arrays of four f32 in structure-of-arrays order, which the compiler turns into vector instructions (f32
 //! has twice the lanes and a far cheaper division). Only differences of f64 coordinates are cast, so offsets do not
-//! matter, and the projections are shortened by
-//! [`SAFETY`]: pairs within 2e-6 of their size of the limit are kept.
+//! matter, and the projections are shortened by [`SAFETY`]: pairs within 2e-6 of their size of the limit are kept.
 
 use super::input::{Shape, Strand, Strands};
 use super::radius::Radius;

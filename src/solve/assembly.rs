@@ -16,47 +16,47 @@ use crate::sparse::Pattern;
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Potential {
+pub(crate) struct Potential {
     /// Stretch, shear, bend, twist.
-    pub elastic: [f64; 4],
+    pub(crate) elastic: [f64; 4],
     /// Energy of the contact law.
-    pub contact: f64,
+    pub(crate) contact: f64,
     /// Minus the work of dead forces and pressure.
-    pub load: f64,
+    pub(crate) load: f64,
 }
 
 impl Potential {
     /// Sum of all parts.
-    pub fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.elastic.iter().sum::<f64>() + self.contact + self.load
     }
 }
 
 /// Everything first-order at a state.
 #[derive(Debug, Clone, Default)]
-pub struct Residual {
+pub(crate) struct Residual {
     /// Gradient of the potential, six per node, supported unknowns included (there it is the reaction).
-    pub gradient: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
     /// Per unknown: sum of absolute contributions, the size against which rounding and convergence are judged.
-    pub magnitude: Vec<f64>,
+    pub(crate) magnitude: Vec<f64>,
     /// Potential.
-    pub potential: Potential,
+    pub(crate) potential: Potential,
     /// Where there is contact.
-    pub meetings: Vec<Meeting>,
+    pub(crate) meetings: Vec<Meeting>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting
     /// moment there.
-    pub seam_moments: Vec<f64>,
+    pub(crate) seam_moments: Vec<f64>,
 }
 
 /// Tangent in the pattern's values plus the load-step right-hand side.
 #[derive(Debug, Default)]
-pub struct Tangent {
+pub(crate) struct Tangent {
     /// Values of the pattern's entries.
-    pub values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// K_fp · drive per unknown (six per node).
-    pub drive: Vec<f64>,
+    pub(crate) drive: Vec<f64>,
 }
 
 /// Second derivatives with respect to the six unknowns of each of up to four nodes; blocks above the diagonal, those on

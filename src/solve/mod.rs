@@ -11,15 +11,15 @@
 //! | [`newton`], `globalise` | mixed-integration-point Newton; the guarded search near contact |
 //! | `surprise`, `step_bound`, `turning` | what a step's linear prediction missed; no strand passes another; no frame takes the other way round |
 //! | `neutral` | motions that nothing resists |
-//! | [`assembly`], [`engine`], `contact_side`, `state` | gradient and tangent; the problem assembled; contact in it; the configuration and how it moves |
+//! | `assembly`, `engine`, `contact_side`, `state` | gradient and tangent; the problem assembled; contact in it; the configuration and how it moves |
 //! | `fields`, `footprint`, `timing`, `refine` | what a state looks like along the rods; what it takes; the same on a finer mesh or under a harder law |
 
-pub mod assembly;
+pub(crate) mod assembly;
 mod balance;
 mod coarse_first;
 mod contact_side;
 pub mod continuation;
-pub mod engine;
+pub(crate) mod engine;
 mod fields;
 mod footprint;
 mod globalise;

@@ -50,18 +50,18 @@ pub struct Iteration {
 /// How an equilibrium search ended.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub struct NewtonReport {
+pub(crate) struct NewtonReport {
     /// Met the tolerance.
-    pub converged: bool,
+    pub(crate) converged: bool,
     /// History.
-    pub iterations: Vec<Iteration>,
+    pub(crate) iterations: Vec<Iteration>,
     /// Unstable directions of the last tangent (without shift).
-    pub num_unstable: usize,
+    pub(crate) num_unstable: usize,
 }
 
 /// Matrix, factorisation and their life between calls.
 #[derive(Debug, Default)]
-pub struct Workspace {
+pub(crate) struct Workspace {
     pattern: Option<Pattern>,
     factor: Option<Factor>,
     pub(crate) tangent: Tangent,
@@ -88,6 +88,7 @@ pub struct Workspace {
 
 /// Iterations allowed to the search without shifts.
 const MAX_DIRECT: usize = 15;
+
 impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
@@ -98,7 +99,7 @@ impl Workspace {
     ///
     /// # Errors
     /// Numbers that break down; not converging is in the report.
-    pub fn equilibrate(
+    pub(crate) fn equilibrate(
         &mut self,
         engine: &mut Engine,
         drive: &Drive,
@@ -392,7 +393,7 @@ impl Workspace {
     }
 
     /// Linearises at the engine's state with its actual stresses and counts negative eigenvalues.
-    pub fn count_unstable(&mut self, engine: &mut Engine) -> Result<usize, SolveError> {
+    pub(crate) fn count_unstable(&mut self, engine: &mut Engine) -> Result<usize, SolveError> {
         let state = engine.state.clone();
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);

@@ -42,8 +42,8 @@ impl Place {
     }
 }
 
-/// A run between two steps as plain data: 88 bytes a node for the state, and as much for each of up to three earlier
-/// ones.
+/// A run between two steps as plain data: 80 bytes a node for the state and for each of up to three earlier ones, 8 for
+/// offsets of contact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Restart {
     /// Where the run stands.

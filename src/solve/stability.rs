@@ -38,7 +38,7 @@ impl Workspace {
     ///
     /// # Errors
     /// When no shift makes the tangent positive definite.
-    pub fn negative_direction(&mut self, engine: &mut Engine) -> Result<Vec<f64>, SolveError> {
+    pub(crate) fn negative_direction(&mut self, engine: &mut Engine) -> Result<Vec<f64>, SolveError> {
         let mut shift = 1.0;
         while self.factorise(engine, shift) != Some(0) {
             shift *= 2.0;
