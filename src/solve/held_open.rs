@@ -13,8 +13,9 @@ use crate::solve::assembly::Residual;
 use crate::solve::contact_side::ContactSide;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
-use crate::solve::settle::TOL_OPENING;
 
+/// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
+pub(super) const TOL_OPENING: f64 = 1e-6;
 /// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too
 /// high by.
 pub(super) const TOL_HELD_OPEN: f64 = 1e-9;

@@ -5,10 +5,9 @@ use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::contact_side::ContactSide;
-use crate::solve::held_open::{HeldOpen, TOL_HELD_OPEN};
+use crate::solve::held_open::{HeldOpen, TOL_HELD_OPEN, TOL_OPENING};
 use crate::solve::path::Solver;
 use crate::solve::per_contact::{self, PerContact};
-use crate::solve::settle::TOL_OPENING;
 
 /// Pressure over that of a core law at which its stiffness is taken.
 const USUAL_PRESSURE: f64 = 0.1;

@@ -36,8 +36,6 @@ const PREDICTED_ITERATIONS: usize = 20;
 const LARGEST_PREDICTED_TURN: f64 = 0.3;
 /// Iterations spent on one hardening stage before it is given up.
 pub(super) const HARDENING_ITERATIONS: usize = 100;
-/// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
-pub(super) const TOL_OPENING: f64 = 1e-6;
 
 /// Snapshot that a failed step returns to.
 #[derive(Clone)]
