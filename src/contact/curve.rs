@@ -143,6 +143,12 @@ impl Cubic {
     }
 }
 
+/// Length of a vector of any magnitude.
+pub(super) fn norm(v: &Vec3) -> f64 {
+    let size = v.amax();
+    if size == 0.0 || (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
+}
+
 /// Angle between two vectors in \[0, π\], accurate at both ends and for any magnitudes; 0 if either is zero.
 #[must_use]
 pub fn angle(a: &Vec3, b: &Vec3) -> f64 {

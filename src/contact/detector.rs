@@ -5,7 +5,7 @@ use std::cell::Cell;
 use rayon::prelude::*;
 
 use super::broad_phase::BroadPhase;
-use super::curve::{Cubic, CurveInput, CurveSet};
+use super::curve::{Cubic, CurveInput, CurveSet, norm};
 use super::detect::{self, Ground, PairForce, PairTerm, Pressures, Want};
 use super::exclusion::{Exclusion, bytes};
 use super::input::{Curve, Shape, Strands};
@@ -483,11 +483,6 @@ fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) 
         }
     }
     minima.truncate(kept);
-}
-
-pub(super) fn norm(v: &Vec3) -> f64 {
-    let size = v.amax();
-    if size == 0.0 || (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
 }
 
 /// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for

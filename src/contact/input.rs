@@ -3,7 +3,7 @@
 use super::curve::{Cubic, CurveSet};
 use super::radius::Radius;
 use crate::error::InputError;
-use crate::math::Vec3;
+use crate::math::{LARGEST, Vec3};
 
 /// Parameters this near an end of a segment are its joint.
 pub(crate) const JOINT: f64 = 1e-9;
@@ -110,10 +110,6 @@ fn check_pieces(pieces: &[Cubic], closed: bool, field: &dyn Fn(&str) -> String) 
     }
     Ok(())
 }
-
-/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at
-/// 1.8e308 was once given a site 1.2 beyond the range: squares of its edges were infinite.)
-pub(super) const LARGEST: f64 = 1e100;
 
 fn check_finite(p: &Vec3, field: impl Fn() -> String) -> Result<(), InputError> {
     if p.iter().all(|x| x.abs() <= LARGEST) {

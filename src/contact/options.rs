@@ -1,7 +1,7 @@
 //! What the detector is asked for.
 
-use super::input::LARGEST;
 use crate::error::InputError;
+use crate::math::LARGEST;
 
 /// Which segments of one curve are too close along it to be in contact with each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -1,7 +1,7 @@
 //! Contact radius of a curve: one number, or one for each segment.
 
-use super::input::LARGEST;
 use crate::error::InputError;
+use crate::math::LARGEST;
 
 /// Contact radius of a curve \[L\], greater than 0.
 ///

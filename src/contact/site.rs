@@ -7,7 +7,7 @@
 //! one-sided slopes decide separately. This is why every local minimum of a pair of polylines is found and none is
 //! invented.
 
-use super::detector::norm;
+use super::curve::norm;
 use super::input::{JOINT, Strands};
 use crate::math::Vec3;
 

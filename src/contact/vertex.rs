@@ -1,7 +1,6 @@
 //! Minima of the distance at kinks and open ends of curves, by their one-sided slopes.
 
-use super::curve::angle;
-use super::detector::norm;
+use super::curve::{angle, norm};
 use super::input::Strands;
 use super::projection::{Feet, local_minima};
 use super::site::Minimum;

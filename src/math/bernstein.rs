@@ -100,6 +100,20 @@ impl Roots {
 }
 
 /// p(t) by de Casteljau's algorithm. `coeffs` holds the degree + 1 Bernstein coefficients, at most 8; an empty slice is
+/// The four cubic Bernstein polynomials at u.
+#[inline]
+pub(crate) fn cubic_weights(u: f64) -> [f64; 4] {
+    let t = 1.0 - u;
+    [t * t * t, 3.0 * t * t * u, 3.0 * t * u * u, u * u * u]
+}
+
+/// Their slopes.
+#[inline]
+pub(crate) fn cubic_slopes(u: f64) -> [f64; 4] {
+    let t = 1.0 - u;
+    [-3.0 * t * t, 3.0 * t * (t - 2.0 * u), 3.0 * u * (2.0 * t - u), 3.0 * u * u]
+}
+
 /// 0.
 #[must_use]
 pub fn eval(coeffs: &[f64], t: f64) -> f64 {

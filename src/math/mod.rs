@@ -14,6 +14,10 @@ pub(crate) mod random;
 pub mod shape_functions;
 pub(crate) mod two_sum;
 
+/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at
+/// 1.8e308 was once given a site 1.2 beyond the range: squares of its edges were infinite.)
+pub(crate) const LARGEST: f64 = 1e100;
+
 /// Vector of ℝ³.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// 3×3 matrix.

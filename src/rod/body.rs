@@ -1,15 +1,12 @@
 //! A rod: section, elements, nodes and the natural (stress-free) state.
 
 use crate::error::InputError;
-use crate::math::{Quat, Vec3};
+use crate::math::{LARGEST, Quat, Vec3};
 use crate::rod::{Section, Shape};
 
 /// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a
 /// turn would not have.
 pub const MAX_TURN: f64 = 0.4;
-
-/// Largest coordinate of a node: products of three stay finite.
-const LARGEST: f64 = 1e100;
 
 /// The stress-free state of a rod.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,10 +3,10 @@
 use super::guess::Interpolation;
 use super::pressure::{Local, without_limit};
 use super::stiffness::{Coordinates, Stiffness};
-use super::surprise::Touched;
-use super::term::{Besides, PairForce, PairTerm, Want, ZonePiece};
+use super::term::{Besides, PairForce, PairTerm, Touched, Want, ZonePiece};
 use crate::contact::zone::straight::Lines;
 use crate::contact::zone::{Branch, FootKind, Piece, Touch};
+use crate::math::bernstein::{cubic_slopes, cubic_weights};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 
@@ -139,16 +139,6 @@ impl PairForce {
     }
 }
 
-pub(super) fn bernstein_weights(u: f64) -> [f64; 4] {
-    let t = 1.0 - u;
-    [t * t * t, 3.0 * t * t * u, 3.0 * t * u * u, u * u * u]
-}
-
-fn bernstein_slopes(u: f64) -> [f64; 4] {
-    let t = 1.0 - u;
-    [-3.0 * t * t, 3.0 * t * (t - 2.0 * u), 3.0 * u * (2.0 * t - u), 3.0 * u * u]
-}
-
 /// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
 fn add_touch(
     term: &mut PairTerm,
@@ -168,7 +158,7 @@ fn add_touch(
     if distance == 0.0 {
         return law.pressure;
     }
-    let (wa, wb) = (bernstein_weights(u), bernstein_weights(v));
+    let (wa, wb) = (cubic_weights(u), cubic_weights(v));
     let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
     let push = normal * (weight * law.pressure);
     for m in 0..8 {
@@ -180,7 +170,7 @@ fn add_touch(
     stiffness.subtract_spread(&w, weight * over_d);
     if matches!(kind, FootKind::Orthogonal | FootKind::Fold) {
         let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
-        let slopes = bernstein_slopes(v);
+        let slopes = cubic_slopes(v);
         let along = db / -distance;
         let way = |m: usize| if m < 4 { along * w[m] } else { along * w[m] - normal * slopes[m - 4] };
         stiffness.add_product(&std::array::from_fn(way), weight * carried / d_vv);

@@ -6,12 +6,12 @@
 //! turn. Gaps are compared where the points in contact have gone: along either strand, by as much as the motion slides
 //! them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
 
-use super::integral::bernstein_weights;
 use super::stiffness::Coordinates;
-use super::term::Meeting;
+use super::term::{Meeting, Touched};
 use crate::contact::curve::{Cubic, CurveSet};
 use crate::contact::zone::FootKind;
 use crate::math::Vec3;
+use crate::math::bernstein::cubic_weights;
 
 /// Segments passed, and Newton steps for a foot, at most.
 const MAX_STEPS: usize = 16;
@@ -19,16 +19,6 @@ const MAX_STEPS: usize = 16;
 const SAME_FOOT: f64 = 1e-9;
 /// Square of the difference of unit tangents below which lines are taken for parallel.
 const SAME_DIRECTION: f64 = 0.01;
-
-/// A quadrature point in contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Touched {
-    pub(super) u: f64,
-    pub(super) v: f64,
-    pub(super) kind: FootKind,
-    /// Weight × stiffness of the law \[F/L\].
-    pub(super) stiffness: f64,
-}
 
 /// Σ W k e ∂gap/∂x, e = gap(moved) − gap − δgap, of a term with respect to the ends of `cubics` (slave and master where
 /// the term was evaluated): the gradient, six coordinates an end, of a law that went on linearly. `change` is the
@@ -104,7 +94,7 @@ fn sum_of_gaps(
             continue;
         }
         let normal = chord / distance;
-        let (wa, wb) = (bernstein_weights(point.u), bernstein_weights(point.v));
+        let (wa, wb) = (cubic_weights(point.u), cubic_weights(point.v));
         let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
         let apart: Vec3 = w.iter().zip(change).map(|(w, change)| change * *w).sum();
         let here = Here { distance, normal, linear: normal.dot(&apart), approach: -apart };

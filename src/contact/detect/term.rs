@@ -1,9 +1,8 @@
 //! Terms of the contact potential: what a pair of segments in contact gives.
 
 use super::stiffness::Blocks;
-use super::surprise::Touched;
 use crate::contact::input::Strands;
-use crate::contact::zone::Piece;
+use crate::contact::zone::{FootKind, Piece};
 use crate::math::{Mat3, Vec3};
 
 /// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
@@ -67,6 +66,16 @@ impl PairTerm {
         }
         sum
     }
+}
+
+/// A quadrature point in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Touched {
+    pub(super) u: f64,
+    pub(super) v: f64,
+    pub(super) kind: FootKind,
+    /// Weight × stiffness of the law \[F/L\].
+    pub(super) stiffness: f64,
 }
 
 /// What [`evaluate`](super::evaluate) computes.
