@@ -145,10 +145,8 @@ fn supercoil(seed: u64, way: Way) -> bool {
 }
 
 fn all(seeds: std::ops::Range<u64>, way: Way) {
-    let count = seeds.end - seeds.start;
     let failed: Vec<u64> = seeds.filter(|&seed| !supercoil(seed, way)).collect();
-    println!("{} of {count} runs did not come to rest: {failed:?}", failed.len());
-    assert!(10 * failed.len() as u64 <= count, "{failed:?}");
+    assert!(failed.is_empty(), "did not come to rest: {failed:?}");
 }
 
 #[test]
