@@ -14,25 +14,12 @@ use supercoil::math::{Quat, Vec3};
 mod random;
 use random::Random;
 
+#[path = "common/smooth_curves.rs"]
+mod smooth_curves;
+use smooth_curves::harmonics;
+
 const RADIUS: f64 = 0.1;
 const RANGE: f64 = 0.3;
-
-/// Closed curve of three random harmonics, n pieces.
-fn smooth(rng: &mut Random, n: usize) -> Vec<Cubic> {
-    let waves: Vec<(Vec3, Vec3)> = (1..4).map(|k| (rng.vector() / f64::from(k), rng.vector() / f64::from(k))).collect();
-    let at = |i: usize| {
-        let t = 2.0 * PI * (i % n) as f64 / n as f64;
-        let (mut p, mut m) = (Vec3::zeros(), Vec3::zeros());
-        for (k, (a, b)) in waves.iter().enumerate() {
-            let w = (k + 1) as f64;
-            let (s, c) = (w * t).sin_cos();
-            p += a * c + b * s;
-            m += (b * c - a * s) * w;
-        }
-        (p, m * (2.0 * PI / n as f64))
-    };
-    (0..n).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
-}
 
 fn find(a: &[Cubic], b: &[Cubic], unit: f64) -> Contacts {
     let set = [Curve::cubics(a, RADIUS * unit).closed(), Curve::cubics(b, RADIUS * unit).closed()];
@@ -78,7 +65,7 @@ fn same_sites_under_motion_unit_offset_reversal_and_swap() {
     let mut rng = Random(77);
     let (mut total, mut zones) = (0, 0);
     for case in 0..12 {
-        let (a, b) = (smooth(&mut rng, 64), smooth(&mut rng, 64));
+        let (a, b) = (harmonics(&mut rng, 64, 1.0), harmonics(&mut rng, 64, 1.0));
         let base = find(&a, &b, 1.0);
         let expected = between(&base, 1.0, false);
         total += expected.len();

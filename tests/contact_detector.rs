@@ -18,6 +18,10 @@ use inputs::Kind;
 mod random;
 use random::Random;
 
+#[path = "common/smooth_curves.rs"]
+mod smooth_curves;
+use smooth_curves::helix;
+
 fn options(range: f64, neighbours: Neighbours) -> Options {
     Options { range, neighbours, ..Options::default() }
 }
@@ -159,16 +163,6 @@ fn reference_counts() {
         assert!(wanted.iter().all(|p| list.binary_search(p).is_ok()));
         assert!(list.len() <= wanted.len() + wanted.len() / 1000 + 1);
     }
-}
-
-fn helix(n: usize, turns: f64, phase: f64, radius: f64) -> Vec<Cubic> {
-    let h = turns * 2.0 * PI / n as f64;
-    let at = |k: usize| {
-        let t = h * k as f64;
-        let (s, c) = (t + phase).sin_cos();
-        (Vec3::new(c, s, 0.4 * t) * radius, Vec3::new(-s, c, 0.4) * (radius * h))
-    };
-    (0..n).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
 }
 
 #[test]

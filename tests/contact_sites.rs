@@ -10,6 +10,10 @@ use supercoil::math::Vec3;
 mod random;
 use random::Random;
 
+#[path = "common/smooth_curves.rs"]
+mod smooth_curves;
+use smooth_curves::{harmonics, helix};
+
 fn options(range: f64, neighbours: Neighbours) -> Options {
     Options { range, neighbours, ..Options::default() }
 }
@@ -83,39 +87,13 @@ fn sites_of_polylines_match_sampling() {
     assert!(total > 150, "{total}");
 }
 
-fn helix(n: usize, turns: f64, phase: f64, radius: f64) -> Vec<Cubic> {
-    let h = turns * 2.0 * PI / n as f64;
-    let at = |k: usize| {
-        let t = h * k as f64;
-        let (s, c) = (t + phase).sin_cos();
-        (Vec3::new(c, s, 0.4 * t) * radius, Vec3::new(-s, c, 0.4) * (radius * h))
-    };
-    (0..n).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
-}
-
 /// Crossing smooth curves: the sites of cubics are those of brute-force minimisation.
 #[test]
 fn sites_of_cubics_match_sampling() {
     let mut rng = Random(4);
     let mut total = 0;
     for case in 0..40 {
-        let mut smooth = |n: usize| -> Vec<Cubic> {
-            let waves: Vec<(Vec3, Vec3)> =
-                (0..3).map(|k| (rng.vector() / f64::from(k + 1), rng.vector() / f64::from(k + 1))).collect();
-            let at = |i: usize| {
-                let t = 2.0 * PI * i as f64 / n as f64 * 0.8;
-                let (mut p, mut m) = (Vec3::zeros(), Vec3::zeros());
-                for (k, (a, b)) in waves.iter().enumerate() {
-                    let w = (k + 1) as f64;
-                    let (s, c) = (w * t).sin_cos();
-                    p += a * c + b * s;
-                    m += (b * c - a * s) * w;
-                }
-                (p, m * (2.0 * PI * 0.8 / n as f64))
-            };
-            (0..n).map(|k| Cubic::from_hermite(at(k).0, at(k).1, at(k + 1).0, at(k + 1).1)).collect()
-        };
-        let (a, b) = (smooth(48), smooth(48));
+        let (a, b) = (harmonics(&mut rng, 48, 0.8), harmonics(&mut rng, 48, 0.8));
         let range = 0.6;
         let Ok(found) = detect(&[Curve::cubics(&a, 0.1), Curve::cubics(&b, 0.1)], options(range, Neighbours::Turning))
         else {
