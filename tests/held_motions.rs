@@ -101,7 +101,8 @@ fn pressed_ring_clamped_at_one_node() {
 
 /// A heavy ring clamped where its tangent is vertical swings about it at no cost, whatever it weighs; the same ring in
 /// the plane cannot. Before, it ended as unstable before any weight was on it, and so did one in a tilted plane, which
-/// weight turns.
+/// weight turns. Standing upright on a horizontal tangent it falls: the motion that costs nothing without weight is
+/// found to be unstable with it, and left.
 #[test]
 fn heavy_ring_clamped_at_one_node() {
     let hung = |normal: [f64; 3], weight: [f64; 3], planar: bool| {
@@ -111,22 +112,27 @@ fn heavy_ring_clamped_at_one_node() {
              [[supports]]\nat = 0\nposition = true\nrotation = true\n[[line_loads]]\nforce = {weight:?}\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 5\n"
         );
         let scene = Scene::from_toml(&text, Path::new("")).unwrap();
-        let mut last = None;
+        let (mut last, mut departures) = (None, 0);
         let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
             last = Some(observe(progress));
+            departures += progress.report.departures;
             ControlFlow::Continue(())
         });
         assert_eq!(solution.unwrap().status, Status::Converged, "{normal:?}");
         let last = last.unwrap();
         let error = Vec3::from(last.reactions[0].force) + 2.0 * PI * Vec3::from(weight);
         verify("heavy ring clamped at one node", "force of the clamp on its weight", error.norm(), 0.0, 1e-7);
-        last.energies.total
+        (last.energies.total, departures)
     };
-    let in_plane = hung([0.0, 0.0, 1.0], [0.0, -3.0, 0.0], true);
+    let (in_plane, _) = hung([0.0, 0.0, 1.0], [0.0, -3.0, 0.0], true);
     for (normal, weight) in
         [([0.0, 1.0, 0.0], [0.0, 0.0, -3.0]), ([1.0, 0.0, 0.0], [0.0, 0.0, -3.0]), ([0.0, 0.0, 1.0], [0.0, -3.0, 0.0])]
     {
-        verify("heavy ring clamped at one node", "energy, B/R", hung(normal, weight, false), in_plane, 1e-8 * in_plane);
+        let (energy, _) = hung(normal, weight, false);
+        verify("heavy ring clamped at one node", "energy, B/R", energy, in_plane, 1e-8 * in_plane);
     }
+    let [(hanging, still), (fallen, left)] = [-3.0, 3.0].map(|y| hung([1.0, 0.0, 0.0], [0.0, y, 0.0], false));
+    verify("heavy ring that stood upright", "energy, B/R", fallen, hanging, 1e-8 * hanging);
+    assert_eq!((still, left), (0, 1), "unstable equilibria that were left, hanging and upright");
     hung([1.0, 1.0, 1.0], [0.0, 0.0, -3.0], false);
 }
