@@ -56,13 +56,18 @@ fn slides(engine: &Engine, rod: usize) -> bool {
 
 /// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
 fn spins(engine: &Engine, rod: usize) -> bool {
+    engine.model.rods[rod].closed && is_round(engine, rod)
+}
+
+/// Isotropic, naturally straight, in space: strains turned about the tangent cost the same.
+fn is_round(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
     let straight = match data.natural {
         Natural::Straight => true,
         Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
         Natural::AsShaped => false,
     };
-    data.closed && data.section.is_isotropic() && straight && !engine.model.planar
+    data.section.is_isotropic() && straight && !engine.model.planar
 }
 
 fn tangent_of(state: &State, node: usize) -> Vec3 {
@@ -194,26 +199,31 @@ impl Neutral {
 
     /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere and
     /// bears no loads, those that its supports let pass (a closed rod clamped at one node travels along its own shape
-    /// through the clamp, and swings about the tangent there). None otherwise.
+    /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
+    /// while it spins back). None otherwise.
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
         if engine.model.rods.len() != 1 {
             return Self::default();
         }
         let free = is_free(engine, 0);
-        if !free && (holds_all(engine, 0) || engine.bears_loads(0)) {
+        let passes_nothing = holds_all(engine, 0) && (engine.is_joined(0) || !is_round(engine, 0));
+        if !free && (passes_nothing || engine.bears_loads(0)) {
             return Self::default();
         }
         let mut neutral = Self { weights: weights(engine), ..Self::default() };
         let nodes: Vec<usize> = engine.nodes(0).collect();
         let mut motions = rigid_motions(engine, state, &nodes);
-        if spins(engine, 0) {
+        if spins(engine, 0) || !free && is_round(engine, 0) {
             motions.push(spin_of(engine, state, 0, engine.nodes(0)));
         }
         let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
         if !free {
             let supports = Supports::of(engine, &nodes);
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
+            // a straight rod between coaxial clamps turns back as much as it turns
+            let least = DEPENDENT * motions.last().map_or(0.0, |motion| neutral.dot(motion, motion)).sqrt();
             motions = supports.all_that_pass(&motions);
+            motions.retain(|motion| neutral.dot(motion, motion).sqrt() > least);
             neutral.held = true;
         }
         for motion in motions {
