@@ -56,6 +56,8 @@ struct Summary<'a> {
     rods: &'a [RodHead],
     converged: bool,
     status: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<&'a str>,
     seconds: f64,
     #[serde(rename = "final")]
     last: Option<&'a Observation>,
@@ -114,6 +116,7 @@ pub struct Record {
     last_written: Option<usize>,
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
+    failure: Option<String>,
 }
 
 impl Record {
@@ -154,6 +157,7 @@ impl Record {
             last_written: None,
             pvd: PvdWriter::new(dir.join(files::COLLECTION)),
             error_estimate: None,
+            failure: None,
         })
     }
 
@@ -215,6 +219,11 @@ impl Record {
         }
     }
 
+    /// Takes in why the run went no further, for the summary.
+    pub fn set_failure(&mut self, failure: Option<String>) {
+        self.failure = failure;
+    }
+
     /// Takes in an estimate of the final state's error, for the summary.
     pub fn set_error_estimate(&mut self, estimate: ErrorEstimate) {
         self.error_estimate = Some(estimate);
@@ -245,7 +254,8 @@ impl Record {
         let path = self.dir.join(files::SUMMARY);
         let (title, units, rods, steps) = (&self.title, &self.units, &self.rods, &self.steps);
         let (last, error_estimate) = (steps.last(), self.error_estimate.as_ref());
-        let summary = Summary { title, units, rods, converged, status, seconds, last, error_estimate, steps };
+        let failure = self.failure.as_deref();
+        let summary = Summary { title, units, rods, converged, status, failure, seconds, last, error_estimate, steps };
         let refuse = |reason: String| InputError::File { path: path.clone(), reason };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| refuse(e.to_string()))?;
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
@@ -358,6 +368,8 @@ mod tests {
             center: [0.0, 3.05],
             spread: [0.05, 0.02],
             angle: 90.0,
+            force_on_a: [0.0, 0.0, 1.0],
+            feet: [[0.0; 3]; 2],
         };
         for step in 0..100 {
             let sites = vec![site.clone()];

@@ -54,9 +54,7 @@ impl StepTable<'_> {
     /// The line of one step.
     pub fn line(step: &Observation) -> String {
         let link = step.links.first();
-        // rounding must not print as -0.0000
-        let plain = |x: f64| if x.abs() < 5e-5 { 0.0 } else { x };
-        let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9.4}", plain(x)));
+        let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9}", fixed(x, 4)));
         let gap = step.min_gap.map_or_else(|| format!("{:>11}", "-"), |gap| number(gap.lower));
         let e = &step.energies;
         let mut line = format!("{:>5}", step.step);
@@ -71,8 +69,17 @@ impl StepTable<'_> {
         if step.status != CONVERGED {
             line += &format!("  {}", step.status);
         }
+        if !step.notes.is_empty() {
+            line += "  overlap not resisted";
+        }
         line
     }
+}
+
+/// A number with so many decimals; rounding must not print as -0.00.
+pub(super) fn fixed(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    if text.bytes().any(|c| (b'1'..=b'9').contains(&c)) { text } else { text.trim_start_matches('-').to_owned() }
 }
 
 /// What [`Observation::status`] says of a converged step.
@@ -80,6 +87,7 @@ const CONVERGED: &str = "converged";
 
 /// A number in 11 columns: plain where that shows 5 digits, else in powers of ten.
 fn number(x: f64) -> String {
+    let x = x + 0.0; // + 0.0 turns −0 into 0
     if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { format!("{x:>11.4}") } else { format!("{x:>11.3e}") }
 }
 
@@ -133,28 +141,43 @@ fn cells(step: &Observation) -> Vec<Cell> {
     cells
 }
 
-/// Writes contact sites as CSV, one a line; `rods` are the names of all rods.
+/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, smallest gap, force, crossing angle,
+/// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods` are
+/// the names of all rods.
 ///
 /// # Errors
 /// [`InputError::File`] if the file cannot be written.
 pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result<(), InputError> {
-    let header = ["rod_a", "from_a", "to_a", "rod_b", "from_b", "to_b", "kind", "gap", "force", "angle"].as_slice();
-    let row = |site: &SiteReport| -> [Cell; 10] {
-        let [a, b] = [(site.rod_a, site.arc_a), (site.rod_b, site.arc_b)];
-        [
-            rods[a.0].as_str().into(),
-            a.1[0].into(),
-            a.1[1].into(),
-            rods[b.0].as_str().into(),
-            b.1[0].into(),
-            b.1[1].into(),
-            site.kind.as_str().into(),
-            site.gap.into(),
-            site.force.into(),
-            site.angle.into(),
-        ]
+    let header = [
+        "rod_a",
+        "from_a",
+        "to_a",
+        "rod_b",
+        "from_b",
+        "to_b",
+        "kind",
+        "gap",
+        "force",
+        "angle",
+        "force_on_a_x",
+        "force_on_a_y",
+        "force_on_a_z",
+        "foot_a_x",
+        "foot_a_y",
+        "foot_a_z",
+        "foot_b_x",
+        "foot_b_y",
+        "foot_b_z",
+    ];
+    let row = |site: &SiteReport| -> Vec<Cell> {
+        let strand = |rod: usize, arc: [f64; 2]| [Cell::from(rods[rod].as_str()), arc[0].into(), arc[1].into()];
+        let mut cells: Vec<Cell> = [strand(site.rod_a, site.arc_a), strand(site.rod_b, site.arc_b)].concat();
+        cells.push(site.kind.as_str().into());
+        cells.extend([site.gap, site.force, site.angle].map(Cell::from));
+        cells.extend([site.force_on_a, site.feet[0], site.feet[1]].into_iter().flatten().map(Cell::from));
+        cells
     };
-    write_table(path, header, sites.iter().map(row))
+    write_table(path, &header, sites.iter().map(row))
 }
 
 #[cfg(test)]
@@ -179,6 +202,7 @@ pub(super) mod tests {
             step,
             fraction: 0.5,
             status: CONVERGED.to_owned(),
+            notes: Vec::new(),
             links: vec![link],
             energies: Energies { bend: 123456.789, twist: 1e-9, total: 123456.789, ..Energies::default() },
             min_gap: None,
@@ -202,6 +226,12 @@ pub(super) mod tests {
         assert!(text.contains("123456.7890") && text.contains("1.000e-9"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(StepTable::line(&failed).ends_with("  stopped"));
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        assert_eq!([-0.004, -0.0, -0.006, 0.0].map(|x| fixed(x, 2)), ["0.00", "0.00", "-0.01", "0.00"]);
+        assert_eq!(number(-0.0).trim(), "0.0000");
     }
 
     #[test]

@@ -76,6 +76,11 @@ pub struct SiteReport {
     pub spread: [f64; 2],
     /// Crossing angle of the tangents where the gap is smallest, degrees in 0..=90.
     pub angle: f64,
+    /// Force on strand a \[F\], in the global axes; strand b bears the opposite. Shorter than `force` where the pressure
+    /// turns along the zone.
+    pub force_on_a: [f64; 3],
+    /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
+    pub feet: [[f64; 3]; 2],
 }
 
 /// Force and moment a support exerts on the rod.
@@ -143,6 +148,10 @@ pub struct Observation {
     pub fraction: f64,
     /// "converged" or why not.
     pub status: String,
+    /// What of the state should not be believed, in words: overlaps that contact does not resist. Contact acts between
+    /// strands, not between neighbours along one: a rod bent tighter than its contact radius overlaps itself.
+    #[serde(default)]
+    pub notes: Vec<String>,
     /// Link numbers of closed rods.
     pub links: Vec<RodLink>,
     /// Energies by kind.

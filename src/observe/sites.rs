@@ -11,6 +11,7 @@ use crate::contact::chain::{Link, TOL_FOOT, chains};
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
+use crate::math::Vec3;
 
 use super::report::{SiteKind, SiteReport};
 
@@ -34,6 +35,10 @@ struct Zone {
     gap: f64,
     /// Crossing angle where the gap is smallest, degrees.
     angle: f64,
+    /// Half of the force on strand a \[F\].
+    push: Vec3,
+    /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
+    feet: [Vec3; 2],
 }
 
 /// A force distributed along a strand.
@@ -127,8 +132,8 @@ fn zone(set: &CurveSet, chain: &[Link]) -> Zone {
 fn piece(set: &CurveSet, link: &Link) -> Zone {
     let (zone, [curve_a, curve_b], [arc_a, arc_b]) = (link.zone, link.curves, link.arcs);
     let nearest = zone.piece.nearest;
-    let (_, tangent_a, _) = set.segments[link.segments[0]].derivatives(nearest.u);
-    let (_, tangent_b, _) = set.segments[link.segments[1]].derivatives(nearest.v);
+    let (foot_a, tangent_a, _) = set.segments[link.segments[0]].derivatives(nearest.u);
+    let (foot_b, tangent_b, _) = set.segments[link.segments[1]].derivatives(nearest.v);
     let crossing = angle(&tangent_a, &tangent_b).to_degrees();
     Zone {
         curve_a,
@@ -138,6 +143,8 @@ fn piece(set: &CurveSet, link: &Link) -> Zone {
         load: load(zone, arc_a),
         gap: zone.min_gap,
         angle: crossing.min(180.0 - crossing),
+        push: zone.half_push,
+        feet: [foot_a, foot_b],
     }
 }
 
@@ -156,11 +163,12 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
 
 fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
     zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
+    zone.push += piece.push;
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
     let start = near(piece.arc_b[0], zone.arc_b[1], set.period(zone.curve_b));
     zone.arc_b[1] = start + piece.arc_b[1] - piece.arc_b[0];
     if piece.gap < zone.gap {
-        (zone.gap, zone.angle) = (piece.gap, piece.angle);
+        (zone.gap, zone.angle, zone.feet) = (piece.gap, piece.angle, piece.feet);
     }
 }
 
@@ -237,8 +245,12 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
     } else {
         hull(seen_from(false).map(|z| z.arc_b), period_b)
     };
-    let all = || members.iter().map(|m| &zones[m.0]);
-    let nearest = all().fold(first, |best, z| if z.gap < best.gap { z } else { best });
+    let closest = |best: (usize, bool), m: &(usize, bool)| if zones[m.0].gap < zones[best.0].gap { *m } else { best };
+    let (nearest, flipped) = members.iter().fold(members[0], closest);
+    let nearest = &zones[nearest];
+    let [foot, other] = nearest.feet;
+    let feet = if flipped { [other, foot] } else { [foot, other] };
+    let push = seen_from(false).map(|z| z.push).sum::<Vec3>() - seen_from(true).map(|z| z.push).sum::<Vec3>();
     let total = |flipped: bool, period: Option<f64>| {
         seen_from(flipped).map(|z| z.load).fold(Load::default(), |sum, load| {
             let shift = if sum.force > 0.0 { near(load.center, sum.center, period) - load.center } else { 0.0 };
@@ -253,7 +265,9 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
     };
     let a = (rods[first.curve_a], arc_a, center(&load_a, first.arc_a, set.period(first.curve_a)), load_a.spread());
     let b = (rods[first.curve_b], arc_b, center(&load_b, first.arc_b, period_b), load_b.spread());
-    let (a, b) = if (b.0, b.1[0]) < (a.0, a.1[0]) { (b, a) } else { (a, b) };
+    let swapped = (b.0, b.1[0]) < (a.0, a.1[0]);
+    let (a, b) = if swapped { (b, a) } else { (a, b) };
+    let (push, feet) = if swapped { (-push, [feet[1], feet[0]]) } else { (push, feet) };
     SiteReport {
         rod_a: a.0,
         arc_a: a.1,
@@ -265,6 +279,8 @@ fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize
         center: [a.2, b.2],
         spread: [a.3, b.3],
         angle: nearest.angle,
+        force_on_a: push.into(),
+        feet: feet.map(Into::into),
     }
 }
 

@@ -56,6 +56,7 @@ impl Found<'_> {
         for piece in self.pieces {
             // ½∫p uᵏ ds
             let mut moments = [0.0; 3];
+            let mut half_push = Vec3::zeros();
             let kind = piece.branch.kind;
             self.local.integrate(piece, |t, guess, weight| {
                 let (touch, rate) = (self.touch)(t, guess, &piece.branch);
@@ -71,13 +72,16 @@ impl Found<'_> {
                 moments[0] += force;
                 moments[1] += force * touch.u;
                 moments[2] += force * touch.u * touch.u;
+                if touch.distance > 0.0 {
+                    half_push += touch.normal * force;
+                }
                 if kind == FootKind::Fold { touch.u } else { touch.v }
             });
             if besides.zones {
                 let [half_force, first, second] = moments;
                 let min_gap = piece.nearest.distance - self.local.contact_distance;
                 let piece = piece.ascending();
-                term.zones.push(ZonePiece { piece, min_gap, half_force, half_moments: [first, second] });
+                term.zones.push(ZonePiece { piece, min_gap, half_force, half_moments: [first, second], half_push });
             }
         }
         term

@@ -19,6 +19,8 @@ pub struct ZonePiece {
     pub half_force: f64,
     /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: where in the piece the force sits.
     pub half_moments: [f64; 2],
+    /// ½∫p n ds \[F\], n from the foot to the slave: this strand's half of the force on the slave.
+    pub half_push: Vec3,
 }
 
 /// Contribution of one ordered pair (slave, master) that is in contact.

@@ -4,6 +4,7 @@ use crate::error::InputError;
 use crate::io::picture::{
     PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, film_strip, plot_lines,
 };
+use crate::io::table::fixed;
 use crate::math::{Mat3, Vec3};
 
 use super::still::{Still, StillRod};
@@ -58,7 +59,9 @@ impl Record {
     fn caption(&self, step: usize) -> String {
         let observation = &self.steps[step];
         match observation.links.first() {
-            Some(link) if self.has_link() => format!("ΔLk {:.2}  Wr {:.2}", link.excess_link, link.writhe),
+            Some(link) if self.has_link() => {
+                format!("ΔLk {}  Wr {}", fixed(link.excess_link, 2), fixed(link.writhe, 2))
+            }
             _ => format!("stage {} at {:.0} %", observation.stage + 1, 100.0 * observation.fraction),
         }
     }

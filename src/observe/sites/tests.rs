@@ -151,7 +151,17 @@ fn counterparts_are_those_of_brute_force() {
                 };
                 let (arc_a, ends) = (arc(curve_a), arc(curve_b));
                 let arc_b = if random() < 0.5 { ends } else { [ends[1], ends[0]] };
-                Zone { curve_a, arc_a, curve_b, arc_b, load: Load::default(), gap: 0.0, angle: 0.0 }
+                Zone {
+                    curve_a,
+                    arc_a,
+                    curve_b,
+                    arc_b,
+                    load: Load::default(),
+                    gap: 0.0,
+                    angle: 0.0,
+                    push: Vec3::zeros(),
+                    feet: [Vec3::zeros(); 2],
+                }
             })
             .collect();
         zones.sort_by(order);
