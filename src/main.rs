@@ -14,9 +14,10 @@ use supercoil::InputError;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
+use supercoil::observe::{StartOverlap, start_overlaps};
 use supercoil::scene::Scene;
 use supercoil::scene::file::Units;
-use supercoil::solve::{RunError, Status};
+use supercoil::solve::{Options, RunError, Solver, Status};
 
 use progress::Bar;
 
@@ -24,6 +25,9 @@ const CONVERGED: u8 = 0;
 const NOT_CONVERGED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const INTERRUPTED: u8 = 130;
+
+/// Overlaps told one by one.
+const MOST_WARNINGS: usize = 10;
 
 /// Equilibria of elastic rods that touch themselves and each other.
 #[derive(Parser)]
@@ -110,6 +114,14 @@ fn say(line: std::fmt::Arguments) {
     std::io::stdout().write_fmt(format_args!("{line}\n")).ok();
 }
 
+/// Prints the deepest overlaps of a start shape.
+fn warn(overlaps: &[StartOverlap]) {
+    overlaps.iter().take(MOST_WARNINGS).for_each(|overlap| eprintln!("warning: {overlap}"));
+    if let more @ 1.. = overlaps.len().saturating_sub(MOST_WARNINGS) {
+        eprintln!("warning: {more} more overlaps, less deep");
+    }
+}
+
 fn check(file: &Path) -> Result<u8, InputError> {
     let scene = Scene::read(file)?;
     say(format_args!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title }));
@@ -120,7 +132,21 @@ fn check(file: &Path) -> Result<u8, InputError> {
     }
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
     let (supports, stages) = (scene.model.supports.len(), scene.stages.len());
-    say(format_args!("  {supports} supports, {stages} stages of {steps} steps in all; nothing to object"));
+    say(format_args!("  {supports} supports, {stages} stages of {steps} steps in all"));
+    // what a run refuses before its first step
+    let overlaps = Solver::new(scene.model.clone(), Options::default())
+        .map(drop)
+        .map_err(RunError::Input)
+        .and_then(|()| start_overlaps(&scene.model));
+    match overlaps {
+        Ok(overlaps) if overlaps.is_empty() => say(format_args!("  nothing to object")),
+        Ok(overlaps) => warn(&overlaps),
+        Err(RunError::Input(error)) => return Err(error),
+        Err(error) => {
+            eprintln!("error: {error}");
+            return Ok(BAD_INPUT);
+        }
+    }
     Ok(CONVERGED)
 }
 
@@ -130,6 +156,11 @@ fn run(file: &Path, out: Option<PathBuf>, choices: &Choices) -> Result<u8, Input
     let dir = out.or_else(|| scene.output.dir.clone()).unwrap_or_else(default);
     if !choices.quiet && !scene.title.is_empty() {
         say(format_args!("{}", scene.title));
+    }
+    if !choices.quiet {
+        // what goes wrong here goes wrong in the run, too, and is told there
+        let overlaps = start_overlaps(&scene.model).unwrap_or_default();
+        warn(&overlaps.into_iter().filter(|overlap| overlap.through).collect::<Vec<_>>());
     }
     go(scene, &dir, None, choices)
 }
@@ -194,6 +225,9 @@ fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choice
 fn report(outcome: &Outcome, units: &Units, dir: &Path, quiet: bool, interrupted: bool) -> u8 {
     if !quiet {
         say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+        for note in outcome.steps.last().iter().flat_map(|step| &step.notes) {
+            say(format_args!("note: {note}"));
+        }
         if let Some(estimate) = &outcome.error_estimate {
             say(format_args!("{estimate}"));
         }
@@ -210,5 +244,8 @@ fn report(outcome: &Outcome, units: &Units, dir: &Path, quiet: bool, interrupted
         return INTERRUPTED;
     }
     eprintln!("not converged: {}", outcome.status);
+    if let Some(failure) = &outcome.failure {
+        eprintln!("{failure}");
+    }
     NOT_CONVERGED
 }

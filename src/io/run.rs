@@ -11,7 +11,8 @@ use crate::observe::ErrorEstimate;
 use crate::observe::report::Observation;
 use crate::scene::Scene;
 use crate::solve::{
-    self, Engine, Interrupt, NewtonOptions, NodalFields, Options, Progress, Restart, RunError, Status, Waypoint,
+    self, Engine, Failure, Interrupt, NewtonOptions, NodalFields, Options, Progress, Restart, RunError, Status,
+    Waypoint,
 };
 
 use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
@@ -30,6 +31,8 @@ pub struct Outcome {
     pub seconds: f64,
     /// The checkpoint from which an unfinished run can go on.
     pub checkpoint: Option<PathBuf>,
+    /// Why the run went no further, if it did not converge and was not stopped.
+    pub failure: Option<Failure>,
     /// An estimate of the final state's error, if the scene asks for it and the run converged.
     pub error_estimate: Option<ErrorEstimate>,
 }
@@ -230,6 +233,7 @@ impl Keeper {
         if let Ok(solution) = &result {
             let engine = solution.solver.engine();
             self.record.set_last(|| (snapshots(engine), observe::contact_sites(engine)));
+            self.record.set_failure(solution.failure.as_ref().map(Failure::to_string));
             // before the outputs, which may take a while
             if solution.status == Status::Stopped || (self.on_disk && !converged) {
                 self.write()?;
@@ -250,6 +254,7 @@ impl Keeper {
         let checkpoint = self.on_disk.then_some(self.path);
         result.map(|solution| Outcome {
             status: solution.status,
+            failure: solution.failure,
             steps: self.record.steps().to_vec(),
             seconds,
             checkpoint,

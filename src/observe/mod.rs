@@ -5,9 +5,11 @@
 mod error_estimate;
 pub mod report;
 mod sites;
+mod start;
 mod state;
 
 /// Link, twist and writhe of closed curves (they live among the mathematics, for start shapes need them too).
 pub use crate::math::link;
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
+pub use start::{StartOverlap, start_overlaps};
 pub use state::{contact_sites, observe};

@@ -8,7 +8,7 @@ use crate::contact::law::Law;
 use crate::math::link::link_numbers;
 use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
-use crate::solve::{Engine, Progress};
+use crate::solve::{Engine, Progress, Status};
 
 use super::report::{Energies, GapReport, Observation, Reaction, RodLink, SiteReport};
 use super::sites::{Layer, sites};
@@ -17,6 +17,8 @@ use super::sites::{Layer, sites};
 const POINTS_PER_SEGMENT: usize = 4;
 /// Gaps are looked for up to this many radii of the thinnest rod: two diameters.
 const MAX_GAP: f64 = 4.0;
+/// Overlap, in radii of the thinnest rod, beyond twice what contact leaves from which it counts as not resisted.
+const UNRESISTED: f64 = 1e-2;
 /// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
 const TOL_GAP: f64 = 1e-10;
 
@@ -28,6 +30,7 @@ pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());
     let sites = sites_of(engine, &residual);
+    let min_gap = min_gap(engine);
     Observation {
         stage: progress.stage,
         step: progress.step,
@@ -35,7 +38,8 @@ pub fn observe(progress: &Progress) -> Observation {
         status: progress.report.status.to_string(),
         links: links(engine, &residual),
         energies: energies(&residual.potential),
-        min_gap: min_gap(engine),
+        notes: notes(progress, min_gap.as_ref()),
+        min_gap,
         num_sites: sites.len(),
         total_contact_force: sites.iter().fold(0.0, |sum, site| sum + site.force),
         sites,
@@ -81,6 +85,40 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
         RodLink { rod, excess_link, link, twist, excess_twist, writhe: link - twist, seam_moment }
     };
     (0..rods.len()).filter(|&rod| rods[rod].closed).map(link_of).collect()
+}
+
+/// Overlaps at rest that contact does not resist.
+fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
+    let engine = progress.engine;
+    let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
+        return Vec::new();
+    };
+    let rods = &engine.model().rods;
+    let too_tight = side.rods.iter().filter_map(|&rod| {
+        let (name, radius) = (&rods[rod].name, rods[rod].section.contact_radius);
+        let [curvature, arc] = engine.largest_curvature(rod);
+        let tightness = curvature * radius;
+        (tightness > 1.0).then(|| {
+            format!(
+                "rod \"{name}\" is bent {tightness:.2} times as tightly as its contact radius allows, at arc {arc:.4}: it \
+                 overlaps itself there, which contact does not resist"
+            )
+        })
+    });
+    let mut notes: Vec<String> = too_tight.collect();
+    let resisted = (UNRESISTED + 2.0 * progress.report.penetration) * side.min_radius;
+    if let Some(gap) = min_gap.filter(|gap| -gap.upper > resisted) {
+        let (a, b) = (&rods[gap.rod_a].name, &rods[gap.rod_b].name);
+        notes.push(format!(
+            "rod \"{a}\" at arc {:.4} and rod \"{b}\" at arc {:.4} overlap by {:.4}, {:.2} contact radii, which contact does \
+             not resist there",
+            gap.arc_a,
+            gap.arc_b,
+            -gap.upper,
+            -gap.upper / side.min_radius
+        ));
+    }
+    notes
 }
 
 fn min_gap(engine: &Engine) -> Option<GapReport> {

@@ -12,6 +12,7 @@
 //! | `surprise`, `step_bound`, `turning` | what a step's linear prediction missed; no strand passes another; no frame takes the other way round |
 //! | `neutral` | motions that nothing resists |
 //! | `assembly`, `engine`, `contact_side`, `state` | gradient and tangent; the problem assembled; contact in it; the configuration and how it moves |
+//! | `failure` | why a run went no further |
 //! | `fields`, `footprint`, `timing`, `refine` | what a state looks like along the rods; what it takes; the same on a finer mesh or under a harder law |
 
 pub(crate) mod assembly;
@@ -20,6 +21,7 @@ mod coarse_first;
 mod contact_side;
 pub mod continuation;
 pub(crate) mod engine;
+mod failure;
 mod fields;
 mod footprint;
 mod globalise;
@@ -50,6 +52,7 @@ use crate::scene::Fidelity;
 
 pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
+pub use failure::{Failure, Overlap, Spot};
 pub use fields::NodalFields;
 pub use footprint::Footprint;
 pub use interrupt::Interrupt;

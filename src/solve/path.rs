@@ -11,6 +11,7 @@ use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
 use crate::solve::engine::in_pool;
+use crate::solve::failure::Failure;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::History;
 use crate::solve::restart::{Place, Restart};
@@ -47,6 +48,8 @@ pub struct Solution {
     pub num_steps: usize,
     /// Newton iterations in all, failed attempts included.
     pub iterations: usize,
+    /// The attempt that ended the run, if it ended neither at its target nor because it was asked to.
+    pub failure: Option<Failure>,
 }
 
 /// Engine and workspace: finds equilibria one after the other.
@@ -60,6 +63,8 @@ pub struct Solver {
     /// Turns and displacements prescribed so far, per node.
     pub(crate) turned: BTreeMap<usize, f64>,
     pub(crate) displaced: BTreeMap<usize, Vec3>,
+    /// The attempt that ended the run.
+    pub(crate) failure: Option<Failure>,
     /// The way of the present stage, for predictions.
     pub(crate) history: History,
 }
@@ -150,7 +155,8 @@ pub fn run_from(
         }
         status = solver.run_stage(stage, &mut place, observer)?;
     }
-    Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations })
+    let failure = solver.failure.take();
+    Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations, failure })
 }
 
 /// Why a run could not go on.
@@ -180,6 +186,7 @@ impl Solver {
             stages_left: 0,
             turned: BTreeMap::new(),
             displaced: BTreeMap::new(),
+            failure: None,
             history: History::default(),
         })
     }
@@ -233,6 +240,8 @@ impl Solver {
         let settled = report.status == Status::Converged;
         if settled {
             self.forget_the_way()?;
+        } else if report.status != Status::Stopped {
+            self.failure = Some(Failure::of(&self.engine, &report, &self.options.newton));
         }
         let progress = Progress {
             engine: &self.engine,
@@ -270,9 +279,14 @@ impl Solver {
                 self.history.clear();
             }
             if report.status != Status::Converged {
-                self.restore(snapshot)?;
                 size *= 0.5;
-                if report.status == Status::Stopped || size < full * self.options.min_step {
+                let gives_up = size < full * self.options.min_step;
+                if gives_up && report.status != Status::Stopped {
+                    let failure = Failure::of(&self.engine, &report, &self.options.newton);
+                    self.failure = Some(Failure { stage: Some(place.stage), span: [done, done + advance], ..failure });
+                }
+                self.restore(snapshot)?;
+                if report.status == Status::Stopped || gives_up {
                     if let Some(error @ SolveError::TooTwisted { .. }) = report.error {
                         return Err(error.into()); // what is wrong is the mesh
                     }

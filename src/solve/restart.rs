@@ -71,7 +71,7 @@ impl Solver {
     /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
     /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
-        let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history } = self;
+        let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history, failure: _ } = self;
         let contact =
             engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
         Restart {

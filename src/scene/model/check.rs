@@ -6,6 +6,10 @@ use crate::rod::{Natural, Rod};
 
 use super::{ContactLaw, Model, NodeRef, Ramp, Stage};
 
+/// What to do where a rod is to be carried by others, which touch it on one side only and may part from it.
+const CARRIED_BY_CONTACT: &str = " (contact, which may part, does not count as one: where a rod is to rest on others, support \
+    a node in the direction in which they carry it, too, and move it by a displacement until its reaction vanishes)";
+
 /// Singular values of the support constraints below this (of 1) leave a rigid motion free.
 const TOL_RANK: f64 = 1e-9;
 
@@ -279,7 +283,8 @@ impl Model {
     fn check_supported(&self, rod: usize, cause: &str) -> Result<(), InputError> {
         let Some(motion) = self.free_rigid_motion(rod) else { return Ok(()) };
         let reason = format!(
-            "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports"
+            "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports{}",
+            if self.rods.len() > 1 && self.contact.law.is_on() { CARRIED_BY_CONTACT } else { "" }
         );
         Err(inconsistent(&format!("rods.{}", self.rods[rod].name), &reason))
     }

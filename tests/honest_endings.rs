@@ -1,0 +1,147 @@
+//! What a user is told of scenes that cannot work, and of states that should not be believed.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use supercoil::math::Vec3;
+use supercoil::observe::report::Observation;
+use supercoil::observe::{observe, start_overlaps};
+use supercoil::scene::Scene;
+use supercoil::solve::{self, Options, Solution, Status};
+
+const SECTION: &str =
+    "section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }";
+
+fn scene(text: &str) -> Scene {
+    Scene::from_toml(text, Path::new("")).unwrap()
+}
+
+fn clamps(rods: &[&str]) -> String {
+    let both = |rod: &&str| {
+        ["start", "end"]
+            .map(|at| format!("[[supports]]\nrod = \"{rod}\"\nat = \"{at}\"\nposition = true\nrotation = true\n"))
+    };
+    rods.iter().flat_map(both).collect()
+}
+
+/// Two clamped beams, the second along y at height `z`, or beside the first and along it.
+fn beams(z: f64, along: bool) -> Scene {
+    let (start, direction) = if along { ([-0.5, 0.0, z], [1, 0, 0]) } else { ([0.0, -0.5, z], [0, 1, 0]) };
+    let rod = |name: &str, start: [f64; 3], direction: [i32; 3]| {
+        format!(
+            "[[rods]]\nname = \"{name}\"\nelements = 12\n{SECTION}\n\
+             shape = {{ kind = \"line\", start = {start:?}, direction = {direction:?}, length = 1.0 }}\n"
+        )
+    };
+    scene(&(rod("a", [-0.5, 0.0, 0.0], [1, 0, 0]) + &rod("b", start, direction) + &clamps(&["a", "b"])))
+}
+
+fn run(scene: Scene) -> (Solution, Observation) {
+    let mut last = None;
+    let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
+        last = Some(observe(progress));
+        ControlFlow::Continue(())
+    });
+    (solution.unwrap(), last.unwrap())
+}
+
+/// Symptom: `supercoil check` had nothing to object to rods right through each other. Where centrelines are closer than
+/// a radius is told as such; lesser overlaps, which contact undoes, are told too; strands that just touch are fine.
+#[test]
+fn overlaps_of_the_start_are_told() {
+    let found = |z: f64, along: bool| start_overlaps(&beams(z, along).model).unwrap();
+    for (z, along) in [(0.0, false), (0.01, false), (0.0, true), (0.015, true)] {
+        let overlaps = found(z, along);
+        assert_eq!(overlaps.len(), 1, "{overlaps:?}");
+        let (overlap, text) = (&overlaps[0], overlaps[0].to_string());
+        assert!(overlap.through && (overlap.distance - z).abs() < 1e-9, "{overlap:?}");
+        assert!(text.contains("rod \"a\" at arc") && text.contains("through each other"), "{text}");
+        let arcs = overlap.arcs[0];
+        assert!(along || arcs[0] <= 0.5 && arcs[1] >= 0.5 && arcs[1] - arcs[0] < 0.1, "{text}");
+    }
+    let lesser = found(0.03, false);
+    assert!(lesser.len() == 1 && !lesser[0].through, "{lesser:?}");
+    assert!(found(0.04, false).is_empty() && found(0.04, true).is_empty() && found(0.2, false).is_empty());
+}
+
+/// Symptom: "load step too small", "Newton did not converge" and no more. The attempt that ended a run says what it
+/// failed by, on which rods and where, and what may help.
+#[test]
+fn a_run_that_fails_says_why_and_where() {
+    let (solution, last) = run(beams(0.0, true));
+    assert!(solution.status != Status::Converged && last.notes.is_empty());
+    let failure = solution.failure.unwrap();
+    let overlap = failure.overlap.as_ref().unwrap();
+    assert!((overlap.depth - 2.0).abs() < 1e-6 && failure.stage.is_none(), "{failure:?}");
+    assert_eq!(overlap.at.each_ref().map(|spot| spot.rod.as_str()), ["a", "b"]);
+    let text = failure.to_string();
+    for words in ["the start did not come to rest", "deepest overlap 2.000 contact radii", "What may help"] {
+        assert!(text.contains(words), "{text}");
+    }
+    // pressed against each other at their clamps, which cannot give way
+    let mut pressed = beams(0.05, true);
+    let ramp = "[[stages]]\nsteps = 2\nramp = { displacement = [{ rod = \"b\", at = \"start\", to = [0, 0, -0.1] }, \
+                { rod = \"b\", at = \"end\", to = [0, 0, -0.1] }] }\n";
+    let text =
+        "[[rods]]\nname = \"b\"\nelements = 12\nshape = { kind = \"line\", length = 1.0 }\n".to_owned() + SECTION;
+    let stages = scene(&(text.replace("\"b\"", "\"a\"") + "\n" + &text + "\n" + &clamps(&["a", "b"]) + ramp)).stages;
+    pressed.stages = stages;
+    let (solution, last) = run(pressed);
+    let failure = solution.failure.unwrap();
+    assert!(solution.status != Status::Converged && failure.stage == Some(0), "{failure:?}");
+    assert!((failure.span[0] - last.fraction).abs() < 1e-12 && failure.span[1] > last.fraction, "{failure:?}");
+    assert!(failure.to_string().contains("stage 1 stands at"), "{failure}");
+}
+
+/// Symptom: a thick rod bent round at its clamp "converged" with a smallest gap of minus one radius. Mechanism: contact
+/// acts between strands, not between neighbours along one, and so not in a bend tighter than the radius; the certified
+/// clearance sees it where the rod ends. Such states are at rest, but not to be believed: notes say so.
+#[test]
+fn a_bend_tighter_than_the_radius_is_told() {
+    let text = |radius: f64| {
+        format!(
+            "planar = true\n[[rods]]\nname = \"rod\"\nelements = 24\nshape = {{ kind = \"line\", length = 1.0 }}\n\
+             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = {radius} }}\n\
+             [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
+             [[loads]]\nat = \"end\"\nforce = [-40, 4, 0]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 2\n"
+        )
+    };
+    let (solution, last) = run(scene(&text(0.12)));
+    assert_eq!(solution.status, Status::Converged);
+    assert!(last.min_gap.is_some_and(|gap| gap.upper < -0.01), "{:?}", last.min_gap);
+    assert!(last.notes.iter().any(|note| note.contains("contact does not resist")), "{:?}", last.notes);
+    let (solution, last) = run(scene(&text(0.02)));
+    assert_eq!((solution.status, last.notes.len()), (Status::Converged, 0), "{:?}", last.notes);
+}
+
+/// A site tells its force as a vector, what strand a feels, and where the strands are nearest: on crossed beams that
+/// overlap by .01 at the start the line between the feet is the force's and a contact distance long, and the supports carry it.
+#[test]
+fn sites_tell_direction_and_place() {
+    let (solution, last) = run(beams(0.03, false));
+    assert_eq!((solution.status, last.sites.len()), (Status::Converged, 1));
+    let site = &last.sites[0];
+    let [a, b] = site.feet.map(Vec3::from);
+    assert!((b - a - Vec3::new(0.0, 0.0, 0.04)).norm() < 1e-8, "{site:?}");
+    // the pressure turns a little along the zone, so that its integral is less than that of its size
+    let force = Vec3::from(site.force_on_a);
+    assert!(force.xy().norm() < 1e-9 * site.force && force.z < 0.0, "{site:?}");
+    assert!(force.norm() < site.force && force.norm() > 0.999 * site.force && site.force > 0.1, "{site:?}");
+    let carried: Vec3 = last.reactions.iter().filter(|r| r.rod == 0).map(|r| Vec3::from(r.force)).sum();
+    assert!((carried + force).norm() < 1e-6 * site.force, "{carried} against {force}");
+}
+
+/// A rod that only contact could carry is refused with what to do instead.
+#[test]
+fn a_rod_carried_by_contact_alone_is_refused_with_advice() {
+    let text = format!(
+        "[[rods]]\nname = \"a\"\nelements = 4\n{SECTION}\nshape = {{ kind = \"line\", length = 1.0 }}\n\
+         [[rods]]\nname = \"b\"\nelements = 4\n{SECTION}\nshape = {{ kind = \"line\", start = [0, 0, 0.04], length = 1.0 }}\n\
+         {}[[line_loads]]\nrod = \"b\"\nforce = [0, 0, -1]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 1\n",
+        clamps(&["a"])
+    );
+    let error = Scene::from_toml(&text, Path::new("")).unwrap_err().to_string();
+    assert!(error.contains("where a rod is to rest on others"), "{error}");
+}
