@@ -295,7 +295,7 @@ fn measure_once(case: &Case, reference: &Numbers, knobs: Knobs) -> Option<Row> {
         knobs,
         seconds,
         iterations: iterations as f64,
-        work: (iterations * solver.engine().num_nodes()) as f64,
+        work: solver.timings().node_iterations as f64,
         energy: relative(ours.energy, reference.energy),
         moment: relative(ours.moment, reference.moment),
         writhe: relative(ours.writhe, reference.writhe),

@@ -200,6 +200,7 @@ impl Reporter<'_> {
             num_unstable: point.num_unstable,
             penetration: point.penetration,
             held_open: point.held_open,
+            softening: tracer.solver.engine.softening(),
             ..StepReport::settled()
         };
         let way = tracer.parameter.target - tracer.parameter.start;

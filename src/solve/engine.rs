@@ -198,6 +198,15 @@ impl Engine {
         contact_side::stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), self.scales.bending, radius)
     }
 
+    /// How many times softer than asked for the contact law in force is; 1 without contact, and under a core law,
+    /// which is only on the way.
+    pub(crate) fn softening(&self) -> f64 {
+        match self.contact.as_ref().map(|side| side.law) {
+            Some(Law::Linear { stiffness }) => (self.contact_stiffness() / stiffness).max(1.0),
+            _ => 1.0,
+        }
+    }
+
     /// Runs in the engine's own pool, if it has one.
     pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         in_pool(self.pool.as_ref(), work)

@@ -58,8 +58,6 @@ pub struct Solver {
     pub(crate) engine: Engine,
     pub(crate) workspace: Workspace,
     pub(crate) options: Options,
-    /// Stages by which the contact law is softer than asked for in the present state.
-    pub(crate) stages_left: i32,
     /// Turns and displacements prescribed so far, per node.
     pub(crate) turned: BTreeMap<usize, f64>,
     pub(crate) displaced: BTreeMap<usize, Vec3>,
@@ -183,7 +181,6 @@ impl Solver {
             engine,
             workspace: Workspace::default(),
             options,
-            stages_left: 0,
             turned: BTreeMap::new(),
             displaced: BTreeMap::new(),
             failure: None,

@@ -93,7 +93,6 @@ impl Solver {
         };
         fine.turned = self.turned.iter().map(|(&node, &turns)| (fine_node(node), turns)).collect();
         fine.displaced = self.displaced.iter().map(|(&node, &by)| (fine_node(node), by)).collect();
-        fine.stages_left = self.stages_left;
         Ok(fine)
     }
 

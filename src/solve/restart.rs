@@ -50,8 +50,6 @@ pub struct Restart {
     pub place: Place,
     /// The accepted state.
     pub state: State,
-    /// Stages by which the contact law is softer than asked for.
-    stages_left: i32,
     /// Contact law in force.
     contact: Option<ContactRestart>,
     /// Turns and displacements prescribed so far, by node.
@@ -71,13 +69,12 @@ impl Solver {
     /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
     /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
-        let Self { engine, workspace: _, options: _, stages_left, turned, displaced, history, failure: _ } = self;
+        let Self { engine, workspace: _, options: _, turned, displaced, history, failure: _ } = self;
         let contact =
             engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
         Restart {
             place,
             state: engine.state.clone(),
-            stages_left: *stages_left,
             contact,
             turned: turned.iter().map(|(&node, &turns)| (node, turns)).collect(),
             displaced: displaced.iter().map(|(&node, &by)| (node, by)).collect(),
@@ -90,7 +87,7 @@ impl Solver {
     /// # Errors
     /// [`InputError::Inconsistent`] if it belongs to another model.
     pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
-        let Restart { place: _, state, stages_left, contact, turned, displaced, history } = restart;
+        let Restart { place: _, state, contact, turned, displaced, history } = restart;
         let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
         if let Some((node, _)) = turned.iter().find(|(node, _)| *node >= state.positions.len()) {
             return Err(refuse(&format!("turns node {node}, which the model has not")));
@@ -117,7 +114,6 @@ impl Solver {
             }
             _ => return Err(refuse("has contact where the model has none, or the other way round")),
         }
-        self.stages_left = stages_left;
         self.turned = turned.into_iter().collect();
         self.displaced = displaced.into_iter().collect();
         self.history = history;

@@ -40,7 +40,6 @@ pub(super) const HARDENING_ITERATIONS: usize = 100;
 /// Snapshot that a failed step returns to.
 #[derive(Clone)]
 pub(crate) struct Snapshot {
-    stages_left: i32,
     state: State,
     contact: Option<(Law, PerContact)>,
 }
@@ -73,6 +72,7 @@ impl Solver {
             report.error = Some(error);
             report.status = Status::BrokeDown;
         }
+        report.softening = self.engine.softening();
         // whatever was made of a search that was cut short
         if std::mem::take(&mut self.workspace.interrupted) {
             report.error = None;
@@ -168,7 +168,6 @@ impl Solver {
         if self.is_near_contact()? {
             return self.harden(report);
         }
-        self.stages_left = 0;
         self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, &[]);
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
@@ -272,9 +271,7 @@ impl Solver {
         }
         let before = self.snapshot();
         for softer in 0..=MAX_SOFTER {
-            self.stages_left = softer;
-            report.softening = SOFTENING.powi(softer);
-            self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() / report.softening }, &[]);
+            self.change_law(Law::Linear { stiffness: asked / SOFTENING.powi(softer) }, &[]);
             let patience = self.be_patient_for(HARDENING_ITERATIONS);
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
@@ -358,13 +355,13 @@ impl Solver {
     ) -> Result<NewtonReport, SolveError> {
         let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, leaving)?;
         report.iterations += outcome.iterations.len();
+        self.workspace.timings.node_iterations += outcome.iterations.len() * self.engine.num_nodes();
         report.history.push(outcome.iterations.clone());
         Ok(outcome)
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
-            stages_left: self.stages_left,
             state: self.engine.state.clone(),
             contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone())),
         }
@@ -372,7 +369,6 @@ impl Solver {
 
     /// Goes back to a snapshot, contact geometry included.
     pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), SolveError> {
-        self.stages_left = snapshot.stages_left;
         self.engine.state = snapshot.state;
         if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
             side.law = law;

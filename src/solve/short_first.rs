@@ -34,6 +34,7 @@ use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
+use crate::solve::timing::Timings;
 
 /// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand
 /// for its end loops.
@@ -169,9 +170,10 @@ pub(crate) struct Lengthened {
     state: State,
     law: Law,
     offsets: PerContact,
-    stages_left: i32,
     /// Newton iterations on the short rod.
     iterations: usize,
+    /// What they cost.
+    timings: Timings,
 }
 
 impl Solver {
@@ -186,9 +188,9 @@ impl Solver {
         if let Some(side) = &mut self.engine.contact {
             (side.law, side.offsets, side.before) = (lengthened.law, lengthened.offsets, None);
         }
-        self.stages_left = lengthened.stages_left;
         self.engine.state = lengthened.state;
         report.iterations_elsewhere += lengthened.iterations;
+        self.workspace.timings += lengthened.timings;
     }
 
     fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
@@ -248,8 +250,8 @@ impl Solver {
                 let made = plan(state.positions.len(), p, at, cut as isize, screw.spins);
                 let offsets = side.offsets.per_node(f64::max);
                 let offsets = PerContact::of_nodes(made.iter().map(|(node, ..)| offsets[*node]).collect());
-                let (law, stages_left) = (side.law, short.stages_left);
-                return Some(Lengthened { state: long, law, offsets, stages_left, iterations });
+                let (law, timings) = (side.law, short.workspace.timings);
+                return Some(Lengthened { state: long, law, offsets, iterations, timings });
             }
             if let Some([link_before, missing_before]) = before {
                 slope = (missing_before - missing) / (link - link_before);

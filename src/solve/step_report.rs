@@ -97,6 +97,6 @@ impl StepReport {
     /// Another attempt from where the last one began: iterations stay counted.
     pub(super) fn start_again(&mut self) {
         (self.status, self.num_unstable) = (Status::Converged, 0);
-        (self.augmentations, self.departures, self.softening) = (0, 0, 1.0);
+        (self.augmentations, self.departures) = (0, 0);
     }
 }

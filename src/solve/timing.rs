@@ -1,10 +1,12 @@
-//! Where the time of searches goes.
+//! What searches cost, and where the time goes.
 
 use std::time::{Duration, Instant};
 
-/// Time on the clock spent in the parts of searches so far.
+/// Work of searches so far and time on the clock spent in their parts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Timings {
+    /// Newton iterations × nodes of the mesh each was made on, those on shorter rods and coarser meshes included.
+    pub node_iterations: usize,
     /// Moving contact curves, turning bounds, candidate pairs, the step bound.
     pub detection: Duration,
     /// Elements and contact terms: gradients and tangents.
@@ -18,7 +20,7 @@ pub struct Timings {
 }
 
 impl Timings {
-    /// Sum of all parts.
+    /// Sum of the times of all parts.
     #[must_use]
     pub fn total(&self) -> Duration {
         self.detection + self.assembly + self.symbolic + self.factor + self.solve
@@ -27,6 +29,7 @@ impl Timings {
 
 impl std::ops::AddAssign for Timings {
     fn add_assign(&mut self, other: Self) {
+        self.node_iterations += other.node_iterations;
         self.detection += other.detection;
         self.assembly += other.assembly;
         self.symbolic += other.symbolic;

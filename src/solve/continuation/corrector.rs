@@ -213,6 +213,7 @@ impl Tracer<'_> {
             }
             self.iterations += 1;
             point.iterations += 1;
+            solver.workspace.timings.node_iterations += solver.engine.num_nodes();
             let residual = solver.workspace.linearise(&solver.engine, &point.state, &stress, &self.parameter.drive());
             let size_of_residual = relative_residual(&solver.engine, &residual);
             let stalls = size_of_residual <= ROUNDING && size_of_residual > SHRINKING * least && size <= LARGEST_NOISE;
