@@ -125,7 +125,7 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled = self.settle_as_it_is(PREDICTED_ITERATIONS, report);
+        let settled = self.settle_as_it_is(HARDENING_ITERATIONS, report);
         if settled == Ok(false) {
             self.restore(start)?;
         }
