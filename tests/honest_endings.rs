@@ -9,7 +9,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::observe::{observe, start_overlaps};
 use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Solution, Status};
+use supercoil::solve::{self, Options, Progress, Solution, Status};
 
 const SECTION: &str =
     "section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }";
@@ -114,6 +114,20 @@ fn a_bend_tighter_than_the_radius_is_told() {
     assert!(last.notes.iter().any(|note| note.contains("contact does not resist")), "{:?}", last.notes);
     let (solution, last) = run(scene(&text(0.02)));
     assert_eq!((solution.status, last.notes.len()), (Status::Converged, 0), "{:?}", last.notes);
+}
+
+/// A contact law softer than asked for, as coarse meshes keep where lines of contact would break up, is told in words.
+#[test]
+fn a_softer_law_is_told() {
+    let (solution, last) = run(beams(0.039, false));
+    assert_eq!((solution.status, last.notes.len()), (Status::Converged, 0), "{:?}", last.notes);
+    let mut solver = solution.solver;
+    solver.harden_contact(0.1);
+    let report = solver.resettle();
+    let progress =
+        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
+    let notes = observe(&progress).notes;
+    assert!(matches!(&notes[..], [note] if note.contains("10 times softer")), "{notes:?}");
 }
 
 /// A site tells its force as a vector, what strand a feels, and where the strands are nearest: on crossed beams that

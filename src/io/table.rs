@@ -70,7 +70,7 @@ impl StepTable<'_> {
             line += &format!("  {}", step.status);
         }
         if !step.notes.is_empty() {
-            line += "  overlap not resisted";
+            line += "  see notes";
         }
         line
     }

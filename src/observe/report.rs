@@ -148,8 +148,9 @@ pub struct Observation {
     pub fraction: f64,
     /// "converged" or why not.
     pub status: String,
-    /// What of the state should not be believed, in words: overlaps that contact does not resist. Contact acts between
-    /// strands, not between neighbours along one: a rod bent tighter than its contact radius overlaps itself.
+    /// What to know of the state before believing it, in words. Overlaps that contact does not resist: it acts between
+    /// strands, not between neighbours along one, so a rod bent tighter than its contact radius overlaps itself. A
+    /// contact law softer than asked for.
     #[serde(default)]
     pub notes: Vec<String>,
     /// Link numbers of closed rods.

@@ -87,7 +87,8 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
     (0..rods.len()).filter(|&rod| rods[rod].closed).map(link_of).collect()
 }
 
-/// Overlaps at rest that contact does not resist.
+/// What a reader of the numbers should know of a state at rest: overlaps that contact does not resist, a law softer
+/// than asked for.
 fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
     let engine = progress.engine;
     let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
@@ -106,6 +107,13 @@ fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
         })
     });
     let mut notes: Vec<String> = too_tight.collect();
+    let softening = progress.report.softening;
+    if softening > 1.0 {
+        notes.push(format!(
+            "the mesh does not carry the contact law asked for: one {softening:.0} times softer is in force, which widens \
+             points of contact; gaps are closed all the same"
+        ));
+    }
     let resisted = (UNRESISTED + 2.0 * progress.report.penetration) * side.min_radius;
     if let Some(gap) = min_gap.filter(|gap| -gap.upper > resisted) {
         let (a, b) = (&rods[gap.rod_a].name, &rods[gap.rod_b].name);

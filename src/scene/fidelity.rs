@@ -18,10 +18,10 @@ use super::{Contact, ContactLaw};
 /// | last Newton increment | 1e-4 | 1e-6 | 1e-8 |
 /// | energy, relative error stated (worst measured) | 1e-2 (7e-3) | 1e-3 (6e-4) | 1e-4 (5e-5) |
 /// | writhe | 1e-2 (6e-3) | 2e-3 (6e-4) | 5e-4 (3e-4) |
-/// | twisting moment | 5e-2 (3e-2) | 5e-3 (1.3e-3) | 1e-3 (4e-4) |
+/// | twisting moment | 5e-2 (3e-2) | 5e-3 (1.5e-3) | 1e-3 (5e-4) |
 /// | contact force | 2e-2 (8e-3) | 2e-3 (1.4e-3) | 5e-4 (2e-4) |
 /// | positions without contact, over the length | 1e-3 (2e-5) | 1e-5 (5e-8) | 1e-7 (8e-10) |
-/// | work (Newton iterations × nodes) and time, relative | 1 | 2.4 to 3.7 | 6 to 14 |
+/// | work (Newton iterations × nodes) and time, relative | 1 | 2.2 to 3.6 | 6 to 14 |
 ///
 /// Worst measured: over all cases of the benchmark and three meshes a few percent apart, for a mesh may be lucky.
 ///
