@@ -52,6 +52,12 @@ fn problem() -> Problem {
         Ramp::Rotation { node: tip, axis: Vec3::x(), to: 0.05 },
         Ramp::Displacement { node: tip, to: Vec3::new(-0.01, 0.0, 0.0) },
         Ramp::ExcessLink { rod: 1, to: 0.1 },
+        Ramp::RotationAbout {
+            node: NodeRef { rod: 1, node: 0 },
+            axis: Vec3::z(),
+            through: Vec3::new(0.1, 0.2, 0.3),
+            to: 0.01,
+        },
     ];
     let mut options = Options { max_augmentations: 10, max_departures: 1, ..Options::default() };
     options.newton.max_iterations = 40;
@@ -70,9 +76,11 @@ fn fields() -> Vec<Field> {
     }
     fn target(p: &mut Problem, ramp: usize) -> &mut f64 {
         match &mut p.ramps[ramp] {
-            Ramp::Load { to } | Ramp::Rotation { to, .. } | Ramp::ExcessLink { to, .. } | Ramp::Pressure { to, .. } => {
-                to
-            }
+            Ramp::Load { to }
+            | Ramp::Rotation { to, .. }
+            | Ramp::RotationAbout { to, .. }
+            | Ramp::ExcessLink { to, .. }
+            | Ramp::Pressure { to, .. } => to,
             Ramp::Displacement { to, .. } => &mut to.x,
         }
     }
@@ -125,6 +133,16 @@ fn fields() -> Vec<Field> {
             }),
         );
     }
+    for k in 0..3 {
+        add(
+            if k == 2 { "through, z" } else { "through" },
+            Box::new(move |p| match &mut p.ramps[4] {
+                Ramp::RotationAbout { through, .. } => &mut through[k],
+                _ => unreachable!(),
+            }),
+        );
+    }
+    add("turns", Box::new(|p| target(p, 4)));
     for ramp in [0, 1, 3] {
         add("target", Box::new(move |p| target(p, ramp)));
     }
@@ -215,6 +233,10 @@ fn expected(name: &str) -> [End; 6] {
         // a direction has no size
         "axis, x" => [Refused, Like(1.0), Like(-1.0), Like(1.0), Like(1.0), Like(-1.0)],
         "axis" => [ZERO, ZERO, ZERO, Like(1e12), Like(1e12), Like(-1e12)],
+        // the axis runs along z
+        "through, z" => [ZERO; 6],
+        "through" => [ZERO, ZERO, ZERO, Fails, Fails, Fails],
+        "turns" => [ZERO, ZERO, ZERO, Refused, Refused, Refused],
         "rods.ring.start_excess_link" | "force" | "moment" | "line load" | "displacement" | "target" => {
             [ZERO, ZERO, ZERO, Fails, Fails, Fails]
         }

@@ -185,6 +185,8 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
     let ramp = prop_oneof![
         3 => number().prop_map(|to| Ramp::Load { to }),
         2 => (node.clone(), vector(), number()).prop_map(|(node, axis, to)| Ramp::Rotation { node, axis, to }),
+        1 => (node.clone(), vector(), vector(), number())
+            .prop_map(|(node, axis, through, to)| Ramp::RotationAbout { node, axis, through, to }),
         2 => (node.clone(), vector()).prop_map(|(node, to)| Ramp::Displacement { node, to: to * 0.1 }),
         4 => (prop_oneof![5 => Just(0usize), 1 => 0..2usize], number()).prop_map(|(rod, to)| Ramp::ExcessLink { rod, to }),
         1 => (0..2usize, number()).prop_map(|(rod, to)| Ramp::Pressure { rod, to }),

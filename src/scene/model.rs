@@ -210,6 +210,20 @@ pub enum Ramp {
         /// Total angle turned at the end of the stage since the start of the run, turns.
         to: f64,
     },
+    /// Carries a node (whose position and rotation are fixed by a support) round an axis, its frame with it: nodes with
+    /// one axis turn together like a rigid body. Many turns are fine; they are gone through in steps of at most
+    /// [`Ramp::MAX_ROUND`], which lead along chords of the circle. A displacement of the node goes on top:
+    /// x = p + R(x₀ − p) + u.
+    RotationAbout {
+        /// The supported node.
+        node: NodeRef,
+        /// Axis (need not be unit), global.
+        axis: Vec3,
+        /// A point p on the axis \[L\].
+        through: Vec3,
+        /// Total angle turned at the end of the stage since the start of the run, turns.
+        to: f64,
+    },
     /// Moves a node (whose position is fixed by a support) along a straight line.
     Displacement {
         /// The supported node.
@@ -231,6 +245,12 @@ pub enum Ramp {
     },
 }
 
+impl Ramp {
+    /// Turns that a [`Ramp::RotationAbout`] takes a node round in one step at most: on the chord it comes nearer to the
+    /// axis by 3 %.
+    pub const MAX_ROUND: f64 = 1.0 / 12.0;
+}
+
 /// A stage of the path: all its ramps move together from where they are to their targets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
@@ -238,7 +258,7 @@ pub struct Stage {
     pub ramps: Vec<Ramp>,
     /// Number of equal steps first tried; a step that fails is halved and retried. Legal: ≥ 1. A step that turns a rod
     /// by several turns goes from turn to turn, where an augmented Lagrangian is asked for on a coarse mesh first: much
-    /// cheaper than as many steps, each brought to rest on the whole mesh.
+    /// cheaper than as many steps, each brought to rest on the whole mesh. [`Ramp::RotationAbout`] may ask for more steps.
     pub steps: usize,
 }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
+use crate::math::quaternion::exp;
 use crate::scene::model::unit;
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
@@ -206,11 +207,14 @@ impl Solver {
     /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
     ///
     /// # Errors
-    /// Ramps that do not fit the model.
+    /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] by more than [`Ramp::MAX_ROUND`].
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
         if !ramps.is_empty() {
             self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
         }
+        let round = self.largest_round(ramps);
+        let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
+        InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
         let target = self.target(ramps, 1.0);
         Ok(self.attempt(&target, None))
     }
@@ -253,7 +257,9 @@ impl Solver {
     }
 
     fn run_stage(&mut self, stage: &Stage, place: &mut Place, observer: &mut Observer) -> Result<Status, RunError> {
-        let full = 1.0 / stage.steps as f64;
+        // of the whole stage, also where it is taken up half-way
+        let rounds = self.largest_round(&stage.ramps) / (1.0 - place.fraction) / Ramp::MAX_ROUND;
+        let full = 1.0 / (stage.steps as f64).max((rounds - 1e-6).ceil());
         let mut size = place.step_size.min(full);
         let mut started = Instant::now();
         if place.fraction == 0.0 {
@@ -319,6 +325,21 @@ impl Solver {
         Ok(Status::Converged)
     }
 
+    fn turns_left(&self, node: usize, to: f64) -> f64 {
+        to - self.turned.get(&node).copied().unwrap_or(0.0)
+    }
+
+    /// Turns by which the ramps will carry a node round an axis, at most.
+    fn largest_round(&self, ramps: &[Ramp]) -> f64 {
+        let round = |ramp: &Ramp| match ramp {
+            Ramp::RotationAbout { node, to, .. } => {
+                self.turns_left(self.engine.first_node[node.rod] + node.node, *to).abs()
+            }
+            _ => 0.0,
+        };
+        ramps.iter().map(round).fold(0.0, f64::max)
+    }
+
     /// What moves when every ramp goes the fraction `take` of its remaining way.
     fn target(&self, ramps: &[Ramp], take: f64) -> Target {
         let mut target = Target::default();
@@ -332,9 +353,19 @@ impl Solver {
                 }
                 Ramp::Rotation { node, axis, to } => {
                     let node = node_of(node);
-                    let change = (to - self.turned.get(&node).copied().unwrap_or(0.0)) * take;
+                    let change = self.turns_left(node, *to) * take;
                     let vector = unit(axis) * (change * std::f64::consts::TAU);
                     target.drive.nodes.push((node, Vec3::zeros(), vector));
+                    target.turned.push((node, change));
+                }
+                Ramp::RotationAbout { node, axis, through, to } => {
+                    let node = node_of(node);
+                    let change = self.turns_left(node, *to) * take;
+                    let vector = unit(axis) * (change * std::f64::consts::TAU);
+                    let state = &self.engine.state;
+                    let displaced = self.displaced.get(&node).copied().unwrap_or_default();
+                    let arm = (state.positions[node] - through - displaced) + state.remainders[node];
+                    target.drive.nodes.push((node, exp(&vector) * arm - arm, vector));
                     target.turned.push((node, change));
                 }
                 Ramp::Displacement { node, to } => {

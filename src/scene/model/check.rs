@@ -15,6 +15,8 @@ const TOL_RANK: f64 = 1e-9;
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
+/// Turns about an axis through a point, which are gone through in a dozen steps each, beyond any scene.
+const MOST_ROUND: f64 = 1e5;
 /// Joined nodes may be this far apart, relative to the length of the longer rod.
 const TOL_JOINT: f64 = 1e-9;
 
@@ -23,7 +25,9 @@ impl Model {
     ///
     /// # Errors
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
-    /// finite; an illegal contact choice; an open or loaded rod that its supports leave free to move as a rigid body
+    /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
+    /// element, of two rods that both take part in contact, or of rods that together are free to move as a rigid body; an
+    /// open or loaded rod that its supports leave free to move as a rigid body
     /// while dead loads act on it or other rods may push it (closed rods may float when no dead load acts on them);
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
@@ -107,10 +111,21 @@ impl Model {
                 InputError::check(&format!("{field}.turns"), to, true, "a finite number of turns")?;
                 self.check_axis(&field, &axis)?;
                 self.check_not_joined(&field, node)?;
-                let held = self.fixed(node).1 == [true; 3];
-                let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
-                self.require(held, &field, node.rod, reason)?;
+                self.check_rotation_held(&field, node)?;
                 self.check_moved(&field, node.rod)
+            }
+            Ramp::RotationAbout { node, axis, through, to } => {
+                let field = format!("{stage}.rotation");
+                self.check_ramp(stage, &Ramp::Rotation { node, axis, to })?;
+                let allowed = "at most 100000 turns about an axis through a point";
+                InputError::check(&format!("{field}.turns"), to, to.abs() <= MOST_ROUND, allowed)?;
+                finite(&format!("{field}.through"), &through)?;
+                let fixed = self.fixed(node).0;
+                let stands = |k: usize| (0..3).all(|j| j == k || axis[j] == 0.0);
+                let held = (0..3).all(|k| fixed[k] || stands(k));
+                let reason =
+                    "is carried round in a direction that no support fixes at this node: add one with position = true";
+                self.require(held, &field, node.rod, reason)
             }
             Ramp::Displacement { node, to } => {
                 let field = format!("{stage}.displacement");
@@ -145,6 +160,11 @@ impl Model {
                 )
             }
         }
+    }
+
+    fn check_rotation_held(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
+        let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
+        self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)
     }
 
     fn check_not_joined(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
@@ -190,6 +210,9 @@ impl Model {
             return Err(inconsistent(field, &format!("joins nodes that are {apart} apart: they must coincide")));
         }
         if joint.a.rod == joint.b.rod {
+            if joint.a == joint.b {
+                return Err(inconsistent(field, "joins a node to itself"));
+            }
             let between = joint.a.node.abs_diff(joint.b.node);
             let around = if a.closed { a.num_nodes() - between } else { between };
             if between.min(around) <= a.order {
@@ -342,7 +365,10 @@ fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
     match (a, b) {
         (Ramp::ExcessLink { rod: a, .. }, Ramp::ExcessLink { rod: b, .. })
         | (Ramp::Pressure { rod: a, .. }, Ramp::Pressure { rod: b, .. }) => a == b,
-        (Ramp::Rotation { node: a, .. }, Ramp::Rotation { node: b, .. })
+        (
+            Ramp::Rotation { node: a, .. } | Ramp::RotationAbout { node: a, .. },
+            Ramp::Rotation { node: b, .. } | Ramp::RotationAbout { node: b, .. },
+        )
         | (Ramp::Displacement { node: a, .. }, Ramp::Displacement { node: b, .. }) => a == b,
         (Ramp::Load { .. }, Ramp::Load { .. }) => true,
         _ => false,

@@ -36,7 +36,7 @@ impl Parameter {
     /// The ramp seen from the solver's present state.
     ///
     /// # Errors
-    /// A ramp whose target is where it already is.
+    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`].
     pub(super) fn new(solver: &Solver, ramp: &Ramp) -> Result<Self, InputError> {
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
@@ -47,6 +47,11 @@ impl Parameter {
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.turned.get(&index(node)).copied().unwrap_or(0.0);
                 (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
+            }
+            Ramp::RotationAbout { .. } => {
+                let reason =
+                    "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
+                return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
             }
             Ramp::Displacement { node, to } => {
                 let here = solver.displaced.get(&index(node)).copied().unwrap_or_default();
