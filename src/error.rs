@@ -102,7 +102,7 @@ pub enum SolveError {
         value: f64,
     },
     /// The factorisation failed although the matrix was finite and shifted.
-    #[error("iteration {iteration}: the tangent could not be factorised (largest shift tried {shift:e})")]
+    #[error("iteration {iteration}: the tangent could not be factorised (largest shift tried {shift:.1e})")]
     Factorisation {
         /// Newton iteration.
         iteration: usize,
