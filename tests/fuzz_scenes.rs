@@ -17,7 +17,42 @@ use proptest::test_runner::{Config, TestRunner};
 use supercoil::scene::Scene;
 use supercoil::solve::{Options, Solver, Status};
 
-const SCENES: [&str; 4] = [
+/// Two rods joined at a right angle and carried round at their far ends.
+const CORNER: &str = r#"
+[[rods]]
+name = "column"
+shape = { kind = "line", direction = [0, 1, 0], length = 1.0 }
+section = { young = 100.0, poisson = 0.3, circle = 0.05, contact_radius = 0.0 }
+elements = 3
+[[rods]]
+name = "beam"
+shape = { kind = "line", start = [0, 1, 0], length = 1.0 }
+section = { young = 100.0, poisson = 0.3, circle = 0.05 }
+elements = 3
+[[supports]]
+rod = "column"
+at = 0
+position = true
+rotation = true
+[[supports]]
+rod = ["beam"]
+at = "end"
+position = true
+rotation = true
+[[joints]]
+a = { rod = "column", at = { arc = 1.0 } }
+b = { rod = "beam", at = 0 }
+[[loads]]
+rod = "beam"
+at = 3
+force = [0, -0.01, 0]
+[[stages]]
+ramp = { load = 1.0, rotation = { rod = "beam", at = "end", axis = [0, 1, 0], through = [0, 0.5, 0.1], turns = 0.05 } }
+steps = 2
+"#;
+
+const SCENES: [&str; 5] = [
+    CORNER,
     include_str!("../examples/minicircle.toml"),
     include_str!("../examples/elastica.toml"),
     include_str!("../examples/ring_pressure.toml"),

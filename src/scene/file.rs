@@ -31,7 +31,7 @@ pub use points::read_points;
 /// #                                              Fidelity; default: none, and elements must be given
 ///
 /// [[rods]]
-/// name = "dna"
+/// name = "dna"                                 # not needed when there is one rod
 /// closed = true                                # default false
 /// shape = { kind = "circle", length = 114.24 } # or radius; center, normal
 /// #       { kind = "line", length, start, direction }
@@ -57,10 +57,15 @@ pub use points::read_points;
 /// #                                              default: no twist, so that it is the writhe of the shape
 ///
 /// [[supports]]                                 # any number
-/// rod = "dna"                                  # here and below: not needed when there is one rod
+/// rod = "dna"                                  # here and below: not needed when there is one rod; of supports and
+/// #                                              stages also a list, ["a", "b"], for the same node of several rods
 /// at = "start"                                 # or "end", a node index, { arc = s } (nearest node)
 /// position = true                              # or ["x", "y"]
 /// rotation = ["z"]                             # or true
+///
+/// [[joints]]                                   # two nodes at one place, of two rods or of one, joined rigidly for good;
+/// a = { rod = "column", at = "end" }           # see Joint
+/// b = { rod = "beam", at = "start" }
 ///
 /// [[loads]]                                    # dead, times the load factor
 /// at = { arc = 57.0 }
@@ -79,6 +84,8 @@ pub use points::read_points;
 /// ramp = { excess_link = { rod = "dna", to = -3.0 } }            # turns
 /// #      { rotation = { at, axis, turns }, displacement = { at, to = [x, y, z] },
 /// #        pressure = { to }, load = factor }; lists of tables where several nodes or rods move
+/// #      { rotation = { rod = ["a", "b"], at, axis, through = [x, y, z], turns } } carries nodes round together, about
+/// #        the axis through a point: a cable is twisted so
 /// steps = 30
 ///
 /// [solver]                                     # all optional
@@ -213,7 +220,8 @@ impl Scene {
 
     fn parse(text: &str, file: &str, base_dir: &Path) -> Result<Self, InputError> {
         let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: e.to_string() };
-        let text: SceneText = toml::from_str(text).map_err(refuse)?;
+        let mut text: SceneText = toml::from_str(text).map_err(refuse)?;
+        build::name_rods(&mut text.rods)?;
         check_choices(&text.solver, &text.output)?;
         let model = build::model(&text, base_dir)?;
         let stages = build::stages(&text.stages, &model)?;

@@ -7,22 +7,41 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
 use crate::rod::{CrossSection, Natural, Rod, Section};
-use crate::scene::{Contact, ContactLaw, Fidelity, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
 use super::mesh;
 use super::shapes::{Wound, shape};
-use super::text::{ContactText, LawText, RampText, RodText, SceneText, SectionText, StageText};
-use super::values::{At, List, NaturalText};
+use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
+use super::values::{At, List, Names, NaturalText};
+
+/// Name of the only rod of a scene, if it has none.
+const ONLY_ROD: &str = "rod";
+
+/// Names the only rod of a scene if it has no name; refuses rods that cannot be told from each other.
+pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
+    if let [only] = rods {
+        if only.name.is_empty() {
+            ONLY_ROD.clone_into(&mut only.name);
+        }
+        return Ok(());
+    }
+    for (i, rod) in rods.iter().enumerate() {
+        let field = || format!("rods[{i}].name");
+        if rod.name.is_empty() {
+            let reason = "missing: where there are several rods, each needs a name, by which supports, loads, joints and \
+                stages call it";
+            return Err(inconsistent(field(), reason));
+        }
+        if rods[..i].iter().any(|other| other.name == rod.name) {
+            let allowed = "a name that no other rod has".to_owned();
+            return Err(InputError::Name { field: field(), name: rod.name.clone(), allowed });
+        }
+    }
+    Ok(())
+}
 
 pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
-    let mut rods: Vec<Rod> = Vec::new();
-    for (i, rod_text) in text.rods.iter().enumerate() {
-        if rod_text.name.is_empty() || rods.iter().any(|rod| rod.name == rod_text.name) {
-            let allowed = "a name that no other rod has".to_owned();
-            return Err(InputError::Name { field: format!("rods[{i}].name"), name: rod_text.name.clone(), allowed });
-        }
-        rods.push(rod(text, rod_text, base_dir)?);
-    }
+    let rods = text.rods.iter().map(|rod_text| rod(text, rod_text, base_dir)).collect::<Result<Vec<_>, _>>()?;
     let contact = contact(&text.contact, text.fidelity, &rods)?;
     let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
@@ -31,11 +50,21 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         if (position, rotation) == ([false; 3], [false; 3]) {
             return Err(inconsistent(field, "fixes nothing: set position or rotation to true or a list of axes"));
         }
-        let node = node(&model.rods, &field, support.rod.as_deref(), support.at)?;
-        model.supports.push(Support { node, position, rotation });
+        for node in nodes(&model.rods, &field, &support.rod, support.at)? {
+            model.supports.push(Support { node, position, rotation });
+        }
+    }
+    for (i, joint) in text.joints.iter().enumerate() {
+        let end = |name: &str, end: &EndText| {
+            let field = format!("joints[{i}].{name}");
+            find_rod(&model.rods, &field, end.rod.as_deref()).and_then(|rod| node(&model.rods, &field, rod, end.at))
+        };
+        model.joints.push(Joint { a: end("a", &joint.a)?, b: end("b", &joint.b)? });
     }
     for (i, load) in text.loads.iter().enumerate() {
-        let node = node(&model.rods, &format!("loads[{i}]"), load.rod.as_deref(), load.at)?;
+        let field = format!("loads[{i}]");
+        let rod = find_rod(&model.rods, &field, load.rod.as_deref())?;
+        let node = node(&model.rods, &field, rod, load.at)?;
         model.loads.push(NodeLoad { node, force: load.force.into(), moment: load.moment.into() });
     }
     for (i, load) in text.line_loads.iter().enumerate() {
@@ -67,12 +96,17 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
         ramps.push(Ramp::ExcessLink { rod, to: ramp.to });
     }
     for ramp in &text.rotation.0 {
-        let node = node(rods, &format!("{field}.rotation"), ramp.rod.as_deref(), ramp.at)?;
-        ramps.push(Ramp::Rotation { node, axis: ramp.axis.into(), to: ramp.turns });
+        let (axis, to) = (ramp.axis.into(), ramp.turns);
+        let turn = |node| match ramp.through {
+            None => Ramp::Rotation { node, axis, to },
+            Some(through) => Ramp::RotationAbout { node, axis, through: through.into(), to },
+        };
+        let nodes = nodes(rods, &format!("{field}.rotation"), &ramp.rod, ramp.at)?;
+        ramps.extend(nodes.into_iter().map(turn));
     }
     for ramp in &text.displacement.0 {
-        let node = node(rods, &format!("{field}.displacement"), ramp.rod.as_deref(), ramp.at)?;
-        ramps.push(Ramp::Displacement { node, to: ramp.to.into() });
+        let nodes = nodes(rods, &format!("{field}.displacement"), &ramp.rod, ramp.at)?;
+        ramps.extend(nodes.into_iter().map(|node| Ramp::Displacement { node, to: ramp.to.into() }));
     }
     ramps.extend(text.load.map(|to| Ramp::Load { to }));
     for ramp in &text.pressure.0 {
@@ -220,8 +254,24 @@ fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, Inpu
     }
 }
 
-fn node(rods: &[Rod], field: &str, name: Option<&str>, at: At) -> Result<NodeRef, InputError> {
-    let index = find_rod(rods, field, name)?;
+/// The node `at` of each rod that is named; the only rod needs no name.
+fn nodes(rods: &[Rod], field: &str, names: &Names, at: At) -> Result<Vec<NodeRef>, InputError> {
+    if names.0.is_empty() {
+        return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);
+    }
+    let mut found = Vec::new();
+    for name in &names.0 {
+        let node = node(rods, field, find_rod(rods, field, Some(name))?, at)?;
+        if found.contains(&node) {
+            let allowed = "named once in a list".to_owned();
+            return Err(InputError::Name { field: format!("{field}.rod"), name: name.clone(), allowed });
+        }
+        found.push(node);
+    }
+    Ok(found)
+}
+
+fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, InputError> {
     let rod = &rods[index];
     let node = match at {
         At::Start => 0,

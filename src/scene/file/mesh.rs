@@ -8,7 +8,7 @@ use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
 use super::text::{LawText, RodText, SceneText};
-use super::values::List;
+use super::values::{List, Names};
 
 /// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
 /// one.
@@ -31,26 +31,47 @@ fn turns(
         Natural::Straight | Natural::AsShaped => 0.0,
     };
     let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
+    let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
     let stages = || scene.stages.iter().map(|stage| &stage.ramp);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let link = largest(
         &mut stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.excess_link),
     );
     let wound = if rod.closed { 1.0 + link } else { 0.0 };
-    let rotation = largest(&mut stages().flat_map(|r| &r.rotation.0).filter(|r| is_this(&r.rod)).map(|r| r.turns));
-    let is_moved = stages().any(|r| r.displacement.0.iter().any(|r| is_this(&r.rod)));
+    let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
+    let rotation = largest(&mut rotations().map(|r| r.turns));
+    let is_moved = stages().any(|r| r.displacement.0.iter().any(|r| is_among(&r.rod)));
     let moved = if is_moved { MOVED } else { 0.0 };
     let factor = largest(&mut stages().filter_map(|r| r.load));
     let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
-    let loads = || scene.loads.iter().filter(|load| is_this(&load.rod));
+    let together = joined(scene, &rod.name);
+    let is_felt = |name: &Option<String>| name.as_deref().is_none_or(|name| together.contains(&name));
+    let loads = || scene.loads.iter().filter(|load| is_felt(&load.rod));
     let force: f64 = loads().map(|load| size(load.force)).sum();
     let moment: f64 = loads().map(|load| size(load.moment)).sum();
-    let line: f64 = scene.line_loads.iter().filter(|load| is_this(&load.rod)).map(|load| size(load.force)).sum();
+    let line: f64 = scene.line_loads.iter().filter(|load| is_felt(&load.rod)).map(|load| size(load.force)).sum();
     let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
     // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
     let bending = section.smaller_bending();
     let loaded = (force / bending).sqrt() + ((line + pressure) / bending).cbrt() + moment / bending;
     Ok((length, tangent_turns.max(by_nature).max(wound) + rotation + moved + loaded * length / TAU))
+}
+
+/// Names of a rod and of all that joints connect it to, whose loads it feels.
+fn joined<'a>(scene: &'a SceneText, rod: &'a str) -> Vec<&'a str> {
+    let mut found = vec![rod];
+    let mut next = 0;
+    while let Some(&here) = found.get(next) {
+        for joint in &scene.joints {
+            let (Some(a), Some(b)) = (joint.a.rod.as_deref(), joint.b.rod.as_deref()) else { continue };
+            let other = if a == here { b } else { a };
+            if (a == here || b == here) && !found.contains(&other) {
+                found.push(other);
+            }
+        }
+        next += 1;
+    }
+    found
 }
 
 /// Length of a shape \[L\] and the turns its tangent goes through.

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::Fidelity;
 
-use super::values::{At, Axes, List, NaturalText, OneOrMany, Pair};
+use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair};
 use super::{OutputChoice, SolverChoice, Units};
 
 #[derive(Deserialize)]
@@ -23,6 +23,8 @@ pub(super) struct SceneText {
     pub rods: Vec<RodText>,
     #[serde(default)]
     pub supports: Vec<SupportText>,
+    #[serde(default)]
+    pub joints: Vec<JointText>,
     #[serde(default)]
     pub loads: Vec<LoadText>,
     #[serde(default)]
@@ -44,6 +46,7 @@ fn default_order() -> usize {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RodText {
+    #[serde(default)]
     pub name: String,
     #[serde(default)]
     pub closed: bool,
@@ -157,12 +160,27 @@ pub(super) struct SectionText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SupportText {
-    pub rod: Option<String>,
+    #[serde(default)]
+    pub rod: Names,
     pub at: At,
     #[serde(default)]
     pub position: Axes,
     #[serde(default)]
     pub rotation: Axes,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct JointText {
+    pub a: EndText,
+    pub b: EndText,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EndText {
+    pub rod: Option<String>,
+    pub at: At,
 }
 
 #[derive(Deserialize)]
@@ -232,16 +250,19 @@ pub(super) struct ScalarText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RotationText {
-    pub rod: Option<String>,
+    #[serde(default)]
+    pub rod: Names,
     pub at: At,
     pub axis: List<f64, 3>,
+    pub through: Option<List<f64, 3>>,
     pub turns: f64,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DisplacementText {
-    pub rod: Option<String>,
+    #[serde(default)]
+    pub rod: Names,
     pub at: At,
     pub to: List<f64, 3>,
 }

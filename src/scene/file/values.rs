@@ -75,6 +75,10 @@ impl<T> Default for OneOrMany<T> {
     }
 }
 
+/// Rods: a name or a list of names; empty where none is given.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Names(pub Vec<String>);
+
 struct ListVisitor<T, const N: usize>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de> + Default + Copy, const N: usize> Visitor<'de> for ListVisitor<T, N> {
@@ -216,6 +220,25 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ManyVisitor<T> {
     }
 }
 
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Names;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of a rod or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Names, E> {
+        Ok(Names(vec![value.to_owned()]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Names, A::Error> {
+        let names = Vec::deserialize(SeqAccessDeserializer::new(seq))?;
+        if names.is_empty() { Err(A::Error::invalid_length(0, &self)) } else { Ok(Names(names)) }
+    }
+}
+
 impl<'de, T: Deserialize<'de> + Default + Copy, const N: usize> Deserialize<'de> for List<T, N> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(ListVisitor(PhantomData))
@@ -243,6 +266,12 @@ impl<'de> Deserialize<'de> for Axes {
 impl<'de> Deserialize<'de> for NaturalText {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(NaturalVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NamesVisitor)
     }
 }
 
