@@ -239,13 +239,14 @@ impl Keeper {
                 self.write()?;
             }
         }
-        let mut error_estimate = None;
-        if let (Ok(solution), true) = (&result, converged && self.estimates) {
-            let estimate = observe::estimate_error(&solution.solver)?;
+        let wanted = result.as_ref().ok().filter(|_| converged && self.estimates);
+        let estimated = wanted.map(|solution| observe::estimate_error(&solution.solver)).transpose();
+        if let Ok(Some(estimate)) = &estimated {
             self.record.set_error_estimate(estimate.clone());
-            error_estimate = Some(estimate);
         }
+        // also where no estimate can be made: the run itself has converged
         self.record.finish(converged, &status, seconds)?;
+        let error_estimate = estimated?;
         if converged && self.on_disk {
             // all there is to know is in the outputs now; a checkpoint that cannot be removed does no harm
             std::fs::remove_file(&self.path).ok();
