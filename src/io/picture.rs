@@ -50,7 +50,7 @@ pub struct Stripe {
     pub seam_turns: f64,
     /// Colour (sRGB).
     pub color: [u8; 3],
-    /// Half the angle the stripe covers on the cross-section, rad; 0.3 looks right.
+    /// Half the angle the stripe covers on the cross-section, rad; 0.3 looks right. Legal: 0 to π.
     pub half_angle: f64,
 }
 
@@ -197,6 +197,8 @@ impl Tube {
                 return Err(InputError::Count { field, value: stripe.directions.len(), allowed: "one a point" });
             }
             InputError::check(&format!("{field}.stripe.seam_turns"), stripe.seam_turns, true, "a finite number")?;
+            let ok = (0.0..=std::f64::consts::PI).contains(&stripe.half_angle);
+            InputError::check(&format!("{field}.stripe.half_angle"), stripe.half_angle, ok, "between 0 and π rad")?;
         }
         Ok(())
     }

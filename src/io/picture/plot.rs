@@ -48,7 +48,7 @@ pub struct PlotSpec {
     pub log_x: bool,
     /// Logarithmic vertical axis.
     pub log_y: bool,
-    /// Size in pixels: width, height.
+    /// Size in pixels: width, height. Legal: 1 to 20000.
     pub size: (u32, u32),
 }
 
@@ -83,11 +83,23 @@ const FONT: &str = "sans-serif";
 /// Units of the drawing per pixel: the backend rounds to whole units, which would show in smooth curves.
 const FINE: u32 = 8;
 
+/// Most pixels a side.
+const MAX_SIZE: u32 = 20_000;
+/// Axes to larger values have no end: their ticks overflow.
+const FARTHEST: f64 = 1e300;
+
 /// Draws a plot as SVG, replacing what is there; text is left to the viewer's own sans-serif font.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if no point can be drawn, [`InputError::File`] if the file cannot be written.
+/// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] if no point can be drawn or an axis would have
+/// to reach beyond 1e300, [`InputError::File`] if the file cannot be written.
 pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
+    for (field, value) in [("size.0", plot.size.0), ("size.1", plot.size.1)] {
+        if !(1..=MAX_SIZE).contains(&value) {
+            let allowed = "between 1 and 20000";
+            return Err(InputError::Count { field: field.to_owned(), value: value as usize, allowed });
+        }
+    }
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, (FINE * plot.size.0, FINE * plot.size.1)).into_drawing_area();
@@ -129,7 +141,12 @@ fn range(plot: &PlotSpec, axis: usize) -> Result<std::ops::Range<f64>, InputErro
     }
     let room = if high > low { 0.04 * (high - low) } else { 0.5 * low.abs().max(1.0) };
     let (low, high) = (low - room, high + room);
-    Ok(if logarithmic { low.exp()..high.exp() } else { low..high })
+    let range = if logarithmic { low.exp()..high.exp() } else { low..high };
+    if range.start.abs().max(range.end.abs()) > FARTHEST {
+        let reason = format!("values up to {:e}: more than an axis can show", range.start.abs().max(range.end.abs()));
+        return Err(InputError::Inconsistent { field: "series".to_owned(), reason });
+    }
+    Ok(range)
 }
 
 /// Short label of a tick on an axis whose values reach up to `largest`; on a logarithmic axis only 1, 2 and 5 times a
@@ -297,6 +314,23 @@ mod tests {
     fn nothing_to_draw_is_refused() {
         assert!(plot_lines(Path::new("/nowhere/a.svg"), &spec(vec![(-1.0, 1.0)])).is_err());
         assert!(plot_lines(Path::new("/nowhere/a.svg"), &spec(vec![(1.0, 1.0)])).is_err());
+    }
+
+    /// Symptom: values beyond 1e308 apart hung the drawing, large sizes panicked. Mechanism: the width of the axis, and
+    /// the fine units of the drawing, overflow.
+    #[test]
+    fn what_overflows_is_refused() {
+        let path = Path::new("/nowhere/a.svg");
+        let of = |log_x: bool, x: [f64; 2], size: (u32, u32)| {
+            let plot = PlotSpec { log_x, log_y: false, size, ..spec(x.map(|x| (x, 1.0)).to_vec()) };
+            plot_lines(path, &plot).unwrap_err().to_string()
+        };
+        let size = PlotSpec::default().size;
+        for (log_x, x) in [(false, [-1e308, 1.7e308]), (false, [1.7e308; 2]), (true, [5e-324, 1.7e308])] {
+            assert!(of(log_x, x, size).starts_with("series: values up to"), "{}", of(log_x, x, size));
+        }
+        assert_eq!(of(false, [0.0, 1.0], (u32::MAX, 10)), "size.0 = 4294967295: must be between 1 and 20000");
+        assert_eq!(of(false, [0.0, 1.0], (10, 0)), "size.1 = 0: must be between 1 and 20000");
     }
 
     #[test]
