@@ -105,13 +105,13 @@ impl fmt::Display for StepTable<'_> {
 /// `rods` are the names of all rods; where several are closed their columns carry the name.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be written.
+/// [`InputError::Count`] if a rod has no name, [`InputError::File`] if the file cannot be written.
 pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Result<(), InputError> {
     let closed: Vec<usize> =
         steps.first().map_or_else(Vec::new, |step| step.links.iter().map(|link| link.rod).collect());
     let mut header: Vec<String> = ["step", "stage", "fraction"].map(str::to_owned).to_vec();
     for rod in &closed {
-        let suffix = if closed.len() > 1 { format!("_{}", rods[*rod]) } else { String::new() };
+        let suffix = if closed.len() > 1 { format!("_{}", name_of(rods, *rod)?) } else { String::new() };
         header.extend(
             ["excess_link", "link", "twist", "excess_twist", "writhe", "seam_moment"]
                 .map(|name| format!("{name}{suffix}")),
@@ -141,12 +141,18 @@ fn cells(step: &Observation) -> Vec<Cell> {
     cells
 }
 
+/// Name of a rod that a step or site tells of.
+fn name_of(rods: &[String], rod: usize) -> Result<&str, InputError> {
+    let refuse = || InputError::Count { field: "rods".to_owned(), value: rods.len(), allowed: "one name a rod" };
+    rods.get(rod).map(String::as_str).ok_or_else(refuse)
+}
+
 /// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, smallest gap, force, crossing angle,
-/// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods` are
-/// the names of all rods.
+/// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods`
+/// are the names of all rods.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be written.
+/// [`InputError::Count`] if a rod has no name, [`InputError::File`] if the file cannot be written.
 pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result<(), InputError> {
     let header = [
         "rod_a",
@@ -169,15 +175,16 @@ pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result
         "foot_b_y",
         "foot_b_z",
     ];
-    let row = |site: &SiteReport| -> Vec<Cell> {
-        let strand = |rod: usize, arc: [f64; 2]| [Cell::from(rods[rod].as_str()), arc[0].into(), arc[1].into()];
-        let mut cells: Vec<Cell> = [strand(site.rod_a, site.arc_a), strand(site.rod_b, site.arc_b)].concat();
+    let row = |site: &SiteReport| -> Result<Vec<Cell>, InputError> {
+        let strand =
+            |rod: usize, arc: [f64; 2]| name_of(rods, rod).map(|name| [Cell::from(name), arc[0].into(), arc[1].into()]);
+        let mut cells: Vec<Cell> = [strand(site.rod_a, site.arc_a)?, strand(site.rod_b, site.arc_b)?].concat();
         cells.push(site.kind.as_str().into());
         cells.extend([site.gap, site.force, site.angle].map(Cell::from));
         cells.extend([site.force_on_a, site.feet[0], site.feet[1]].into_iter().flatten().map(Cell::from));
-        cells
+        Ok(cells)
     };
-    write_table(path, &header, sites.iter().map(row))
+    write_table(path, &header, sites.iter().map(row).collect::<Result<Vec<_>, _>>()?)
 }
 
 #[cfg(test)]
@@ -232,6 +239,17 @@ pub(super) mod tests {
     fn what_rounds_to_zero_has_no_sign() {
         assert_eq!([-0.004, -0.0, -0.006, 0.0].map(|x| fixed(x, 2)), ["0.00", "0.00", "-0.01", "0.00"]);
         assert_eq!(number(-0.0).trim(), "0.0000");
+    }
+
+    /// Symptom: too few names panicked. Mechanism: they were indexed by the rods of the steps.
+    #[test]
+    fn rods_without_a_name_are_refused() {
+        let path = Path::new("/nowhere/steps.csv");
+        let mut step = observation(0);
+        let other = RodLink { rod: 1, ..step.links[0] };
+        step.links.push(other);
+        let error = write_steps(path, &["dna".into()], &[step]).unwrap_err().to_string();
+        assert_eq!(error, "rods = 1: must be one name a rod");
     }
 
     #[test]
