@@ -131,8 +131,8 @@ fn check(file: &Path) -> Result<u8, InputError> {
         say(format_args!("  rod {name}: {kind}, length {length} {unit}, {elements} elements of order {order}"));
     }
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
-    let (supports, stages) = (scene.model.supports.len(), scene.stages.len());
-    say(format_args!("  {supports} supports, {stages} stages of {steps} steps in all"));
+    let (supports, joints, stages) = (scene.model.supports.len(), scene.model.joints.len(), scene.stages.len());
+    say(format_args!("  {supports} supports, {joints} joints, {stages} stages of {steps} steps in all"));
     // what a run refuses before its first step
     let overlaps = Solver::new(scene.model.clone(), Options::default())
         .map(drop)

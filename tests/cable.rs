@@ -13,7 +13,7 @@ use nalgebra::Unit;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
-use supercoil::solve::{Options, Solution, Solver, Status, run};
+use supercoil::solve::{Options, Solution, Solver, Status, run, run_from};
 
 const LENGTH: f64 = 3.0;
 /// Too weak for two turns to buckle a strand (Greenhill: 4π C < 8.99 B).
@@ -100,6 +100,27 @@ fn a_cable_turned_whole_keeps_its_shape() {
         assert!(clamps < 1e-12 && inside < 1e-9, "{clamps} {inside}");
         assert!(elastic_energy(&solution.solver) < 1e-15, "{}", elastic_energy(&solution.solver));
     }
+}
+
+/// Taken up in the middle of a stage of more steps than were asked for, the run goes on with the same bits.
+#[test]
+fn a_run_taken_up_half_way_takes_the_same_steps() {
+    let node = NodeRef { rod: 0, node: LAST };
+    let turn = Ramp::RotationAbout { node, axis: Vec3::new(0.3, -0.1, 2.0), through: Vec3::x() * 1.01, to: 0.7 };
+    let (model, stages) = (strands(&triangle(), 0.0, 0.0), [Stage { ramps: vec![turn], steps: 2 }]);
+    let mut middle = None;
+    let whole = run_from(model.clone(), &stages, &Options::default(), None, &mut |progress, waypoint| {
+        if progress.step == 4 {
+            middle = waypoint.restart();
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!((whole.status, whole.num_steps), (Status::Converged, 9));
+    assert!(middle.is_some());
+    let rest = run_from(model, &stages, &Options::default(), middle, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    assert_eq!((rest.status, rest.num_steps), (Status::Converged, 9));
+    assert_eq!(whole.solver.engine().state(), rest.solver.engine().state());
 }
 
 /// One end of a strand on the axis is turned by two whole turns: they are all in its twist, to what eight elements

@@ -27,8 +27,8 @@ pub use points::read_points;
 /// title = "336 bp minicircle, excess link to -3"
 /// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
 /// planar = false                               # true: all in the x-y plane, z is no unknown
-/// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are not given below, see
-/// #                                              Fidelity; default: none, and elements must be given
+/// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are
+/// #                                              not given below, see Fidelity; default: none, elements must be given
 ///
 /// [[rods]]
 /// name = "dna"                                 # not needed when there is one rod
@@ -49,10 +49,11 @@ pub use points::read_points;
 /// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
 /// elements = 48                                # may be left out where there is a fidelity
 /// order = 3                                    # 1, 2 or 3 (default)
-/// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put in), or, in the section's axes,
-/// #                                              { curvature = [k1, k2], twist = k3 } (per length; rad per length): k1 bends about d1
-/// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of arcs, circles and other
-/// #                                              curves in the x-y plane, see Shape
+/// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put
+/// #                                              in), or, in the section's axes, { curvature = [k1, k2], twist = k3 }
+/// #                                              (per length; rad per length): k1 bends about d1
+/// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of
+/// #                                              arcs, circles and other curves in the x-y plane, see Shape
 /// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;
 /// #                                              default: no twist, so that it is the writhe of the shape
 ///
@@ -63,8 +64,8 @@ pub use points::read_points;
 /// position = true                              # or ["x", "y"]
 /// rotation = ["z"]                             # or true
 ///
-/// [[joints]]                                   # two nodes at one place, of two rods or of one, joined rigidly for good;
-/// a = { rod = "column", at = "end" }           # see Joint
+/// [[joints]]                                   # two nodes at one place, of two rods or of one, joined rigidly for
+/// a = { rod = "column", at = "end" }           # good, see Joint
 /// b = { rod = "beam", at = "start" }
 ///
 /// [[loads]]                                    # dead, times the load factor
@@ -100,8 +101,9 @@ pub use points::read_points;
 /// node_tolerance = 0.5                         # VTK: instead, leave out nodes within this distance of the line drawn
 /// picture = true
 /// checkpoint_steps = 20                        # a checkpoint every so many accepted steps (default: by time only)
-/// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0 at every step
-/// error_estimate = false                       # estimate the error of the final state (two more searches on twice the elements)
+/// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0: every step
+/// error_estimate = false                       # estimate the error of the final state (two more searches on twice the
+/// #                                              elements)
 /// dir = "out/minicircle"                       # relative to where the program runs
 /// ```
 ///

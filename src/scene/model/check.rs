@@ -26,8 +26,8 @@ impl Model {
     /// # Errors
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
     /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
-    /// element, of two rods that both take part in contact, or of rods that together are free to move as a rigid body; an
-    /// open or loaded rod that its supports leave free to move as a rigid body
+    /// element, of two rods that both take part in contact, or of rods that together are free to move as a rigid body;
+    /// an open or loaded rod that its supports leave free to move as a rigid body
     /// while dead loads act on it or other rods may push it (closed rods may float when no dead load acts on them);
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
@@ -66,7 +66,8 @@ impl Model {
     /// # Errors
     /// Whatever [`Model::check`] refuses; a stage of no steps or no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
-    /// rotation no support fixes, a displacement of a component no support fixes; an open rod so moved that is
+    /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; motions of
+    /// joined nodes; an open rod so moved that is
     /// otherwise free to move as a rigid body; a load factor without loads; pressure on anything but a closed rod of a
     /// planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
@@ -105,38 +106,22 @@ impl Model {
                     "is in a planar scene: excess link needs space (planar = false)",
                 )
             }
-            Ramp::Rotation { node, axis, to } => {
-                let field = format!("{stage}.rotation");
-                self.check_node(&field, node)?;
-                InputError::check(&format!("{field}.turns"), to, true, "a finite number of turns")?;
-                self.check_axis(&field, &axis)?;
-                self.check_not_joined(&field, node)?;
-                self.check_rotation_held(&field, node)?;
-                self.check_moved(&field, node.rod)
-            }
+            Ramp::Rotation { node, axis, to } => self.check_turned(&format!("{stage}.rotation"), node, &axis, to),
             Ramp::RotationAbout { node, axis, through, to } => {
                 let field = format!("{stage}.rotation");
-                self.check_ramp(stage, &Ramp::Rotation { node, axis, to })?;
+                self.check_turned(&field, node, &axis, to)?;
                 let allowed = "at most 100000 turns about an axis through a point";
                 InputError::check(&format!("{field}.turns"), to, to.abs() <= MOST_ROUND, allowed)?;
                 finite(&format!("{field}.through"), &through)?;
-                let fixed = self.fixed(node).0;
                 let stands = |k: usize| (0..3).all(|j| j == k || axis[j] == 0.0);
-                let held = (0..3).all(|k| fixed[k] || stands(k));
-                let reason =
-                    "is carried round in a direction that no support fixes at this node: add one with position = true";
-                self.require(held, &field, node.rod, reason)
+                self.check_position_held(&field, node, "is carried round", [0, 1, 2].map(|k| !stands(k)))
             }
             Ramp::Displacement { node, to } => {
                 let field = format!("{stage}.displacement");
                 self.check_node(&field, node)?;
                 finite(&format!("{field}.to"), &to)?;
                 self.check_not_joined(&field, node)?;
-                let fixed = self.fixed(node).0;
-                let held = (0..3).all(|k| to[k] == 0.0 || fixed[k]) && !(self.planar && to.z != 0.0);
-                let reason =
-                    "is displaced in a direction that no support fixes at this node: add one with position = true";
-                self.require(held, &field, node.rod, reason)?;
+                self.check_position_held(&field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
                 self.check_moved(&field, node.rod)
             }
             Ramp::Load { to } => {
@@ -162,9 +147,22 @@ impl Model {
         }
     }
 
-    fn check_rotation_held(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
+    fn check_turned(&self, field: &str, node: NodeRef, axis: &Vec3, turns: f64) -> Result<(), InputError> {
+        self.check_node(field, node)?;
+        InputError::check(&format!("{field}.turns"), turns, true, "a finite number of turns")?;
+        self.check_axis(field, axis)?;
+        self.check_not_joined(field, node)?;
         let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
-        self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)
+        self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)?;
+        self.check_moved(field, node.rod)
+    }
+
+    /// Refuses to move a node along axes in which no support fixes it, or out of the plane.
+    fn check_position_held(&self, field: &str, node: NodeRef, what: &str, moved: [bool; 3]) -> Result<(), InputError> {
+        let fixed = self.fixed(node).0;
+        let held = (0..3).all(|k| !moved[k] || fixed[k]) && !(self.planar && moved[2]);
+        let reason = format!("{what} in a direction that no support fixes at this node: add one with position = true");
+        self.require(held, field, node.rod, &reason)
     }
 
     fn check_not_joined(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
