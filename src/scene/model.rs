@@ -256,7 +256,7 @@ impl Ramp {
 pub struct Stage {
     /// What moves.
     pub ramps: Vec<Ramp>,
-    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: ≥ 1. A step that turns a rod
+    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: 1 to 10⁹. A step that turns a rod
     /// by several turns goes from turn to turn, where an augmented Lagrangian is asked for on a coarse mesh first: much
     /// cheaper than as many steps, each brought to rest on the whole mesh. [`Ramp::RotationAbout`] may ask for more.
     pub steps: usize,

@@ -96,7 +96,8 @@ fn deepest(search: &Search, group: &[&Rectangle]) -> Option<Closest> {
             // Down from the saddle, both ways along the direction it falls in.
             let h = Derivatives::new(a, b, end.0, end.1);
             let angle = 0.5 * (2.0 * h.uv).atan2(h.uu - h.vv) + std::f64::consts::FRAC_PI_2;
-            let (dv, du) = (angle.sin_cos().0 * 0.02, angle.sin_cos().1 * 0.02);
+            let (sin, cos) = angle.sin_cos();
+            let (du, dv) = (0.02 * cos, 0.02 * sin);
             for sign in [-1.0, 1.0] {
                 let from = ((end.0 + sign * du).clamp(hu[0], hu[1]), (end.1 + sign * dv).clamp(hv[0], hv[1]));
                 offer(descend(a, b, from, hu, hv));

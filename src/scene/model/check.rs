@@ -15,6 +15,8 @@ const TOL_RANK: f64 = 1e-9;
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
+/// Steps of a stage: many more of them would be lost in rounding of the fraction done, and never arrive.
+const MOST_STEPS: usize = 1_000_000_000;
 /// Turns about an axis through a point, which are gone through in a dozen steps each, beyond any scene.
 const MOST_ROUND: f64 = 1e5;
 /// Joined nodes may be this far apart, relative to the length of the longer rod.
@@ -64,7 +66,7 @@ impl Model {
     /// Refuses stages that this model cannot follow.
     ///
     /// # Errors
-    /// Whatever [`Model::check`] refuses; a stage of no steps or no ramps; two ramps of one quantity in a stage;
+    /// Whatever [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; motions of
     /// joined nodes; an open rod so moved that is
@@ -76,6 +78,10 @@ impl Model {
         for (i, stage) in stages.iter().enumerate() {
             if stage.steps == 0 {
                 return Err(InputError::Count { field: format!("stages[{i}].steps"), value: 0, allowed: "at least 1" });
+            }
+            if stage.steps > MOST_STEPS {
+                let (field, allowed) = (format!("stages[{i}].steps"), "at most 1000000000");
+                return Err(InputError::Count { field, value: stage.steps, allowed });
             }
             if stage.ramps.is_empty() {
                 let reason =
