@@ -8,8 +8,8 @@ use std::path::Path;
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::observe::{observe, start_overlaps};
-use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Progress, Solution, Status};
+use supercoil::scene::{NodeRef, Ramp, Scene};
+use supercoil::solve::{self, Options, Progress, Solution, Solver, Status};
 
 const SECTION: &str =
     "section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }";
@@ -158,4 +158,64 @@ fn a_rod_carried_by_contact_alone_is_refused_with_advice() {
     );
     let error = Scene::from_toml(&text, Path::new("")).unwrap_err().to_string();
     assert!(error.contains("where a rod is to rest on others"), "{error}");
+}
+
+/// What that advice comes to, see [`a_rod_carried_by_contact_alone_is_refused_with_advice`]: a heavy beam on two bearers,
+/// the nodes above these held at their height by supports, too, that are lowered until nothing is left on them. With
+/// spans ℓ = 0.6, overhangs c = 0.2 and bearers of length L = 0.4 clamped at both ends, B = 1, GA = 10⁴, weight q = 1: the
+/// bearers give way by F L³/192 + F L/(4 GA) under F = q/2, and the middle is lower than the beam above them by
+/// q ℓ² (5ℓ² − 24c²)/384 + q ℓ²/(8 GA).
+#[test]
+fn a_rod_comes_to_rest_on_others_as_the_advice_says() {
+    let bearer = |name: &str, x: f64| {
+        format!(
+            "[[rods]]\nname = \"{name}\"\nelements = 8\n{SECTION}\n\
+             shape = {{ kind = \"line\", start = [{x}, -0.2, 0], direction = [0, 1, 0], length = 0.4 }}\n"
+        )
+    };
+    let held = |arc: f64, position: &str, rotation: &str| {
+        format!("[[supports]]\nrod = \"beam\"\nat = {{ arc = {arc} }}\nposition = {position}\nrotation = {rotation}\n")
+    };
+    let text = format!(
+        "[[rods]]\nname = \"beam\"\nelements = 20\n{SECTION}\n\
+         shape = {{ kind = \"line\", start = [-0.5, 0, 0.04], length = 1.0 }}\n{}{}{}{}{}\
+         [[line_loads]]\nrod = \"beam\"\nforce = [0, 0, -1]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 1\n",
+        bearer("left", -0.3),
+        bearer("right", 0.3),
+        clamps(&["left", "right"]),
+        held(0.5, "[\"x\"]", "[\"x\"]"),
+        [0.2, 0.8].map(|arc| held(arc, "[\"y\", \"z\"]", "false")).concat(),
+    );
+    let scene = scene(&text);
+    let feet = [0.2, 0.8].map(|arc: f64| NodeRef { rod: 0, node: (arc * 60.0).round() as usize });
+    let mut solver = Solver::new(scene.model, Options::default()).unwrap();
+    assert_eq!(solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap().status, Status::Converged);
+    // the force on each support, by the height of both
+    let mut reactions = |z: f64| {
+        let ramps = feet.map(|node| Ramp::Displacement { node, to: Vec3::z() * z });
+        let report = solver.step_to(&ramps).unwrap();
+        assert_eq!(report.status, Status::Converged, "{z}");
+        let progress =
+            Progress { engine: solver.engine(), stage: 0, step: 1, fraction: 1.0, report: &report, seconds: 0.0 };
+        let seen = observe(&progress);
+        let up = feet.map(|foot| seen.reactions.iter().find(|r| (r.rod, r.node) == (0, foot.node)).unwrap().force[2]);
+        (up, seen, solver.engine().positions(0)[30].z)
+    };
+    let (mut z, mut lower) = (0.0, -1e-3);
+    let mut at = reactions(z).0[0];
+    assert!(at > 0.49, "{at}"); // the supports carry it
+    for _ in 0..6 {
+        let there = reactions(lower).0[0];
+        (z, lower, at) = (lower, lower - there * (lower - z) / (there - at), there);
+        if at.abs() < 1e-9 {
+            break;
+        }
+    }
+    let (up, seen, middle) = reactions(z);
+    assert!(up.iter().all(|force| force.abs() < 1e-8), "{up:?}");
+    assert!((seen.total_contact_force - 1.0).abs() < 1e-4, "{}", seen.total_contact_force);
+    let (span, overhang, bearer, shear) = (0.6f64, 0.2f64, 0.4f64, 1e4);
+    let sag = span.powi(2) * (5.0 * span.powi(2) - 24.0 * overhang.powi(2)) / 384.0 + span.powi(2) / (8.0 * shear);
+    let expected = 0.04 - sag - (0.5 * bearer.powi(3) / 192.0 + 0.5 * bearer / (4.0 * shear));
+    assert!((middle - expected).abs() < 1e-2 * sag, "{middle} {expected}");
 }

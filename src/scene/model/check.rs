@@ -8,7 +8,8 @@ use super::{ContactLaw, Model, NodeRef, Ramp, Stage};
 
 /// What to do where a rod is to be carried by others, which touch it on one side only and may part from it.
 const CARRIED_BY_CONTACT: &str = " (contact, which may part, does not count as one: where a rod is to rest on others, support \
-    a node in the direction in which they carry it, too, and move it by a displacement until its reaction vanishes)";
+    as many of its nodes as this takes in the direction in which they carry it, too, and move these by displacements \
+    until their reactions vanish)";
 
 /// Singular values of the support constraints below this (of 1) leave a rigid motion free.
 const TOL_RANK: f64 = 1e-9;

@@ -19,7 +19,8 @@ const NEARLY_BALANCED: f64 = 1e-3;
 const UNLOADED: f64 = 1e-6;
 /// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
-/// Decrements that the potential cannot see and that fall by less than this in three steps are made of rounding.
+/// Decrements that the potential cannot see and that fall by less than this in three steps, nor under a shift rise by
+/// more than its inverse, are made of rounding.
 const SETTLING: f64 = 0.1;
 
 /// A step that was accepted, in numbers.
@@ -80,12 +81,14 @@ impl Rest {
         self.at_saddle = if tiny && indefinite && balanced { self.at_saddle + 1 } else { 0 };
         // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
         let expected = trial.expected.abs();
-        if expected >= accepted.noise || indefinite || trial.fraction < 1.0 || accepted.goes_on {
+        if expected >= accepted.noise || trial.fraction < 1.0 || accepted.goes_on {
             self.decrements.clear();
         } else {
             self.decrements.push(expected);
         }
-        let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if last > SETTLING * before);
+        // what leaves a saddle grows, by far more than that in three steps
+        let stays = |last: f64, before: f64| last > SETTLING * before && (!indefinite || SETTLING * last < before);
+        let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
         trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= 3 || idle)
     }
 
