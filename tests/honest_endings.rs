@@ -9,6 +9,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::observe::{observe, start_overlaps};
 use supercoil::scene::{NodeRef, Ramp, Scene};
+use supercoil::solve::newton::Iteration;
 use supercoil::solve::{self, Options, Progress, Solution, Solver, Status};
 
 const SECTION: &str =
@@ -218,4 +219,32 @@ fn a_rod_comes_to_rest_on_others_as_the_advice_says() {
     let sag = span.powi(2) * (5.0 * span.powi(2) - 24.0 * overhang.powi(2)) / 384.0 + span.powi(2) / (8.0 * shear);
     let expected = 0.04 - sag - (0.5 * bearer.powi(3) / 192.0 + 0.5 * bearer / (4.0 * shear));
     assert!((middle - expected).abs() < 1e-2 * sag, "{middle} {expected}");
+}
+
+/// A search that has no way on says so. A thick cantilever is folded back by its tip, which is to end inside its clamp.
+/// Symptom: no step accepted and no end in 100 s. Mechanism: steps shorter than the tolerance are taken whatever the
+/// potential says, each took the count of rejections back to nothing, and so a search whose shift had grown to 10³⁴, its
+/// forces out of balance by a hundredth, went on by 10⁻³⁰ node spacings up to `max_iterations`, in every try.
+#[test]
+fn a_search_without_a_way_on_ends() {
+    let section = SECTION.replace("0.02", "0.1").replace("1e4", "1e3");
+    let text = format!(
+        "[[rods]]\nname = \"rod\"\nelements = 24\n{section}\nshape = {{ kind = \"line\", length = 1.0 }}\n{}",
+        clamps(&["rod"])
+    );
+    let mut solver = Solver::new(scene(&text).model, Options::default()).unwrap();
+    let tip = NodeRef { rod: 0, node: 72 };
+    let mut fold = |part: f64| {
+        let turned = Ramp::Rotation { node: tip, axis: Vec3::z(), to: 0.5 * part };
+        let ramps = [turned, Ramp::Displacement { node: tip, to: Vec3::new(-1.0, 0.1, 0.0) * part }];
+        solver.step_to(&ramps).unwrap()
+    };
+    for step in 1..=7 {
+        assert_eq!(fold(0.1 * f64::from(step)).status, Status::Converged, "{step}");
+    }
+    let report = fold(0.8);
+    assert_eq!(report.status, Status::MaxIterations);
+    let nowhere = |i: &&Iteration| i.fraction > 0.0 && i.shift > 0.0 && i.increment < 1e-8 && i.residual > 1e-3;
+    let spent = report.history.iter().flatten().filter(nowhere).count();
+    assert!(report.iterations < 250 && spent <= 40, "{} iterations, {spent} went nowhere", report.iterations);
 }

@@ -29,7 +29,7 @@ use step::Step;
 use trial::Trial;
 use trust::{Outcome, Trust};
 
-/// Steps rejected in a row before the search gives up.
+/// Steps rejected in a row, or taken but [stuck](Rest::is_stuck), before the search gives up.
 const MAX_REJECTIONS: usize = 30;
 /// Fractions of a step tried before the shift is raised.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
@@ -57,7 +57,7 @@ struct Search {
     remaining: f64,
     trust: Trust,
     rest: Rest,
-    /// Steps rejected in a row.
+    /// Steps rejected or stuck in a row.
     rejections: usize,
     report: NewtonReport,
 }
@@ -134,7 +134,12 @@ impl Workspace {
                     search.remaining *= 1.0 - trial.fraction;
                     let accepted = Accepted { size, unbalanced, noise, shift, goes_on: search.is_pushed() };
                     search.report.converged = search.rest.is_reached(engine, &residual, (&step, &trial), &accepted);
+                    let stuck = search.rest.is_stuck(&accepted);
                     self.accept(engine, &mut search, &residual, (&step, trial));
+                    search.rejections = if stuck { search.rejections + 1 } else { 0 };
+                    if search.rejections > MAX_REJECTIONS {
+                        break 'search;
+                    }
                     break;
                 }
                 // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it
@@ -190,7 +195,6 @@ impl Workspace {
 
     /// Goes where an accepted step leads.
     fn accept(&mut self, engine: &mut Engine, search: &mut Search, residual: &Residual, (step, trial): (&Step, Trial)) {
-        search.rejections = 0;
         let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
         let unseen = trial.expected.abs() <= 10.0 * noise(residual);
         search.trust.accept(Outcome {

@@ -58,6 +58,12 @@ impl Rest {
         size <= self.tol_increment && trial.potential.is_finite()
     }
 
+    /// Whether an accepted step goes nowhere though forces are out of balance: its shift makes it shorter than the
+    /// tolerance, and so acceptable, when nothing longer was. Where strands have no room left that goes on for ever.
+    pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
+        accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY_BALANCED
+    }
+
     /// Whether the search has come to rest with an accepted step from where `residual` is.
     pub(super) fn is_reached(
         &mut self,
