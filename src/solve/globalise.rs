@@ -13,6 +13,7 @@
 //! Moré & Sorensen 1983): a slope of negative curvature is left in few steps instead of many that its own shift keeps
 //! short.
 
+mod patience;
 mod rest;
 mod step;
 mod trial;
@@ -24,6 +25,7 @@ use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
+use patience::Patience;
 use rest::{Accepted, Rest};
 use step::Step;
 use trial::Trial;
@@ -104,10 +106,12 @@ impl Workspace {
     ) -> Result<NewtonReport, SolveError> {
         let mut search = Search::new(engine, drive, forces, Rest::new(options.tol_increment, self.rough));
         self.shift = 0.0;
-        'search: while !search.report.converged && search.report.iterations.len() < options.max_iterations {
+        let mut patience = Patience::new(options.max_iterations);
+        'search: while !search.report.converged && !patience.is_over() {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
+            patience.see(&residual, search.remaining);
             let noise = noise(&residual);
             let unbalanced = relative_residual(engine, &residual);
             let mut longest = 1.0;
@@ -122,6 +126,7 @@ impl Workspace {
                 let trial = self.try_step(engine, &search, &residual, &step, (size, longest))?;
                 let shift = self.shift;
                 let is_accepted = search.accepts(engine, &residual, &trial, size)?;
+                patience.count();
                 search.report.iterations.push(Iteration {
                     increment: size,
                     residual: unbalanced,
@@ -150,17 +155,17 @@ impl Workspace {
                     break;
                 }
                 search.rejections += 1;
-                if search.rejections > MAX_REJECTIONS || search.report.iterations.len() >= options.max_iterations {
+                if search.rejections > MAX_REJECTIONS || patience.is_over() {
                     break 'search;
                 }
-                if search.is_pushed() {
+                if search.is_pushed() && step.extent > TOO_FAR {
+                    // no push leads that far: it is the response of a tangent that is nearly singular
+                    self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
+                } else if search.is_pushed() {
                     // shifts do not shorten what is prescribed
                     longest = 0.4 * trial.fraction;
                     if longest < SHORTEST {
                         break 'search;
-                    }
-                    if step.extent > TOO_FAR {
-                        self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
                     }
                 } else {
                     search.trust.reject(step.extent);

@@ -15,25 +15,22 @@ use crate::solve::multipliers::Paces;
 use crate::solve::newton::NewtonReport;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
-use crate::solve::predictor::turned;
+use crate::solve::predictor::{Lifted, Prediction, lifted};
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
 
-/// Depth of the core law that a load step with contact begins under, over the contact distance.
-const DEPTH: f64 = 0.4;
+/// Depth of the core law that a load step with contact begins under, over the contact distance: thin, so that strands
+/// that snap together do not sink where they could not come out again.
+const DEPTH: f64 = 0.1;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
-/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
-const SOFTENING: f64 = 10.0;
-const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
 /// given ten turns at once would buckle into its tenth mode.
 pub(super) const TURNS_AT_ONCE: f64 = 1.0;
-/// Iterations spent on a predicted state, and the largest rotation of a node for which the prediction is trusted, rad.
-const PREDICTED_ITERATIONS: usize = 20;
-const LARGEST_PREDICTED_TURN: f64 = 0.3;
+/// Iterations spent on a predicted state.
+const PREDICTED_ITERATIONS: usize = 30;
 /// Iterations spent on one hardening stage before it is given up.
 pub(super) const HARDENING_ITERATIONS: usize = 100;
 
@@ -51,13 +48,13 @@ impl Solver {
     }
 
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
-    pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
+    pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Prediction>) -> StepReport {
         let mut report = StepReport::settled();
         if let Err(error) = self.foresee_hardening() {
             return StepReport::refused(error);
         }
         let foreseen = match predicted {
-            Some(increment) => self.settle_predicted(drive, increment, PREDICTED_ITERATIONS, &mut report),
+            Some(prediction) => self.settle_predicted(drive, &prediction, PREDICTED_ITERATIONS, &mut report),
             None => self.settle_from_short(drive, &mut report),
         };
         let outcome = foreseen
@@ -86,17 +83,13 @@ impl Solver {
     pub(super) fn settle_predicted(
         &mut self,
         drive: &Drive,
-        increment: Vec<f64>,
+        prediction: &Prediction,
         iterations: usize,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
-        let largest = increment.chunks(6).flat_map(|node| &node[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
-        if largest > LARGEST_PREDICTED_TURN {
-            return Ok(false);
-        }
         let before = self.snapshot();
         let patience = self.be_patient_for(iterations);
-        let outcome = self.search_predicted(drive, &increment, report);
+        let outcome = self.search_predicted(drive, prediction, report);
         self.options.newton.max_iterations = patience;
         if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
             report.predicted = true;
@@ -109,8 +102,8 @@ impl Solver {
 
     /// Tries the law as it is on the present state; true if it settles, otherwise the solver is back where it was.
     pub(super) fn settle_as_it_is(&mut self, iterations: usize, report: &mut StepReport) -> Result<bool, SolveError> {
-        let still = vec![0.0; 6 * self.engine.num_nodes()];
-        let settled = self.settle_predicted(&Drive::default(), still, iterations, report);
+        let still = Prediction::still(&self.engine);
+        let settled = self.settle_predicted(&Drive::default(), &still, iterations, report);
         report.predicted = false;
         settled
     }
@@ -135,14 +128,15 @@ impl Solver {
     fn search_predicted(
         &mut self,
         drive: &Drive,
-        increment: &[f64],
+        prediction: &Prediction,
         report: &mut StepReport,
     ) -> Result<(), SolveError> {
         let engine = &mut self.engine;
-        let state = turned(engine, &engine.state, drive);
+        let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
         engine.update_contact(&state)?;
-        let fraction = engine.step_fraction(&state, increment)?;
-        engine.state = state.retract(increment, fraction);
+        let fraction = engine.step_fraction(&state, &prediction.increment)?;
+        engine.state = state.retract(&prediction.increment, fraction);
+        self.workspace.start_forces.clone_from(&prediction.forces);
         self.search(&drive.scaled(1.0 - fraction), report)?;
         self.enforce_gaps(report)
     }
@@ -232,25 +226,21 @@ impl Solver {
                 Some(gaps) => {
                     self.augment(&gaps, &mut paces);
                     report.augmentations += 1;
-                    self.search_nearly(&Drive::default(), report)?;
-                    at_rest = self.ended_at_rest(report);
+                    self.step_once(report)?;
+                    at_rest = false;
                 }
             }
         }
         Ok(())
     }
 
-    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges
-    /// quadratically: after a last increment of √tol the error is of the order of tol, and the tolerance itself is for
-    /// the last search of all.
-    fn search_nearly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let tol = self.options.newton.tol_increment;
-        if self.augments() && self.is_near_contact()? {
-            self.options.newton.tol_increment = tol.sqrt();
-        }
-        let outcome = self.search(drive, report);
-        self.options.newton.tol_increment = tol;
-        outcome
+    /// One Newton step after offsets were moved: pressures are unknowns like any other, so they move in every iteration
+    /// and none is brought to the rest of pressures that will not stay.
+    fn step_once(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        let patience = self.be_patient_for(1);
+        let outcome = self.equilibrate(&Drive::default(), false, report);
+        self.options.newton.max_iterations = patience;
+        outcome.map(|_| ())
     }
 
     /// Whether the last search went on to the tolerance of a state at rest.
@@ -259,29 +249,10 @@ impl Solver {
         last.is_none_or(|iteration| iteration.increment <= self.options.newton.tol_increment)
     }
 
-    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it
-    /// is too coarse, lines of contact break up into points between nodes.
+    /// From the core law to the law asked for, pressures kept.
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        let asked = self.engine.contact_stiffness();
-        // half way in decades; to a law softer than the core at once
-        self.harden_to(Law::Linear { stiffness: asked.min((asked * self.core_stiffness()).sqrt()) });
-        self.search_roughly(true, &Drive::default(), report)?;
-        if report.status != Status::Converged {
-            return Ok(());
-        }
-        let before = self.snapshot();
-        for softer in 0..=MAX_SOFTER {
-            self.change_law(Law::Linear { stiffness: asked / SOFTENING.powi(softer) }, &[]);
-            let patience = self.be_patient_for(HARDENING_ITERATIONS);
-            let outcome = self.search(&Drive::default(), report);
-            self.options.newton.max_iterations = patience;
-            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER {
-                return outcome;
-            }
-            self.restore(before.clone())?;
-            (report.status, report.num_unstable) = (Status::Converged, 0);
-        }
-        Ok(())
+        self.harden_to(Law::Linear { stiffness: self.engine.contact_stiffness() });
+        self.search(&Drive::default(), report)
     }
 
     /// Allows searches at most so many iterations, never more than the caller does, and returns what the caller allows.
