@@ -223,7 +223,7 @@ impl BroadPhase {
             for (leaf, block) in self.blocks.iter().enumerate() {
                 tree.bvh.insert_or_update_partially(aabb(block), leaf as u32, 0.0);
             }
-            tree.bvh.refit_parallel(&mut self.workspace);
+            fit(&mut tree.bvh, &mut self.workspace);
             if looseness(&tree.bvh) <= SPOILT * tree.fresh {
                 return;
             }
@@ -231,7 +231,7 @@ impl BroadPhase {
         let boxes: Vec<Aabb> = self.blocks.iter().map(aabb).collect();
         let mut bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         // Puts the nodes in the order of the traversal.
-        bvh.refit_parallel(&mut self.workspace);
+        fit(&mut bvh, &mut self.workspace);
         let fresh = looseness(&bvh);
         self.tree = Some(Tree { bvh, fresh });
     }
@@ -352,6 +352,14 @@ fn leaves(strands: &Strands) -> Vec<u32> {
     }
     firsts.push(strands.len() as u32);
     firsts
+}
+
+/// Boxes of all nodes from those of the leaves, by as many threads as there are.
+fn fit(bvh: &mut Bvh, workspace: &mut BvhWorkspace) {
+    #[cfg(feature = "parallel")]
+    bvh.refit_parallel(workspace);
+    #[cfg(not(feature = "parallel"))]
+    bvh.refit(workspace);
 }
 
 /// Surface of the inner boxes relative to that of the leaves: what a traversal costs, whatever the unit.

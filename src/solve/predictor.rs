@@ -7,7 +7,6 @@
 //! price.
 
 use nalgebra::Unit;
-use serde::{Deserialize, Serialize};
 
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
@@ -18,7 +17,8 @@ use crate::solve::state::{Drive, State};
 const KEPT: usize = 3;
 
 /// The last accepted states of a stage.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct History {
     /// Fraction of the stage done and the state there, oldest first.
     states: Vec<(f64, State)>,

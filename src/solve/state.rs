@@ -1,14 +1,14 @@
 //! The configuration of all rods and how it moves.
 
 use nalgebra::Unit;
-use serde::{Deserialize, Serialize};
 
 use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Node positions \[L\], rounded.
     pub positions: Vec<Vec3>,

@@ -10,10 +10,10 @@ use crate::solve::state::State;
 const BATCH: usize = 1024;
 /// The same with their tangents, five kilobytes each: what a cache holds.
 const TANGENTS: usize = 128;
-/// Elements per parallel piece of work: a microsecond each or more, with tangents.
-const GRAIN: usize = 8;
-/// The same where it is strains only.
-const STRAINS: usize = 64;
+/// Elements per parallel piece of work: a microsecond each or less.
+const GRAIN: usize = 32;
+/// The same with their tangents, several microseconds each.
+const TANGENT_GRAIN: usize = 8;
 
 impl Engine {
     /// Gradient and potential of all elements.
@@ -40,7 +40,7 @@ impl Engine {
             vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); TANGENTS.min(self.elements.len())];
         for first in (0..self.elements.len()).step_by(TANGENTS) {
             let count = TANGENTS.min(self.elements.len() - first);
-            parallel::each(&mut results[..count], GRAIN, &|k, (result, blocks)| {
+            parallel::each(&mut results[..count], TANGENT_GRAIN, &|k, (result, blocks)| {
                 *blocks = [[0.0; MAX_DOF]; MAX_DOF];
                 let e = first + k;
                 *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(blocks));
@@ -96,7 +96,7 @@ impl Engine {
     /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
     pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Six; 3]> {
         let predict = |e: usize| self.predict_element(e, state, increment);
-        self.install(|| parallel::map(self.elements.len(), STRAINS, &predict))
+        self.install(|| parallel::map(self.elements.len(), GRAIN, &predict))
     }
 
     /// Stresses C ε at all points.
@@ -106,7 +106,7 @@ impl Engine {
             let material = &self.material[self.elements[e].rod];
             strain.map(|six| std::array::from_fn(|i| material[i] * six[i]))
         };
-        self.install(|| parallel::map(self.elements.len(), STRAINS, &stress))
+        self.install(|| parallel::map(self.elements.len(), GRAIN, &stress))
     }
 
     /// Strains minus reference at the points of an element.
@@ -156,7 +156,7 @@ impl Engine {
                         &self.local_increment(element, increment),
                     )
                 };
-                let forces = parallel::map(batch.len(), STRAINS, &force);
+                let forces = parallel::map(batch.len(), GRAIN, &force);
                 for (k, (stress, force)) in forces.iter().enumerate() {
                     stresses.push(*stress);
                     let element = &self.elements[batch_index * BATCH + k];
