@@ -15,7 +15,7 @@ use supercoil::io::{
 };
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
-use supercoil::scene::{Model, Ramp, Scene, Stage, file::Units};
+use supercoil::scene::{Model, Ramp, Scene, Stage, Units};
 use supercoil::solve::RunError;
 
 const OUT: &str = "out/dna_minicircle";

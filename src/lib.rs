@@ -94,22 +94,48 @@
 //! * [`io`]: VTK, CSV, pictures, the record of a run
 //! * [`dna`]: constants and molecules
 //!
+//! # Features
+//!
+//! The default is `parallel` and `cli`. Each feature adds what it needs; the last column counts the crates it brings
+//! (x86-64 Linux, beyond those of *none*; features share some).
+//!
+//! | feature | contains | crates |
+//! |---|---|---|
+//! | none | contact of curves, rods and scenes as data, DNA, VTK files | 39 |
+//! | `parallel` | threads; results are the same bits without | 5 |
+//! | `solver` | equilibria, paths, stability, observation; faer | 34 |
+//! | `serde` | states, restarts and reports can be written and read with serde | 3 |
+//! | `scenes` | scene files (TOML); `serde` | 9 |
+//! | `tables` | tables and states as CSV; `solver` | 40 |
+//! | `pictures` | pictures of tubes, plots | 17 |
+//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 68 |
+//! | `cli` | the command line; `runs` | 88 |
+//!
+//! Without `solver` there are no modules `sparse`, `solve` and `observe`. All builds for `wasm32-unknown-unknown`; what
+//! runs there are contact, rods and scenes: the solver asks for the time, which that target has not.
+//!
 //! # Manners
 //!
 //! The library never prints and never panics on input: what is wrong with it is an [`InputError`] with field and value,
 //! numbers that break down are a [`SolveError`], and a run that does not converge has a [`Status`](solve::Status) that
-//! says so. Work is parallel in the caller's rayon pool (or in one of its own); results are the same bits for any
-//! number of threads.
+//! says so. Work is parallel in the caller's rayon pool (or in one of its own), with the feature `parallel`; results
+//! are the same bits for any number of threads.
+
+// the layers below hold what the solver alone asks for
+#![cfg_attr(not(feature = "solver"), allow(dead_code))]
 
 pub mod contact;
 pub mod dna;
 pub mod error;
 pub mod io;
 pub mod math;
+#[cfg(feature = "solver")]
 pub mod observe;
 pub mod rod;
 pub mod scene;
+#[cfg(feature = "solver")]
 pub mod solve;
+#[cfg(feature = "solver")]
 pub mod sparse;
 
 pub use error::{InputError, SolveError};

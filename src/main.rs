@@ -15,8 +15,7 @@ use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
 use supercoil::observe::{StartOverlap, start_overlaps};
-use supercoil::scene::Scene;
-use supercoil::scene::file::Units;
+use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Options, RunError, Solver, Status};
 
 use progress::Bar;

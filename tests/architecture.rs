@@ -22,7 +22,8 @@ const MAY_USE: [(&str, &[&str]); 10] = [
 ];
 
 /// Foreign crates that a single file names.
-const NAMED_ONCE: [(&str, &str); 5] = [
+const NAMED_ONCE: [(&str, &str); 6] = [
+    ("rayon", "math/parallel.rs"),
     ("parry3d", "contact/broad_phase.rs"),
     ("faer", "sparse/factor.rs"),
     ("postcard", "io/checkpoint.rs"),

@@ -11,7 +11,7 @@ pub(crate) type Box3 = ([f32; 3], [f32; 3]);
 const EMPTY: Box3 = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
 
 /// Four boxes, coordinate by coordinate; unused places are empty boxes that overlap nothing.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Block {
     lo: [[f32; WIDTH]; 3],
     hi: [[f32; WIDTH]; 3],

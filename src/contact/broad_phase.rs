@@ -28,10 +28,11 @@
 //! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a
 //! segment for boxes and tree, 8 a pair, and a copy of the control points if `margin` > 0.
 
+use std::ops::Range;
+
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
-use rayon::prelude::*;
 
 use super::boxes::{Block, Box3, WIDTH};
 use super::curve::CurveSet;
@@ -39,7 +40,7 @@ use super::exclusion::{Exclusion, bytes};
 use super::input::{Shape, Strands, lower, upper};
 use super::pair_filter::keep_near;
 use crate::error::InputError;
-use crate::math::Vec3;
+use crate::math::{Vec3, parallel};
 
 /// Segments per parallel piece of work.
 const MIN_LEN: usize = 4096;
@@ -197,7 +198,8 @@ impl BroadPhase {
                 outward(strands.bounds(first + lane), r, &centre, size)
             })
         };
-        (0..num_leaves).into_par_iter().with_min_len(MIN_LEN / WIDTH).map(block).collect_into_vec(&mut self.blocks);
+        self.blocks.resize(num_leaves, Block::default());
+        parallel::each(&mut self.blocks, MIN_LEN / WIDTH, &|leaf, place| *place = block(leaf));
         if num_leaves < SMALL || !sane(size) {
             self.tree = None;
         } else {
@@ -206,7 +208,8 @@ impl BroadPhase {
         self.bulges.clear();
         if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
             let bulge = |i| if strands.is_straight(i) { 0.0 } else { strands.cubic(i).bulge() };
-            (0..strands.len()).into_par_iter().with_min_len(MIN_LEN).map(bulge).collect_into_vec(&mut self.bulges);
+            self.bulges.resize(strands.len(), 0.0);
+            parallel::each(&mut self.bulges, MIN_LEN, &|k, place| *place = bulge(k));
         }
     }
 
@@ -220,7 +223,7 @@ impl BroadPhase {
             for (leaf, block) in self.blocks.iter().enumerate() {
                 tree.bvh.insert_or_update_partially(aabb(block), leaf as u32, 0.0);
             }
-            tree.bvh.refit_parallel(&mut self.workspace);
+            fit(&mut tree.bvh, &mut self.workspace);
             if looseness(&tree.bvh) <= SPOILT * tree.fresh {
                 return;
             }
@@ -228,7 +231,7 @@ impl BroadPhase {
         let boxes: Vec<Aabb> = self.blocks.iter().map(aabb).collect();
         let mut bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         // Puts the nodes in the order of the traversal.
-        bvh.refit_parallel(&mut self.workspace);
+        fit(&mut bvh, &mut self.workspace);
         let fresh = looseness(&bvh);
         self.tree = Some(Tree { bvh, fresh });
     }
@@ -247,15 +250,14 @@ impl BroadPhase {
         let Some(tree) = &self.tree else {
             return (0..num_leaves).flat_map(|p| (p + 1..num_leaves).filter_map(move |q| wanted(p, q))).collect();
         };
-        let mut found = Vec::new();
-        if rayon::current_num_threads() == 1 {
-            tree.bvh.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| found.extend(wanted(a, b)));
-        } else {
+        #[cfg(feature = "parallel")]
+        if !parallel::is_serial() {
             // The same pairs in the same order.
-            found.extend(
-                tree.bvh.traverse_bvtt_single_tree_parallel::<false>().iter().filter_map(|&(a, b)| wanted(a, b)),
-            );
+            let overlapping = tree.bvh.traverse_bvtt_single_tree_parallel::<false>();
+            return overlapping.iter().filter_map(|&(a, b)| wanted(a, b)).collect();
         }
+        let mut found = Vec::new();
+        tree.bvh.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| found.extend(wanted(a, b)));
         found
     }
 
@@ -281,23 +283,16 @@ impl BroadPhase {
             bulges: &self.bulges,
         };
         let num_leaves = self.blocks.len();
-        let mut lists: Vec<Vec<[u32; 2]>> = (0..num_leaves.div_ceil(TASK))
-            .into_par_iter()
-            .map_init(Vec::new, |found, task| {
-                found.clear();
-                (task * TASK..((task + 1) * TASK).min(num_leaves)).for_each(|p| compare.within(p, found));
-                compare.near(found)
-            })
-            .collect();
-        let between: Vec<Vec<[u32; 2]>> = leaf_pairs
-            .par_chunks(TASK)
-            .map_init(Vec::new, |found, pairs| {
-                found.clear();
-                pairs.iter().for_each(|&[p, q]| compare.leaves(p as usize, q as usize, u32::MAX, found));
-                compare.near(found)
-            })
-            .collect();
-        lists.extend(between);
+        let mut lists = parallel::map_ranges(num_leaves, TASK, &|leaves| {
+            let mut found = Vec::new();
+            leaves.for_each(|p| compare.within(p, &mut found));
+            compare.near(&found)
+        });
+        lists.extend(parallel::map_ranges(leaf_pairs.len(), TASK, &|pairs| {
+            let mut found = Vec::new();
+            leaf_pairs[pairs].iter().for_each(|&[p, q]| compare.leaves(p as usize, q as usize, u32::MAX, &mut found));
+            compare.near(&found)
+        }));
         sort_pairs(&lists, strands.len(), &mut self.starts, &mut self.pairs);
     }
 }
@@ -359,6 +354,14 @@ fn leaves(strands: &Strands) -> Vec<u32> {
     firsts
 }
 
+/// Boxes of all nodes from those of the leaves, by as many threads as there are.
+fn fit(bvh: &mut Bvh, workspace: &mut BvhWorkspace) {
+    #[cfg(feature = "parallel")]
+    bvh.refit_parallel(workspace);
+    #[cfg(not(feature = "parallel"))]
+    bvh.refit(workspace);
+}
+
 /// Surface of the inner boxes relative to that of the leaves: what a traversal costs, whatever the unit.
 fn looseness(bvh: &Bvh) -> f64 {
     let (mut inner, mut leaves) = (0.0, 0.0);
@@ -417,12 +420,8 @@ impl Built {
             }
             let (then, after) = rest.split_at(run.len());
             rest = after;
-            let still = if run.len() > MIN_LEN {
-                then.par_iter().with_min_len(MIN_LEN).zip(run).all(near)
-            } else {
-                then.iter().zip(run).all(near)
-            };
-            if !still {
+            let still = |part: Range<usize>| then[part.clone()].iter().zip(&run[part]).all(near);
+            if !parallel::all(run.len(), MIN_LEN, &still) {
                 return false;
             }
         }
@@ -457,15 +456,11 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     let grow = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lower(&lo, p), upper(&hi, p));
     let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (lower(&a.0, &b.0), upper(&a.1, &b.1));
-    let part = |run: &[Vec3]| run.iter().fold(none, grow);
-    let (lo, hi) = strands
-        .control_points()
-        .map(
-            |run| {
-                if run.len() <= MIN_LEN { part(run) } else { run.par_chunks(MIN_LEN).map(part).reduce(|| none, join) }
-            },
-        )
-        .fold(none, join);
+    let of_run = |run: &[Vec3]| {
+        let parts = parallel::map_ranges(run.len(), MIN_LEN, &|part| run[part].iter().fold(none, grow));
+        parts.into_iter().fold(none, join)
+    };
+    let (lo, hi) = strands.control_points().map(of_run).fold(none, join);
     let radius = strands.largest_radius();
     // Halved first: the sum of two huge coordinates may overflow.
     let size = (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0);

@@ -10,8 +10,6 @@
 //! the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur
 //! complement of the foot.
 
-use rayon::prelude::*;
-
 use super::capsule::Capsule;
 use super::curve::{Cubic, CurveSet};
 use super::exclusion::Exclusion;
@@ -21,7 +19,7 @@ use super::projection::smooth_joint;
 use super::zone::facing::Facing;
 use super::zone::straight::Lines;
 use super::zone::{Joint, Pair, Piece};
-use crate::math::Vec3;
+use crate::math::{Vec3, parallel};
 use integral::{Follow, Found};
 use pressure::Local;
 pub use pressure::Offsets;
@@ -37,6 +35,9 @@ mod rings;
 pub(crate) mod stiffness;
 pub(crate) mod surprise;
 mod term;
+
+/// Segments per parallel piece of work.
+const SEGMENTS: usize = 256;
 
 /// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
 ///
@@ -73,7 +74,7 @@ impl<'a> Ground<'a> {
         let mut capsules = Vec::new();
         if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
             let capsule = |k: usize| Capsule::new(&strands.cubic(k));
-            (0..strands.len()).into_par_iter().with_min_len(256).map(capsule).collect_into_vec(&mut capsules);
+            capsules = parallel::map(strands.len(), SEGMENTS, &capsule);
         }
         let mut kinked = Vec::new();
         if !capsules.is_empty() {
@@ -82,7 +83,7 @@ impl<'a> Ground<'a> {
                 let before = strands.prev(k).map(|before| strands.cubic(before));
                 before.is_some_and(|before| !smooth_joint(&before, &own, own.b[0].amax()))
             };
-            (0..strands.len()).into_par_iter().with_min_len(256).map(kink).collect_into_vec(&mut kinked);
+            kinked = parallel::map(strands.len(), SEGMENTS, &kink);
         }
         Self { strands, lengths, capsules, kinked, exclusion, remainders: &[] }
     }
@@ -119,12 +120,11 @@ fn in_chunks<T: Send>(
     add: impl Fn([usize; 2], &mut Vec<Piece>, &mut Vec<T>) + Sync,
 ) -> Vec<Vec<T>> {
     const CHUNK: usize = 64;
-    let chunk = |chunk: &[[u32; 2]]| {
+    parallel::map_ranges(candidates.len(), CHUNK, &|range| {
         let (mut found, mut pieces) = (Vec::new(), Vec::new());
-        chunk.iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
+        candidates[range].iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
         found
-    };
-    candidates.par_chunks(CHUNK).map(chunk).collect()
+    })
 }
 
 impl Ground<'_> {

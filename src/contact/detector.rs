@@ -2,8 +2,6 @@
 
 use std::cell::Cell;
 
-use rayon::prelude::*;
-
 use super::broad_phase::BroadPhase;
 use super::curve::{Cubic, CurveInput, CurveSet, norm};
 use super::detect::{self, Ground, PairForce, PairTerm, Pressures, Want};
@@ -14,16 +12,19 @@ use super::law::Law;
 use super::options::{Neighbours, Options};
 use super::site::{self, Minimum, Site};
 use super::vertex::vertex_minima;
-use super::zone::Piece;
 use super::{capsule, closest};
 use crate::error::{InputError, SolveError};
-use crate::math::Vec3;
 use crate::math::quadrature::gauss;
+use crate::math::{Vec3, parallel};
 
 /// Candidate pairs per parallel piece of work.
 const CHUNK: usize = 2048;
 /// Candidate pairs whose forces are computed before they are added up in order.
 const BLOCK: usize = 8192;
+/// Of these, those per parallel piece of work.
+const FORCES: usize = 64;
+/// Segments per parallel piece of work.
+const SEGMENTS: usize = 4096;
 
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -209,16 +210,19 @@ impl Detector {
         let this = &*self;
         let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
         let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
-        let force = |pieces: &mut Vec<Piece>, p: &[u32; 2]| {
-            let pair = p.map(|k| k as usize);
-            if detect::wanted(&strands, &this.exclusion, pair) {
-                ground.force(pair, &pressures, pieces)
-            } else {
-                PairForce::NONE
-            }
-        };
         for block in this.broad.pairs().chunks(BLOCK) {
-            block.par_iter().with_min_len(64).map_init(Vec::new, force).collect_into_vec(&mut found);
+            found.resize(block.len(), PairForce::NONE);
+            parallel::each_part(&mut found, FORCES, &|first, part| {
+                let mut pieces = Vec::new();
+                for (force, pair) in part.iter_mut().zip(&block[first..]) {
+                    let pair = pair.map(|k| k as usize);
+                    *force = if detect::wanted(&strands, &this.exclusion, pair) {
+                        ground.force(pair, &pressures, &mut pieces)
+                    } else {
+                        PairForce::NONE
+                    };
+                }
+            });
             block.iter().zip(&found).for_each(|(pair, found)| forces.add(&strands, *pair, found));
         }
         (self.forces, self.pair_forces) = (forces, found);
@@ -287,7 +291,8 @@ impl Detector {
                 arc_length(&strands.cubic(i), 1.0)
             }
         };
-        (0..strands.len()).into_par_iter().with_min_len(4096).map(length).collect_into_vec(&mut self.lengths);
+        self.lengths.resize(strands.len(), 0.0);
+        parallel::each(&mut self.lengths, SEGMENTS, &|k, place| *place = length(k));
         self.start.clear();
         for curve in &strands.curves {
             let mut sum = 0.0;
@@ -321,20 +326,20 @@ impl Detector {
     pub(super) fn find_sites(&mut self, strands: &Strands, sites: &mut Vec<Site>) {
         let mut minima = std::mem::take(&mut self.minima);
         let this = &*self;
-        let find = |chunk: &[[u32; 2]]| {
-            let mut minima = Vec::with_capacity(chunk.len());
-            for &[i, j] in chunk {
+        let pairs = this.broad.pairs();
+        let lists = parallel::map_ranges(pairs.len(), CHUNK, &|range| {
+            let mut minima = Vec::with_capacity(range.len());
+            for &[i, j] in &pairs[range] {
                 this.pair_minima(strands, i as usize, j as usize, &mut minima);
             }
             minima
-        };
-        let lists: Vec<Vec<Minimum>> = this.broad.pairs().par_chunks(CHUNK).map(find).collect();
+        });
         minima.clear();
         lists.iter().for_each(|list| minima.extend_from_slice(list));
         site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
         let arc = |s: usize, u: f64| this.arc(strands, s, u);
-        let dress = |m: &Minimum| site::dress(strands, arc, m);
-        minima.par_iter().with_min_len(CHUNK).map(dress).collect_into_vec(sites);
+        sites.clear();
+        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::dress(strands, arc, &minima[k])));
         self.minima = minima;
     }
 
@@ -398,9 +403,11 @@ impl Detector {
         let mut lists = std::mem::take(&mut self.parts);
         let mut joining = std::mem::take(&mut self.joining);
         let this = &*self;
-        let find = |(chunk, parts): (&[[u32; 2]], &mut Vec<Part>)| {
+        let pairs = this.broad.pairs();
+        lists.resize_with(pairs.len().div_ceil(CHUNK), Vec::new);
+        parallel::each(&mut lists, 1, &|k, parts| {
             parts.clear();
-            for &[i, j] in chunk {
+            for &[i, j] in &pairs[k * CHUNK..pairs.len().min((k + 1) * CHUNK)] {
                 let (i, j) = (i as usize, j as usize);
                 if this.exclusion.excluded(i, j) || strands.adjacent(i, j) {
                     continue;
@@ -410,10 +417,7 @@ impl Detector {
                 interval::parts(strands, &arc, i, j, this.options.range, &nearest, parts);
                 interval::parts(strands, &arc, j, i, this.options.range, &nearest, parts);
             }
-        };
-        let pairs = this.broad.pairs();
-        lists.resize_with(pairs.len().div_ceil(CHUNK), Vec::new);
-        pairs.par_chunks(CHUNK).zip(lists.par_iter_mut()).for_each(find);
+        });
         let far = strands.control_points().flatten().map(Vec3::amax).fold(0.0, f64::max);
         let tolerance = |curve: usize| {
             let c = &strands.curves[curve];
@@ -434,8 +438,7 @@ impl Detector {
             });
         self.measure(strands);
         if same {
-            let cubic = |(k, segment): (usize, &mut Cubic)| *segment = strands.cubic(k);
-            self.set.segments.par_iter_mut().with_min_len(4096).enumerate().for_each(cubic);
+            parallel::each(&mut self.set.segments, SEGMENTS, &|k, segment| *segment = strands.cubic(k));
             self.set.set_lengths(&self.lengths);
             return Ok(());
         }

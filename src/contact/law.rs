@@ -6,10 +6,9 @@
 //! and where strands press harder the law is stiffer. Searches begin with it. Both are C¹ in p or better inside, p
 //! vanishes where contact ends.
 
-use serde::{Deserialize, Serialize};
-
 /// How pressure depends on overlap.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Law {
     /// p = κ⟨e⟩.
     Linear {

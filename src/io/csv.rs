@@ -4,11 +4,11 @@
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::scene::file::finite;
+use crate::scene::finite;
 use std::path::Path;
 
 /// Centrelines belong to scenes, one layer below; offered here beside the other readers.
-pub use crate::scene::file::read_points;
+pub use crate::scene::read_points;
 
 /// One cell of a table.
 #[derive(Debug, Clone, PartialEq)]

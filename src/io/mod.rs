@@ -1,12 +1,18 @@
-//! Files and pictures: [`vtk`] (ParaView), [`csv`] (tables, points, states), [`picture`] (shaded tubes, plots),
-//! [`table`] (a run as a table), [`checkpoint`] (a run that survives), [`record`] (all that a run leaves behind),
-//! [`run`](mod@run) (a scene from start to files).
+//! Files and pictures: [`vtk`] (ParaView), `csv` (tables, points, states; feature `tables`), `picture` (shaded tubes,
+//! plots; feature `pictures`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run
+//! that survives), `record` (all that a run leaves behind), `run` (a scene from start to files).
 
+#[cfg(feature = "runs")]
 pub mod checkpoint;
+#[cfg(feature = "tables")]
 pub mod csv;
 pub mod detail;
+#[cfg(feature = "pictures")]
 pub mod picture;
+#[cfg(feature = "runs")]
 pub mod record;
+#[cfg(feature = "runs")]
 pub mod run;
+#[cfg(feature = "tables")]
 pub mod table;
 pub mod vtk;

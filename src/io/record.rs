@@ -12,8 +12,8 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
 use crate::observe::report::{Observation, SiteReport};
-use crate::scene::Scene;
-use crate::scene::file::{OutputChoice, Units};
+use crate::scene::file::OutputChoice;
+use crate::scene::{Scene, Units};
 
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::observe::report::{Observation, SiteReport};
-use crate::scene::file::Units;
+use crate::scene::Units;
 
 use super::csv::{Cell, write_table};
 

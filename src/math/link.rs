@@ -12,8 +12,7 @@
 mod crossings;
 mod smooth;
 
-use crate::math::Vec3;
-use rayon::prelude::*;
+use crate::math::{Vec3, parallel};
 use std::f64::consts::TAU;
 
 pub use smooth::writhe_smooth;
@@ -31,6 +30,8 @@ pub struct LinkNumbers {
 
 /// From this many edges on a closed polygon's crossings are counted instead of summing over all edge pairs.
 const MIN_EDGES_FOR_CROSSINGS: usize = 400;
+/// Edges of one polygon per parallel piece of work; each is compared with all others.
+const ROWS: usize = 8;
 
 /// Link, twist and writhe of a closed rod (turns).
 ///
@@ -75,15 +76,12 @@ pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
 fn writhe_by_pairs(points: &[Vec3], closed: bool) -> f64 {
     let n = points.len();
     let edges = if closed { n } else { n - 1 };
-    let rows: Vec<f64> = (0..edges)
-        .into_par_iter()
-        .map(|i| {
-            let end = if closed && i == 0 { edges - 1 } else { edges };
-            compensated_sum(
-                (i + 2..end).map(|j| solid_angle([points[i], points[(i + 1) % n]], [points[j], points[(j + 1) % n]])),
-            )
-        })
-        .collect();
+    let rows = parallel::map(edges, ROWS, &|i| {
+        let end = if closed && i == 0 { edges - 1 } else { edges };
+        compensated_sum(
+            (i + 2..end).map(|j| solid_angle([points[i], points[(i + 1) % n]], [points[j], points[(j + 1) % n]])),
+        )
+    });
     compensated_sum(rows.into_iter()) / TAU
 }
 
@@ -107,13 +105,10 @@ pub fn linking_number(a: &[Vec3], b: &[Vec3]) -> f64 {
     {
         return exact;
     }
-    let rows: Vec<f64> = (0..a.len())
-        .into_par_iter()
-        .map(|i| {
-            let edge = [a[i], a[(i + 1) % a.len()]];
-            compensated_sum((0..b.len()).map(|j| solid_angle(edge, [b[j], b[(j + 1) % b.len()]])))
-        })
-        .collect();
+    let rows = parallel::map(a.len(), ROWS, &|i| {
+        let edge = [a[i], a[(i + 1) % a.len()]];
+        compensated_sum((0..b.len()).map(|j| solid_angle(edge, [b[j], b[(j + 1) % b.len()]])))
+    });
     compensated_sum(rows.into_iter()) / (2.0 * TAU)
 }
 

@@ -1,11 +1,12 @@
 //! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein and Chebyshev
-//! polynomials, minimisation, groups, topology of closed curves.
+//! polynomials, minimisation, groups, threads, topology of closed curves.
 
 pub mod bernstein;
 pub(crate) mod chebyshev;
 pub(crate) mod groups;
 pub mod link;
 pub mod minimise;
+pub(crate) mod parallel;
 pub mod quadrature;
 pub mod quaternion;
 #[cfg(test)]

@@ -1,8 +1,6 @@
 //! How far a state is from the exact one: an estimate after the fact, by settling it again on a finer mesh and under a
 //! harder law.
 
-use serde::{Deserialize, Serialize};
-
 use crate::error::InputError;
 use crate::solve::{Progress, Solver, Status, StepReport};
 
@@ -14,7 +12,8 @@ const HARDER: f64 = 10.0;
 
 /// What two states that should be the same differ by: the largest absolute differences over all rods, sites or
 /// supports.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Differences {
     /// Elastic and contact energy \[F·L\].
     pub energy: f64,
@@ -48,7 +47,8 @@ impl Differences {
 }
 
 /// One comparison.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Comparison {
     /// "converged", or why the state compared with was not had.
     pub status: String,
@@ -71,7 +71,8 @@ pub struct Comparison {
 ///
 /// An estimate, not a bound: both comparisons see only what changes by them. A mesh so coarse that a contact is missed
 /// on both is not found out, nor is another stable branch.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ErrorEstimate {
     /// Of the mesh.
     pub mesh: Comparison,

@@ -1,9 +1,8 @@
 //! What is told of an accepted state: plain data, serialisable, with units. Filled by [`observe`](super::observe).
 
-use serde::{Deserialize, Serialize};
-
 /// Energies by kind \[F·L\].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Energies {
     /// ½∫EA Γ3².
     pub stretch: f64,
@@ -20,8 +19,9 @@ pub struct Energies {
 }
 
 /// Whether a contact is isolated; compares with its name, too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum SiteKind {
     /// As short as the contact of two strands that bend away from each other is under the contact law.
     Point,
@@ -50,7 +50,8 @@ impl PartialEq<&str> for SiteKind {
 ///
 /// Arc lengths are reference ones from the start of the rod; on a closed rod an interval that ends below its start runs
 /// over the seam. Strand a is the one on the lower rod, on one rod the one whose interval starts first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SiteReport {
     /// Rod of strand a.
     pub rod_a: usize,
@@ -84,7 +85,8 @@ pub struct SiteReport {
 }
 
 /// Force and moment a support exerts on the rod.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reaction {
     /// Rod index.
     pub rod: usize,
@@ -102,7 +104,8 @@ pub struct Reaction {
 /// no strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no
 /// link). Of its two parts the polygon would know each to second order in its edges only, so `twist` is the elements'
 /// own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RodLink {
     /// Rod index.
     pub rod: usize,
@@ -121,7 +124,8 @@ pub struct RodLink {
 }
 
 /// Smallest certified clearance of the state.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GapReport {
     /// Lower bound of the smallest gap \[L\].
     pub lower: f64,
@@ -138,7 +142,8 @@ pub struct GapReport {
 }
 
 /// Everything reported about one accepted state.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Observation {
     /// Stage index, 0-based.
     pub stage: usize,
@@ -151,7 +156,7 @@ pub struct Observation {
     /// What to know of the state before believing it, in words. Overlaps that contact does not resist: it acts between
     /// strands, not between neighbours along one, so a rod bent tighter than its contact radius overlaps itself. A
     /// contact law softer than asked for.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub notes: Vec<String>,
     /// Link numbers of closed rods.
     pub links: Vec<RodLink>,

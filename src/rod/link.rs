@@ -1,17 +1,18 @@
 //! Excess link of closed rods: measured when a rod is built, and laid into its frames on demand.
 
 use std::f64::consts::TAU;
-
-use rayon::prelude::*;
+use std::ops::Range;
 
 use super::{MAX_TURN, Rod};
 use crate::error::InputError;
 use crate::math::link::link_numbers;
 use crate::math::quaternion::spin;
-use crate::math::{Quat, Vec3};
+use crate::math::{Quat, Vec3, parallel};
 
 /// Points per segment at most on the polygon that link is measured on.
 const MAX_POINTS: f64 = 8.0;
+/// Nodes per parallel piece of work.
+const GRAIN: usize = 256;
 
 impl Rod {
     /// The same rod with the excess link `turns`: its frames are turned about d3 by an angle that grows evenly along
@@ -42,10 +43,9 @@ impl Rod {
             return Err(InputError::Inconsistent { field, reason });
         }
         if missing != 0.0 {
-            let twisted = |(i, frame): (usize, &mut Quat)| {
+            parallel::each(&mut self.frames, GRAIN, &|i, frame| {
                 *frame = Quat::new_normalize((*frame * spin(TAU * missing * (i as f64 / nodes))).into_inner());
-            };
-            self.frames.par_iter_mut().enumerate().for_each(twisted);
+            });
             self.start_excess_link = turns;
             self.twist_put_in += missing;
         }
@@ -76,7 +76,8 @@ impl Rod {
         let closing = self.frames[0] * spin(seam);
         let next = |i: usize| if i + 1 == nodes { closing } else { self.frames[i + 1] };
         let turning = |i: usize| self.frames[i].angle_to(&next(i));
-        let most = (0..nodes).into_par_iter().map(turning).reduce(|| 0.0, f64::max);
+        let largest = |range: Range<usize>| range.map(turning).fold(0.0, f64::max);
+        let most = parallel::map_ranges(nodes, GRAIN, &largest).into_iter().fold(0.0, f64::max);
         // sagitta of a chord: turning × length / 8, at most a quarter of the radius
         let sagitta = (most * spacing / (2.0 * self.section.contact_radius.max(spacing / MAX_POINTS))).sqrt();
         let count = (2.0 * most).max(sagitta).ceil().clamp(1.0, MAX_POINTS) as usize;
@@ -95,7 +96,8 @@ impl Rod {
                 (point, before.nlerp(&after, u) * Vec3::x())
             })
         };
-        (0..nodes).into_par_iter().flat_map_iter(along).unzip()
+        let parts = parallel::map_ranges(nodes, GRAIN, &|range| range.flat_map(along).collect::<Vec<_>>());
+        parts.into_iter().flatten().unzip()
     }
 
     /// Turn about d3, rad in −π..π, from the frame of node a carried to node b without twist to the frame of node b.

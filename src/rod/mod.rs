@@ -8,6 +8,7 @@ mod refine;
 pub mod section;
 pub mod shape;
 
+#[cfg(feature = "scenes")]
 pub(crate) use body::within;
 pub use body::{MAX_TURN, Natural, Rod};
 pub use section::{CrossSection, Section};

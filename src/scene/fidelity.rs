@@ -1,7 +1,5 @@
 //! Presets that trade speed for accuracy: mesh, contact law and tolerances that belong together.
 
-use serde::{Deserialize, Serialize};
-
 use super::{Contact, ContactLaw};
 
 /// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie near the front of error
@@ -51,8 +49,9 @@ use super::{Contact, ContactLaw};
 /// assert_eq!(solution.status, Status::Converged);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Fidelity {
     /// A first look: shapes, order of events, forces to some percent.
     Draft,

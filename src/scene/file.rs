@@ -2,24 +2,20 @@
 
 mod build;
 mod mesh;
-mod points;
 mod shapes;
 mod text;
 mod values;
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use crate::error::InputError;
 
-use super::Fidelity;
 use super::model::{Model, Stage};
+use super::{Fidelity, Units};
 
 use text::SceneText;
-
-pub(crate) use points::finite;
-pub use points::read_points;
 
 /// A scene: what is to be computed and what is to be written.
 ///
@@ -127,22 +123,6 @@ pub struct Scene {
     pub output: OutputChoice,
     /// The file it was read from, absolute; none if it came from text.
     pub path: Option<PathBuf>,
-}
-
-/// Names of the units in which the scene's numbers are given. Nothing is converted: any consistent units will do.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Units {
-    /// Unit of length; "L" if not said.
-    pub length: String,
-    /// Unit of force; "F" if not said.
-    pub force: String,
-}
-
-impl Default for Units {
-    fn default() -> Self {
-        Self { length: "L".into(), force: "F".into() }
-    }
 }
 
 /// Solver settings of a scene; `None` leaves the solver's default.

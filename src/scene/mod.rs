@@ -1,10 +1,19 @@
 //! What is to be solved: [`model`] holds rods, supports, loads, contact choice and stages as plain data;
-//! [`file`](mod@file) reads them from a scene file (TOML); [`Fidelity`] sets mesh, law and tolerances by one word.
+//! `file` (feature `scenes`) reads them from a scene file (TOML); [`Fidelity`] sets mesh, law and tolerances by one
+//! word.
 
 mod fidelity;
+#[cfg(feature = "scenes")]
 pub mod file;
 pub mod model;
+mod points;
+mod units;
 
 pub use fidelity::{Accuracy, Fidelity};
+#[cfg(feature = "scenes")]
 pub use file::Scene;
 pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+#[cfg(feature = "tables")]
+pub(crate) use points::finite;
+pub use points::read_points;
+pub use units::Units;

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use crate::contact::law::Law;
 use crate::error::InputError;
+use crate::math::parallel::{Pool, in_pool};
 use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::Table;
 use crate::math::{Quat, Vec3};
@@ -56,7 +57,7 @@ pub struct Engine {
     pub(crate) scales: Scales,
     /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times the square of a length for rotations.
     pub(crate) masses: Vec<f64>,
-    pub(crate) pool: Option<rayon::ThreadPool>,
+    pub(crate) pool: Option<Pool>,
 }
 
 /// Reference strains of a rod: stored per element only where the rod is curved by nature in its own way.
@@ -119,15 +120,7 @@ impl Engine {
         };
         let elements = build_elements(&model, &first_node);
         let scales = scales(&model);
-        let pool = match threads {
-            None => None,
-            Some(count) => Some(
-                rayon::ThreadPoolBuilder::new()
-                    .num_threads(count)
-                    .build()
-                    .map_err(|e| InputError::Inconsistent { field: "threads".to_owned(), reason: e.to_string() })?,
-            ),
-        };
+        let pool = threads.map(Pool::new).transpose()?;
         let mut engine = Self {
             tables: [Table::new(1), Table::new(2), Table::new(3)],
             material: model.rods.iter().map(|r| stiffness(&r.section)).collect(),
@@ -364,16 +357,6 @@ impl Engine {
             first += rod.num_elements;
         }
         all
-    }
-}
-
-/// Runs in a pool of one's own, if there is one.
-pub(crate) fn in_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
-    match pool {
-        Some(pool) => pool.install(work),
-        // inside the global pool, so that no sum on the way has to go in and out
-        None if rayon::current_thread_index().is_none() => rayon::scope(|_| work()),
-        None => work(),
     }
 }
 

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
+use crate::math::parallel::in_pool;
 use crate::math::quaternion::exp;
 use crate::scene::model::unit;
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
-use crate::solve::engine::in_pool;
 use crate::solve::failure::Failure;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::{History, lifted};

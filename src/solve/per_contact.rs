@@ -7,8 +7,6 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
 use crate::contact::detect::ZonePiece;
@@ -21,7 +19,8 @@ use crate::solve::contact_side::ContactSide;
 const REMEMBERED: f64 = 2.0;
 
 /// A place on a strand that a node touches.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Entry {
     node: u32,
     curve: u32,
@@ -42,7 +41,8 @@ impl Entry {
 }
 
 /// See the [module](self).
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PerContact {
     num_nodes: usize,
     /// Of the nodes, then of the entries; the number of a node that has entries is for whatever else it touches.

@@ -14,7 +14,6 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Unit;
-use serde::{Deserialize, Serialize};
 
 use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
@@ -37,7 +36,8 @@ const COLLINEAR: f64 = 1e-6;
 const ABOUT_TANGENT: f64 = 1e-9;
 
 /// A state with all that was prescribed to reach it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Visited {
     state: State,
     moved: Moved,
@@ -99,7 +99,8 @@ impl Prediction {
 }
 
 /// The last accepted states.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct History {
     /// Oldest first.
     visited: Vec<Visited>,

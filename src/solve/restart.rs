@@ -6,8 +6,6 @@
 //! depends on how that step was reached and would show in the last bits of the next. So a run that goes on from a
 //! [`Restart`] takes the same steps, bit for bit, as one that never stopped.
 
-use serde::{Deserialize, Serialize};
-
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
@@ -20,7 +18,8 @@ use crate::solve::predictor::History;
 use crate::solve::state::{Moved, State};
 
 /// Where a run stands between two load steps.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Place {
     /// Stage index.
     pub stage: usize,
@@ -43,7 +42,8 @@ impl Place {
 
 /// A run between two steps as plain data: 80 bytes a node for the state and for each of up to three earlier ones, 8 for
 /// offsets of contact.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Restart {
     /// Where the run stands.
     pub place: Place,
@@ -57,7 +57,8 @@ pub struct Restart {
     history: History,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct ContactRestart {
     law: Law,
     offsets: PerContact,

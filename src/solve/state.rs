@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Unit;
-use serde::{Deserialize, Serialize};
 
 use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Node positions \[L\], rounded.
     pub positions: Vec<Vec3>,
@@ -63,7 +63,8 @@ impl Target {
 }
 
 /// What supports have made of nodes so far, by node.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Moved {
     /// Turns.
     pub(crate) turned: BTreeMap<usize, f64>,

@@ -10,11 +10,9 @@
 mod tree;
 mod way;
 
-use rayon::prelude::*;
-
 use self::tree::PassageTree;
 use crate::error::SolveError;
-use crate::math::Vec3;
+use crate::math::{Vec3, parallel};
 use crate::solve::contact_side::ContactSide;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
@@ -88,11 +86,7 @@ pub(super) struct Motion {
 impl ContactSide {
     fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let (lengths, nodes) = (&self.set.lengths, &self.nodes);
-        let motions: Vec<Motion> = (0..nodes.len())
-            .into_par_iter()
-            .with_min_len(256)
-            .map(|k| motion(state, increment, nodes[k], lengths[k] / 3.0))
-            .collect();
+        let motions = parallel::map(nodes.len(), 256, &|k| motion(state, increment, nodes[k], lengths[k] / 3.0));
         let not_finite = |m: &Motion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
         if let Some(index) = motions.iter().position(not_finite) {
             return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index, value: f64::NAN });

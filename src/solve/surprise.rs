@@ -1,12 +1,10 @@
 //! Forces that a step's linear prediction missed: what the rods' strains and the gaps of contact became beyond it,
 //! times their stiffness.
 
-use rayon::prelude::*;
-
 use crate::contact::curve::Cubic;
 use crate::contact::detect::surprise::{stiffness_of_gaps, surprise_of_gaps};
 use crate::contact::detect::{self, Besides, Meeting, Pressures};
-use crate::math::Vec3;
+use crate::math::{Vec3, parallel};
 use crate::solve::assembly::{PAIRS, Residual};
 use crate::solve::contact_side::{ContactSide, contact_cubic};
 use crate::solve::engine::Engine;
@@ -90,8 +88,7 @@ impl Engine {
         mut told: impl FnMut(&Meeting, R),
     ) {
         for batch in terms.chunks(BATCH) {
-            let found: Vec<([f64; 24], R)> =
-                self.install(|| batch.par_iter().with_min_len(64).map(&gradient).collect());
+            let found = self.install(|| parallel::map(batch.len(), 64, &|k| gradient(&batch[k])));
             for (term, (gradient, rest)) in batch.iter().zip(found) {
                 side.scatter(term, &gradient, forces);
                 told(term, rest);

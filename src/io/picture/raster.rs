@@ -1,7 +1,6 @@
 //! Z-buffer of capsules seen along −z.
 
-use crate::math::Vec3;
-use rayon::prelude::*;
+use crate::math::{Vec3, parallel};
 
 /// A straight capsule in sample coordinates.
 #[derive(Clone, Copy)]
@@ -45,11 +44,11 @@ pub(super) fn draw(shapes: &[Shape], width: usize, height: usize) -> Samples {
             (rows.start / BAND..=(rows.end - 1) / BAND).for_each(|band| bands[band].push(index as u32));
         }
     }
-    let depth = samples.depth.par_chunks_mut(BAND * width);
-    let capsule = samples.capsule.par_chunks_mut(BAND * width);
-    depth.zip(capsule).zip(&bands).enumerate().for_each(|(band, ((depth, capsule), wanted))| {
+    let depth = samples.depth.chunks_mut(BAND * width);
+    let mut views: Vec<_> = depth.zip(samples.capsule.chunks_mut(BAND * width)).collect();
+    parallel::each(&mut views, 1, &|band, (depth, capsule)| {
         let rows = BAND * band..BAND * band + depth.len() / width;
-        for &index in wanted {
+        for &index in &bands[band] {
             let shape = &shapes[index as usize];
             let ray = Ray::new(shape);
             let (columns, own) = (covered(shape, 0, width), covered(shape, 1, height));

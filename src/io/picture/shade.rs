@@ -5,8 +5,7 @@ use super::palette::{encoded, linear};
 use super::raster::{self, NOTHING, Samples, Shape};
 use super::tube::Capsule;
 use super::{Picture, TubePicture};
-use crate::math::{Mat3, Vec3};
-use rayon::prelude::*;
+use crate::math::{Mat3, Vec3, parallel};
 use std::f64::consts::TAU;
 
 /// Direction to the key light in sample coordinates (left, above, in front).
@@ -144,7 +143,8 @@ pub(super) fn develop(
     let scene =
         Scene { capsules, samples, light, spiral: spiral(RAYS), key, fill, half, spots, background, front, range };
     let mut rgb = vec![0; 3 * picture.width * picture.height];
-    rgb.par_chunks_mut(3 * picture.width).enumerate().for_each(|(row, line)| {
+    let mut lines: Vec<&mut [u8]> = rgb.chunks_mut(3 * picture.width).collect();
+    parallel::each(&mut lines, 1, &|row, line| {
         for (column, pixel) in line.chunks_exact_mut(3).enumerate() {
             let (mut sum, mut last) = (Vec3::zeros(), None);
             for (x, y) in (0..n * n).map(|k| (n * column + k % n, n * row + k / n)) {

@@ -5,9 +5,10 @@
 //! Edelsbrunner & Wang 2004). Crossings are found with a uniform grid, so the cost is that of the edges plus the pairs
 //! that share a cell. Anything too close to call makes the next viewing direction be tried.
 
+use std::ops::Range;
+
 use super::twist_with_seam;
-use crate::math::Vec3;
-use rayon::prelude::*;
+use crate::math::{Vec3, parallel};
 
 /// Viewing directions without any relation to the axes, tried in turn.
 const DIRECTIONS: [[f64; 3]; 4] = [
@@ -19,6 +20,9 @@ const DIRECTIONS: [[f64; 3]; 4] = [
 
 /// Relative size below which the sign of a product of coordinate differences is not trusted.
 const CLEAR: f64 = 1e-13;
+/// Edges, and cells with several of them, per parallel piece of work.
+const EDGES: usize = 4096;
+const CELLS: usize = 256;
 
 /// Writhe (turns) of a closed polygon of extent about 1; `None` if no direction shows all crossings clearly, or if an
 /// edge folds straight back on the one before, where no ribbon has a definite twist.
@@ -66,11 +70,15 @@ fn project(points: &[Vec3], n: Vec3) -> Vec<Edge> {
 /// Sum of the signs of all crossings between edges i, j with `wanted(i, j)`; `None` if one is too close to call.
 fn count(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option<i64> {
     let grid = Grid::new(edges);
-    let mut entries: Vec<(u64, u32)> = (0..edges.len())
-        .into_par_iter()
-        .flat_map_iter(|i| grid.cells(&edges[i]).map(move |cell| (cell, i as u32)))
-        .collect();
-    entries.par_sort_unstable();
+    let in_range = |range: Range<usize>| -> Vec<(u64, u32)> {
+        let mut entries: Vec<(u64, u32)> =
+            range.flat_map(|i| grid.cells(&edges[i]).map(move |cell| (cell, i as u32))).collect();
+        entries.sort_unstable();
+        entries
+    };
+    let mut entries = parallel::map_ranges(edges.len(), EDGES, &in_range).concat();
+    // a stable sort merges the runs that are in order already
+    entries.sort();
     let cells: Vec<&[(u64, u32)]> = entries.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1).collect();
     let in_cell = |cell: &[(u64, u32)]| {
         let mut sum = 0;
@@ -85,7 +93,8 @@ fn count(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option
         }
         Some(sum)
     };
-    cells.into_par_iter().map(in_cell).try_reduce(|| 0, |a, b| Some(a + b))
+    let sum = |range: Range<usize>| -> Option<i64> { cells[range].iter().copied().map(in_cell).sum() };
+    parallel::map_ranges(cells.len(), CELLS, &sum).into_iter().sum()
 }
 
 /// A uniform grid over the picture plane.

@@ -1,9 +1,7 @@
 //! Parametrised curves sampled at equal arc lengths, with twist-free frames.
 
-use rayon::prelude::*;
-
 use crate::math::chebyshev::{DEGREE, Rule};
-use crate::math::{Quat, Vec3};
+use crate::math::{Quat, Vec3, parallel};
 
 use super::spline::gauss;
 use super::{Placement, frame, normal_to};
@@ -13,6 +11,9 @@ const ACCURACY: f64 = 1e-13;
 
 /// Halvings of one panel before its quadrature is taken as it is.
 const MAX_DEPTH: usize = 24;
+
+/// Panels or nodes per parallel piece of work.
+const GRAIN: usize = 32;
 
 /// A curve by its parameter: position and derivative, smooth between the breaks of its panels.
 pub(super) trait Parametrised: Sync {
@@ -39,14 +40,11 @@ pub(super) struct Measured<'a, C> {
 impl<'a, C: Parametrised> Measured<'a, C> {
     /// `breaks` in ascending order; the curve is smooth between them.
     pub(super) fn new(curve: &'a C, breaks: &[f64]) -> Self {
-        let refined: Vec<Vec<(f64, f64)>> = breaks
-            .par_windows(2)
-            .map(|ends| {
-                let mut panels = Vec::new();
-                refine(curve, ends[0], ends[1], MAX_DEPTH, &mut panels);
-                panels
-            })
-            .collect();
+        let refined = parallel::map_ranges(breaks.len() - 1, GRAIN, &|range| {
+            let mut panels = Vec::new();
+            range.for_each(|k| refine(curve, breaks[k], breaks[k + 1], MAX_DEPTH, &mut panels));
+            panels
+        });
         let (mut starts, mut arcs, mut sum) = (vec![breaks[0]], vec![0.0], 0.0);
         for (end, arc) in refined.into_iter().flatten() {
             sum += arc;
@@ -104,13 +102,11 @@ impl<'a, C: Parametrised> Measured<'a, C> {
     pub(super) fn place(&self, closed: bool, num_segments: usize, length: f64) -> Placement {
         let total = self.length();
         let num_nodes = num_segments + usize::from(!closed);
-        let parameters: Vec<f64> = (0..num_nodes)
-            .into_par_iter()
-            .map(|node| self.parameter_at(total * (node as f64 / num_segments as f64)))
-            .collect();
+        let parameter = |node: usize| self.parameter_at(total * (node as f64 / num_segments as f64));
+        let parameters = parallel::map(num_nodes, GRAIN, &parameter);
         let rule = Rule::new();
-        let carry = |ends: &[f64]| self.carry(&rule, ends[0], ends[1]);
-        let carries: Vec<Carry> = parameters.par_windows(2).map(carry).collect();
+        let carry = |k: usize| self.carry(&rule, parameters[k], parameters[k + 1]);
+        let carries = parallel::map(num_nodes - 1, GRAIN, &carry);
         let tangent = self.curve.tangent(parameters[0]);
         let mut d1 = normal_to(&tangent, &Vec3::z(), &Vec3::x());
         let mut frames = vec![frame(&d1, &tangent)];
@@ -118,7 +114,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
             d1 = carry.apply(&d1);
             frames.push(frame(&d1, &carry.to));
         }
-        let positions = parameters.par_iter().map(|&u| self.curve.at(u)[0]).collect();
+        let positions = parallel::map(num_nodes, GRAIN, &|node| self.curve.at(parameters[node])[0]);
         Placement { length, positions, frames }
     }
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Axis, Natural, Plectoneme, Section, Shape, TorusKnot};
+use crate::scene::read_points;
 
 use super::build::inconsistent;
-use super::points::read_points;
 use super::text::ShapeText;
 use super::values::List;
 

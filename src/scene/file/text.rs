@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use crate::scene::Fidelity;
+use crate::scene::{Fidelity, Units};
 
 use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair};
-use super::{OutputChoice, SolverChoice, Units};
+use super::{OutputChoice, SolverChoice};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

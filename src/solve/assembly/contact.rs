@@ -1,12 +1,11 @@
 //! Contact moved to a state, and what it adds.
 
-use rayon::prelude::*;
-
 use super::{Residual, Sink};
 use crate::contact::detect::{self, Besides};
 use crate::error::{InputError, SolveError};
+use crate::math::parallel::{self, in_pool};
 use crate::solve::contact_side::{ContactSide, contact_cubic_exactly};
-use crate::solve::engine::{Engine, in_pool};
+use crate::solve::engine::Engine;
 use crate::solve::state::State;
 
 /// Candidate pairs evaluated before their terms are scattered.
@@ -86,21 +85,12 @@ impl ContactSide {
 
     /// Overwrites the contact curves with those of `state`; what goes with them is no longer current if they moved.
     pub(crate) fn place(&mut self, state: &State) {
-        let (nodes, lengths) = (&self.nodes, &self.set.lengths);
-        let moved = self
-            .set
-            .segments
-            .par_iter_mut()
-            .zip(&mut self.set.remainders)
-            .with_min_len(256)
-            .enumerate()
-            .map(|(k, (segment, remainders))| {
-                let (now, lost) = contact_cubic_exactly(state, nodes[k], lengths[k]);
-                *remainders = lost;
-                std::mem::replace(segment, now) != now
-            })
-            .reduce(|| false, |a, b| a || b);
-        self.is_current &= !moved;
+        let cubic = |k: usize| contact_cubic_exactly(state, self.nodes[k], self.set.lengths[k]);
+        let placed = parallel::map(self.nodes.len(), 256, &cubic);
+        for (k, (now, lost)) in placed.into_iter().enumerate() {
+            self.set.remainders[k] = lost;
+            self.is_current &= std::mem::replace(&mut self.set.segments[k], now) == now;
+        }
     }
 }
 

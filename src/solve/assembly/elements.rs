@@ -1,9 +1,7 @@
 //! What elements add, and their strains and stresses.
 
-use rayon::prelude::*;
-
 use super::{Residual, Sink};
-use crate::math::{Quat, Vec3};
+use crate::math::{Quat, Vec3, parallel};
 use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Six, evaluate};
 use crate::solve::engine::{Element, Engine};
 use crate::solve::state::State;
@@ -12,14 +10,17 @@ use crate::solve::state::State;
 const BATCH: usize = 1024;
 /// The same with their tangents, five kilobytes each: what a cache holds.
 const TANGENTS: usize = 128;
+/// Elements per parallel piece of work: a microsecond each or less.
+const GRAIN: usize = 32;
+/// The same with their tangents, several microseconds each.
+const TANGENT_GRAIN: usize = 8;
 
 impl Engine {
     /// Gradient and potential of all elements.
     pub(super) fn add_element_gradients(&self, state: &State, out: &mut Residual) {
         for first in (0..self.elements.len()).step_by(BATCH) {
-            let batch = first..self.elements.len().min(first + BATCH);
-            let results: Vec<ElementOutput> =
-                batch.into_par_iter().map(|e| self.element_output(e, state, None, None)).collect();
+            let count = BATCH.min(self.elements.len() - first);
+            let results = parallel::map(count, GRAIN, &|k| self.element_output(first + k, state, None, None));
             for (k, result) in results.iter().enumerate() {
                 self.add_element_gradient(first + k, result, state, out);
             }
@@ -39,7 +40,7 @@ impl Engine {
             vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); TANGENTS.min(self.elements.len())];
         for first in (0..self.elements.len()).step_by(TANGENTS) {
             let count = TANGENTS.min(self.elements.len() - first);
-            results[..count].par_iter_mut().with_min_len(8).enumerate().for_each(|(k, (result, blocks))| {
+            parallel::each(&mut results[..count], TANGENT_GRAIN, &|k, (result, blocks)| {
                 *blocks = [[0.0; MAX_DOF]; MAX_DOF];
                 let e = first + k;
                 *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(blocks));
@@ -94,28 +95,18 @@ impl Engine {
 
     /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
     pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Six; 3]> {
-        self.install(|| {
-            (0..self.elements.len())
-                .into_par_iter()
-                .with_min_len(64)
-                .map(|e| self.predict_element(e, state, increment))
-                .collect()
-        })
+        let predict = |e: usize| self.predict_element(e, state, increment);
+        self.install(|| parallel::map(self.elements.len(), GRAIN, &predict))
     }
 
     /// Stresses C ε at all points.
     pub(crate) fn actual_stress(&self, state: &State) -> Vec<[Six; 3]> {
-        self.install(|| {
-            (0..self.elements.len())
-                .into_par_iter()
-                .with_min_len(64)
-                .map(|e| {
-                    let strain = self.element_strain(e, state);
-                    let material = &self.material[self.elements[e].rod];
-                    strain.map(|six| std::array::from_fn(|i| material[i] * six[i]))
-                })
-                .collect()
-        })
+        let stress = |e: usize| -> [Six; 3] {
+            let strain = self.element_strain(e, state);
+            let material = &self.material[self.elements[e].rod];
+            strain.map(|six| std::array::from_fn(|i| material[i] * six[i]))
+        };
+        self.install(|| parallel::map(self.elements.len(), GRAIN, &stress))
     }
 
     /// Strains minus reference at the points of an element.
@@ -156,18 +147,16 @@ impl Engine {
         let mut stresses = Vec::with_capacity(self.elements.len());
         self.install(|| {
             for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
-                let forces: Vec<([Six; 3], [f64; MAX_DOF])> = batch
-                    .par_iter()
-                    .with_min_len(32)
-                    .map(|element| {
-                        element::surprise_force(
-                            &self.body(element.rod),
-                            &self.element_nodes(state, element),
-                            &self.element_nodes(moved, element),
-                            &self.local_increment(element, increment),
-                        )
-                    })
-                    .collect();
+                let force = |k: usize| {
+                    let element: &Element = &batch[k];
+                    element::surprise_force(
+                        &self.body(element.rod),
+                        &self.element_nodes(state, element),
+                        &self.element_nodes(moved, element),
+                        &self.local_increment(element, increment),
+                    )
+                };
+                let forces = parallel::map(batch.len(), GRAIN, &force);
                 for (k, (stress, force)) in forces.iter().enumerate() {
                     stresses.push(*stress);
                     let element = &self.elements[batch_index * BATCH + k];

@@ -1,7 +1,6 @@
 use super::*;
 use crate::rod::{Natural, Rod, Section, Shape};
 use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use crate::solve::restart::Place;
 use crate::solve::{Options, Solver, Status};
 
 fn entry(node: u32, curve: u32, arc: [f64; 2]) -> Entry {
@@ -137,11 +136,12 @@ fn forces_are_the_slope_of_the_energy() {
 }
 
 /// A run that goes on from a restart in which nodes touch two strands takes the same step, bit for bit.
+#[cfg(feature = "runs")]
 #[test]
 fn restarts_carry_all_offsets() {
     let mut solver = beams();
     assert_eq!(solver.step_to(&[Ramp::Load { to: 0.9 }]).unwrap().status, Status::Converged);
-    let bytes = postcard::to_allocvec(&solver.to_restart(Place::start_of(0, 1, 0))).unwrap();
+    let bytes = postcard::to_allocvec(&solver.to_restart(crate::solve::restart::Place::start_of(0, 1, 0))).unwrap();
     let mut later = beams();
     later.take_over(postcard::from_bytes(&bytes).unwrap()).unwrap();
     let offsets = |solver: &Solver| solver.engine.contact.as_ref().unwrap().offsets.clone();

@@ -9,13 +9,11 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
-
 use super::{Keep, Motion, TOL_DISTANCE, relative_motion};
 use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
-use crate::math::Vec3;
+use crate::math::{Vec3, parallel};
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
@@ -66,7 +64,7 @@ impl<'a> PassageTree<'a> {
         relative: &[f64],
         keep: Keep,
     ) -> Self {
-        let capsules = set.segments.par_iter().with_min_len(256).map(Capsule::new).collect();
+        let capsules = parallel::map(set.segments.len(), 256, &|k| Capsule::new(&set.segments[k]));
         let mut turning = Vec::with_capacity(set.len());
         let mut totals = Vec::with_capacity(set.curves.len());
         for (index, curve) in set.curves.iter().enumerate() {
@@ -146,7 +144,8 @@ impl<'a> PassageTree<'a> {
         }
         // shares are the same for any number of threads, and so is the minimum
         let (shares, t) = self.descend(vec![[0, 0]], SHARES, 1.0);
-        shares.into_par_iter().map(|pair| self.descend(vec![pair], usize::MAX, t).1).reduce(|| t, f64::min)
+        let fractions = parallel::map(shares.len(), 1, &|k| self.descend(vec![shares[k]], usize::MAX, t).1);
+        fractions.into_iter().fold(t, f64::min)
     }
 
     /// Works off pairs of runs, deepest first, until none is left; or, broadest first, until `enough` are open. Those

@@ -1,0 +1,161 @@
+//! Work shared among threads: the only file that names the library for it.
+//!
+//! Work is an index range cut into pieces of a given `grain`. Pieces are computed in any order by any thread, and their
+//! results are merged in the order of the index. The cuts depend on the length and the grain alone, so results are the
+//! same bits for any number of threads. What is called is a `&dyn Fn`: the machinery is compiled once, not once per
+//! caller.
+//!
+//! Threads are those of the caller's rayon pool, or of a [`Pool`] of one's own. Without the feature `parallel` there is
+//! one thread, and everything is done where it is called.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+use crate::error::InputError;
+
+/// Threads of one's own.
+#[derive(Debug)]
+pub(crate) struct Pool {
+    #[cfg(feature = "parallel")]
+    threads: rayon::ThreadPool,
+}
+
+impl Pool {
+    /// Starts `count` threads.
+    ///
+    /// # Errors
+    /// Threads that cannot be started.
+    #[cfg(feature = "parallel")]
+    pub(crate) fn new(count: usize) -> Result<Self, InputError> {
+        let refuse = |e: rayon::ThreadPoolBuildError| InputError::Inconsistent {
+            field: "threads".to_owned(),
+            reason: e.to_string(),
+        };
+        Ok(Self { threads: rayon::ThreadPoolBuilder::new().num_threads(count).build().map_err(refuse)? })
+    }
+
+    /// No threads but the caller's, however many are asked for: results do not depend on it.
+    #[cfg(not(feature = "parallel"))]
+    pub(crate) fn new(_count: usize) -> Result<Self, InputError> {
+        Ok(Self {})
+    }
+}
+
+/// Runs `work` inside a pool of one's own, or inside the caller's if there is none, so that nothing on the way has to
+/// go in and out.
+pub(crate) fn in_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + Send) -> R {
+    let (mut work, mut result) = (Some(work), None);
+    enter(pool, &mut || result = work.take().map(|work| work()));
+    result.expect("a pool runs what it is given")
+}
+
+#[cfg(feature = "parallel")]
+fn enter(pool: Option<&Pool>, work: &mut (dyn FnMut() + Send)) {
+    match pool {
+        Some(pool) => pool.threads.install(work),
+        None if rayon::current_thread_index().is_none() => rayon::scope(|_| work()),
+        None => work(),
+    }
+}
+
+#[cfg(not(feature = "parallel"))]
+fn enter(_pool: Option<&Pool>, work: &mut (dyn FnMut() + Send)) {
+    work();
+}
+
+/// Whether there is but one thread to work with here.
+pub(crate) fn is_serial() -> bool {
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads() == 1;
+    #[cfg(not(feature = "parallel"))]
+    return true;
+}
+
+/// Calls `task` for 0, 1 … `count` − 1.
+fn share(count: usize, task: &(dyn Fn(usize) + Sync)) {
+    #[cfg(feature = "parallel")]
+    if count > 1 && !is_serial() {
+        return (0..count).into_par_iter().for_each(task);
+    }
+    (0..count).for_each(task);
+}
+
+/// What `piece` makes of the ranges that 0..`len` is cut into, each but the last of `grain` indices, in their order.
+pub(crate) fn map_ranges<T: Send>(len: usize, grain: usize, piece: &(dyn Fn(Range<usize>) -> T + Sync)) -> Vec<T> {
+    let range = |k: usize| k * grain..((k + 1) * grain).min(len);
+    let results: Vec<Mutex<Option<T>>> = (0..len.div_ceil(grain)).map(|_| Mutex::new(None)).collect();
+    share(results.len(), &|k| {
+        let result = piece(range(k));
+        *results[k].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+    });
+    results.into_iter().filter_map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
+}
+
+/// `item` of each of 0..`len`, in their order.
+pub(crate) fn map<T: Send>(len: usize, grain: usize, item: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
+    if len <= grain || is_serial() {
+        return (0..len).map(item).collect();
+    }
+    let mut all = Vec::with_capacity(len);
+    for part in map_ranges(len, grain, &|range| range.map(item).collect::<Vec<T>>()) {
+        all.extend(part);
+    }
+    all
+}
+
+/// Whether `holds` of all ranges that 0..`len` is cut into, each but the last of `grain` indices; once it does not of
+/// one, those not yet begun are left out.
+pub(crate) fn all(len: usize, grain: usize, holds: &(dyn Fn(Range<usize>) -> bool + Sync)) -> bool {
+    let so_far = AtomicBool::new(true);
+    share(len.div_ceil(grain), &|k| {
+        if so_far.load(Ordering::Relaxed) && !holds(k * grain..((k + 1) * grain).min(len)) {
+            so_far.store(false, Ordering::Relaxed);
+        }
+    });
+    so_far.into_inner()
+}
+
+/// Calls `change(first, part)` for the parts that `items` is cut into, each but the last of `grain` items; `first` is
+/// the index of the part's first item.
+pub(crate) fn each_part<T: Send>(items: &mut [T], grain: usize, change: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    let parts: Vec<Mutex<&mut [T]>> = items.chunks_mut(grain).map(Mutex::new).collect();
+    share(parts.len(), &|k| change(k * grain, &mut parts[k].lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+/// Calls `change(index, item)` for each of `items`, `grain` of them at a time.
+pub(crate) fn each<T: Send>(items: &mut [T], grain: usize, change: &(dyn Fn(usize, &mut T) + Sync)) {
+    each_part(items, grain, &|first, part| {
+        for (k, item) in part.iter_mut().enumerate() {
+            change(first + k, item);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every index once, in its place, whatever the length, the grain and the threads.
+    #[test]
+    fn what_is_shared_out_comes_back_in_order() {
+        for threads in [1, 3] {
+            let pool = Pool::new(threads).unwrap();
+            for (len, grain) in [(0, 5), (1, 5), (5, 5), (6, 5), (1000, 7)] {
+                let expected: Vec<usize> = (0..len).collect();
+                let (mapped, ranges, changed) = in_pool(Some(&pool), || {
+                    let mut items = vec![0; len];
+                    each(&mut items, grain, &|k, item| *item += k);
+                    (map(len, grain, &|k| k), map_ranges(len, grain, &|range| range), items)
+                });
+                assert_eq!((&mapped, &changed), (&expected, &expected), "{len} by {grain}");
+                assert!(ranges.iter().flat_map(Clone::clone).eq(0..len) && ranges.len() == len.div_ceil(grain));
+                assert!(in_pool(Some(&pool), || all(len, grain, &|range| range.end <= len)));
+                assert_eq!(in_pool(Some(&pool), || all(len, grain, &|range| !range.contains(&(len / 2)))), len == 0);
+            }
+        }
+    }
+}

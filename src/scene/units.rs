@@ -1,0 +1,18 @@
+//! Names of units.
+
+/// Names of the units in which the scene's numbers are given. Nothing is converted: any consistent units will do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Units {
+    /// Unit of length; "L" if not said.
+    pub length: String,
+    /// Unit of force; "F" if not said.
+    pub force: String,
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self { length: "L".into(), force: "F".into() }
+    }
+}
