@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use play::{Played, Row, play, play_watched};
+use play::{Row, play, play_watched, within_limit};
 use supercoil::observe::observe;
 use supercoil::scene::Scene;
 use supercoil::solve::Options;
@@ -59,8 +59,11 @@ struct Choices {
     bench: bool,
 }
 
-/// Names of the runs and what makes their rows.
-const RUNS: [(&str, fn(&Choices) -> Vec<Row>); 8] = [
+/// Makes the rows of a run.
+type Make = fn(&Choices) -> Vec<Row>;
+
+/// The runs by name.
+const RUNS: [(&str, Make); 8] = [
     ("ring", ring),
     ("minicircle", minicircle),
     ("puc19", puc19),
@@ -74,7 +77,7 @@ const RUNS: [(&str, fn(&Choices) -> Vec<Row>); 8] = [
 /// A row does not pass if a number is off its reference by more than a relative tolerance.
 fn expect(row: &mut Row, what: &str, found: f64, reference: f64, tolerance: f64) {
     println!("  {} {}: {what} {found:.9e}, reference {reference:.9e}", row.family, row.case);
-    if !((found - reference).abs() <= tolerance * reference.abs()) {
+    if !within_limit((found - reference).abs(), tolerance * reference.abs()) {
         row.passed = false;
         let reason = format!("{what} is {found:.6e}, not {reference:.6e}");
         row.reason =
@@ -114,30 +117,31 @@ fn ring(choices: &Choices) -> Vec<Row> {
     vec![row]
 }
 
-fn one(choices: &Choices, name: &str, scene: Scene) -> Played {
-    play(name, &format!("{} steps", scene.stages.iter().map(|stage| stage.steps).sum::<usize>()), scene, limit(choices))
+fn one(choices: &Choices, name: &str, scene: Scene) -> Vec<Row> {
+    let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
+    vec![play(name, &format!("{steps} steps"), scene, limit(choices)).row]
 }
 
 /// The README's minicircle.
 fn minicircle(choices: &Choices) -> Vec<Row> {
-    vec![one(choices, "minicircle", file("examples/minicircle.toml")).row]
+    one(choices, "minicircle", file("examples/minicircle.toml"))
 }
 
 /// pUC19 from the flat circle in 20 steps.
 fn puc19(choices: &Choices) -> Vec<Row> {
     let mut scene = file("examples/puc19.toml");
     scene.stages[0].steps = 20;
-    vec![one(choices, "puc19", scene).row]
+    one(choices, "puc19", scene)
 }
 
 /// Phage λ from a plectoneme.
 fn lambda(choices: &Choices) -> Vec<Row> {
-    vec![one(choices, "lambda", file("examples/lambda_phage.toml")).row]
+    one(choices, "lambda", file("examples/lambda_phage.toml"))
 }
 
 /// Wires laid with twist and tension.
 fn five_strand_cable(choices: &Choices) -> Vec<Row> {
-    vec![one(choices, "five_strand_cable", file("tests/scenes/five_strand_cable.toml")).row]
+    one(choices, "five_strand_cable", file("tests/scenes/five_strand_cable.toml"))
 }
 
 /// Rings and trefoils of random thickness, C/B, link and start, turn by turn.

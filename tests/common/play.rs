@@ -294,6 +294,11 @@ fn judge(
     Played { row, seen: Some(seen) }
 }
 
+/// Whether a number is small enough; one that is no number is not.
+pub fn within_limit(x: f64, limit: f64) -> bool {
+    x <= limit
+}
+
 /// What speaks against a state that the solver calls converged.
 fn objections(row: &Row, law: ContactLaw, unstable: usize) -> Vec<String> {
     let mut found = Vec::new();
@@ -306,13 +311,13 @@ fn objections(row: &Row, law: ContactLaw, unstable: usize) -> Vec<String> {
     if let Some(gap) = row.gap.filter(|gap| *gap < -(2.0 * left + TOL_GAP)) {
         found.push(format!("strands are {:.1e} contact radii inside each other", -gap));
     }
-    if let Some(error) = row.link_error.filter(|error| !(*error < TOL_LINK)) {
+    if let Some(error) = row.link_error.filter(|error| !within_limit(*error, TOL_LINK)) {
         found.push(format!("link is off by {error:.1e}"));
     }
     if row.topology_kept == Some(false) {
         found.push("a knot or link has changed".to_owned());
     }
-    if !(row.residual < TOL_BALANCE) {
+    if !within_limit(row.residual, TOL_BALANCE) {
         found.push(format!("forces are out of balance by {:.1e}", row.residual));
     }
     if row.tightness > 1.0 {

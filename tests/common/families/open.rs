@@ -163,7 +163,7 @@ fn angle_under(tension: f64) -> f64 {
 }
 
 /// Turns for a rod pulled by a force, one end turned: some short of the snap, others up to where half of the rod is in
-/// the plectoneme. Where the loop at its end would be as long as the rod, about as many as buckle it.
+/// the plectoneme. Where the loop at its end would be as long as the rod, fewer than buckle it.
 fn turns_under(random: &mut Random, force: f64, length: f64, material: &Material) -> f64 {
     let (bending, twisting, radius) = (material.bending[0], material.twisting, material.radius);
     let buckling = ((2.0 * (bending * force).sqrt()).powi(2) + (GREENHILL * bending / length).powi(2)).sqrt() * length
@@ -176,7 +176,7 @@ fn turns_under(random: &mut Random, force: f64, length: f64, material: &Material
     let end_loop = TAU * (bending / (2.0 * force)).sqrt();
     let room = 0.6 * length - end_loop;
     if room <= 0.0 {
-        return buckling * random.between(0.7, 1.3);
+        return buckling * random.between(0.5, 0.9); // past the snap its ends would meet
     }
     let moment = 2.0 * bending * alpha.sin().powi(3) * alpha.cos() / (radius * (2.0 * alpha).cos());
     let in_twist = moment * length / (TAU * twisting);
@@ -201,7 +201,7 @@ pub fn tweezers(draft: &mut Draft, random: &mut Random) {
 }
 
 /// Turned at a clamp that may slide along the axis, with and without pull; the other end clamped, or held in its place
-/// and against turning about the axis only. From 20 to 500 diameters long.
+/// and against turning about the axis only if it is pulled. From 20 to 500 diameters long.
 pub fn sliding(draft: &mut Draft, random: &mut Random) {
     let radius = 0.5 / random.log_between(20.0, 500.0);
     let material = Material::isotropic(random, radius);
@@ -211,7 +211,8 @@ pub fn sliding(draft: &mut Draft, random: &mut Random) {
         None => (random.between(0.03, 0.15) / material.diameter()).max(1.2),
     };
     let turns = random.sign() * turns.min(MOST_TURNS);
-    let held = if random.chance(0.3) { "[\"x\"]" } else { "true" };
+    // without pull a hinged rod folds up until its ends meet
+    let held = if pull.is_some() && random.chance(0.5) { "[\"x\"]" } else { "true" };
     draft.mesh(Mesh::random(random));
     draft.rod("rod", &line(&Vec3::x(), 1.0), 1.0, &material, &[]);
     draft.support(ONLY, "\"start\"", "true", held);

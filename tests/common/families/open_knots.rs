@@ -1,11 +1,11 @@
-//! Knots tied into open rods, their ends pinned or clamped, drawn apart or pulled by a force.
+//! Knots tied into open rods, their ends pinned or clamped, pulled apart; some are turned at one end then.
 
 use std::f64::consts::{PI, TAU};
 
 use supercoil::math::Vec3;
 
 use super::curve::{room, scaled};
-use super::draft::{Draft, Mesh, list};
+use super::draft::{Draft, Mesh, list, short};
 use super::material::Material;
 use super::random::Random;
 
@@ -71,18 +71,13 @@ pub fn open_knots(draft: &mut Draft, random: &mut Random) {
         _ => ("[\"x\"]", "false"),
     };
     draft.support(ONLY, "\"start\"", "true", start);
-    let steps = 4 + random.below(20) as usize;
-    if random.chance(0.5) {
-        draft.support(ONLY, "\"end\"", "true", end);
-        let slack = 1.0 - between.norm() - tight(crossings) * material.diameter();
-        let by = between.normalize() * (slack.max(0.0) * random.between(0.2, 0.95));
-        draft.stage(&format!("displacement = {{ at = \"end\", to = {} }}", list(&by)), steps);
-        return;
+    draft.support(ONLY, "\"end\"", "true", end);
+    let slack = 1.0 - between.norm() - tight(crossings) * material.diameter();
+    let by = between.normalize() * (slack.max(0.0) * random.between(0.2, 0.95));
+    draft.stage(&format!("displacement = {{ at = \"end\", to = {} }}", list(&by)), 4 + random.below(20) as usize);
+    if end == "true" {
+        let turns = short(random.between(-2.0, 2.0));
+        let ramp = format!("rotation = {{ at = \"end\", axis = [1, 0, 0], turns = {turns:?} }}");
+        draft.stage(&ramp, 4 + random.below(12) as usize);
     }
-    draft.support(ONLY, "\"end\"", "[\"y\", \"z\"]", end);
-    // a knot pulled by T forms a loop of radius √(B/2T)
-    let [loose, close] = [0.2, 1.4 * tight(crossings) * material.diameter()].map(|around| around / TAU);
-    let loop_radius = random.log_between(close.min(0.9 * loose), loose);
-    draft.load(ONLY, "\"end\"", &(Vec3::x() / (2.0 * loop_radius * loop_radius)));
-    draft.stage("load = 1.0", steps);
 }

@@ -48,8 +48,8 @@ pub fn linked_rings(draft: &mut Draft, random: &mut Random) {
     draft.clamp("\"ring0\"", "{ arc = 0.5 }");
     let last = quoted(&names[count - 1]);
     draft.clamp(&last, "\"start\"");
-    // pulled flat, a ring of length 1 is about half as long, less what it takes to go round its neighbours
-    let flat = 0.5 - 2.0 * diameters.iter().fold(0.0, |a: f64, b| a.max(*b));
+    // pulled flat, a ring of length 1 is half as long, less what it takes to go round its neighbours
+    let flat = 0.5 - 3.2 * diameters.iter().fold(0.0, |a: f64, b| a.max(*b));
     let (now, most) = (2.0 * bend + apart * (count - 1) as f64, flat * count as f64);
     let by = (most - now) * random.between(0.3, 0.85);
     draft.stage(&format!("displacement = {{ rod = {last}, at = \"start\", to = {} }}", list(&(Vec3::x() * by))), steps);
