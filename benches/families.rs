@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Every case runs on one thread, and is stopped when its time is up. What the solver calls converged is checked again:
-//! gaps, forces out of balance, link, knots. Iterations are the same on every machine, seconds are not.
+//! gaps, forces out of balance, link, knots. Iterations are the same on every machine, seconds are not: they are those of
+//! the processor, or on the clock where several cases run at a time.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, missing_docs)]
 
@@ -24,11 +25,10 @@ mod tally;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
 
 use clap::Parser;
 use families::{CASES, Case, FAMILIES, Family};
-use play::{Row, play};
+use play::{Clock, Limit, Row, play};
 use supercoil::InputError;
 use supercoil::scene::Scene;
 
@@ -47,7 +47,7 @@ struct Choices {
     /// Index of the first case.
     #[arg(long, default_value_t = 0)]
     from: u64,
-    /// Seconds after which a case is stopped.
+    /// Seconds after which a case is stopped: of the processor, or on the clock where several cases run at a time.
     #[arg(long, default_value_t = 100.0)]
     limit: f64,
     /// Cases that run at a time, each on one thread.
@@ -68,6 +68,13 @@ struct Choices {
     /// Given by cargo.
     #[arg(long, hide = true)]
     bench: bool,
+}
+
+impl Choices {
+    fn limit(&self) -> Limit {
+        let clock = if self.jobs > 1 { Clock::Wall } else { Clock::Processor };
+        Limit { seconds: self.limit, clock }
+    }
 }
 
 /// Something to run.
@@ -95,7 +102,7 @@ impl Job {
     fn run(&self, choices: &Choices) -> Row {
         let (family, case) = self.name();
         match self.scene(&choices.dir) {
-            Ok(scene) => play(family, &case, scene, Duration::from_secs_f64(choices.limit)).row,
+            Ok(scene) => play(family, &case, scene, choices.limit()).row,
             Err(error) => Row {
                 family: family.to_owned(),
                 case,

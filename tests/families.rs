@@ -13,16 +13,15 @@ mod play;
 mod tally;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use families::{CASES, FAMILIES};
-use play::{Row, play};
+use play::{Clock, Limit, Row, play};
 use supercoil::observe::start_overlaps;
 use supercoil::scene::Scene;
 use supercoil::solve::{Options, Solver};
 
 /// Time for a case on a quiet core.
-const LIMIT: Duration = Duration::from_secs(100);
+const LIMIT: Limit = Limit { seconds: 100.0, clock: Clock::Wall };
 /// Share of the cases of all families that must come to rest.
 const SHARE: f64 = 0.99;
 

@@ -48,7 +48,7 @@ pub struct Row {
     pub start: usize,
     /// Load steps halved.
     pub cutbacks: usize,
-    /// Wall time.
+    /// Time it took, see [`Clock`].
     pub seconds: f64,
     /// Of the last accepted state: energy, smallest gap over the smallest contact radius, contact sites, forces out of
     /// balance over what there is, largest curvature times contact radius, difference of link from what was prescribed.
@@ -85,13 +85,64 @@ pub struct Played {
     pub seen: Option<Observation>,
 }
 
-/// Raises `interrupt` if `work` takes longer than `limit`.
-fn within<R>(limit: Duration, interrupt: &Interrupt, work: impl FnOnce() -> R) -> R {
+/// How time is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// Time of the processor that the whole process takes: other work on the machine does not count, other runs in the
+    /// process do. Wall time where the system does not tell.
+    Processor,
+    /// Wall time.
+    Wall,
+}
+
+/// Time since it was made.
+#[derive(Debug, Clone, Copy)]
+pub struct Watch {
+    clock: Clock,
+    started: Instant,
+    before: Option<f64>,
+}
+
+impl Watch {
+    pub fn new(clock: Clock) -> Self {
+        Self { clock, started: Instant::now(), before: processor() }
+    }
+
+    pub fn seconds(&self) -> f64 {
+        match (self.clock, self.before, processor()) {
+            (Clock::Processor, Some(before), Some(now)) => now - before,
+            _ => self.started.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// Seconds of the processor that the process has taken so far, in hundredths, where the system tells them.
+fn processor() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
+    let ticks = |k: usize| fields.get(k)?.parse::<f64>().ok();
+    Some(0.01 * (ticks(11)? + ticks(12)?))
+}
+
+/// How long a run may take.
+#[derive(Debug, Clone, Copy)]
+pub struct Limit {
+    pub seconds: f64,
+    pub clock: Clock,
+}
+
+/// How often a run's time is looked at.
+const TICK: Duration = Duration::from_millis(50);
+
+/// Raises `interrupt` if `work` takes longer than its time.
+fn within<R>(limit: f64, watch: Watch, interrupt: &Interrupt, work: impl FnOnce() -> R) -> R {
     let (done, wait) = channel::<()>();
     thread::scope(|scope| {
         scope.spawn(move || {
-            if wait.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
-                interrupt.raise();
+            while wait.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+                if watch.seconds() > limit {
+                    return interrupt.raise();
+                }
             }
         });
         let result = work();
@@ -180,18 +231,12 @@ impl Counter {
 }
 
 /// Runs a scene on one thread, for at most so long, and checks what it comes to.
-pub fn play(family: &str, case: &str, scene: Scene, limit: Duration) -> Played {
+pub fn play(family: &str, case: &str, scene: Scene, limit: Limit) -> Played {
     play_watched(family, case, scene, limit, &mut |_| {})
 }
 
 /// As [`play`]; `watch` sees every accepted step.
-pub fn play_watched(
-    family: &str,
-    case: &str,
-    scene: Scene,
-    limit: Duration,
-    watch: &mut dyn FnMut(&Progress),
-) -> Played {
+pub fn play_watched(family: &str, case: &str, scene: Scene, limit: Limit, watch: &mut dyn FnMut(&Progress)) -> Played {
     let full = full_steps(&scene.stages);
     let planned = full.iter().map(|size| size.recip().round() as usize).sum();
     let row = Row { family: family.to_owned(), case: case.to_owned(), planned, ..Row::default() };
@@ -203,8 +248,8 @@ pub fn play_watched(
     let targets = link_targets(&scene);
     let before = Engine::new(scene.model.clone(), Some(1)).ok().map(|engine| Topology::of(&engine));
     let mut counter = Counter::new(full);
-    let started = Instant::now();
-    let result = within(limit, &interrupt, || {
+    let clock = Watch::new(limit.clock);
+    let result = within(limit.seconds, clock, &interrupt, || {
         catch_unwind(AssertUnwindSafe(|| {
             run_from(scene.model, &scene.stages, &options, None, &mut |progress, waypoint| {
                 counter.accepted(progress, waypoint.place().iterations);
@@ -214,7 +259,7 @@ pub fn play_watched(
         }))
     });
     let row = Row {
-        seconds: started.elapsed().as_secs_f64(),
+        seconds: clock.seconds(),
         steps: counter.per_step.len(),
         start: counter.start,
         elsewhere: counter.elsewhere,

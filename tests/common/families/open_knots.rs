@@ -46,13 +46,14 @@ fn tight(crossings: f64) -> f64 {
 
 pub fn open_knots(draft: &mut Draft, random: &mut Random) {
     let crossings = if random.chance(0.75) { 3.0 } else { 5.0 };
-    let mut points = scaled(&tied(random.between(0.06, 0.12), crossings, random.between(3.0, 6.0)), false, 1.0);
+    // on shorter tails the loop grows until it slips over an end
+    let mut points = scaled(&tied(random.between(0.06, 0.12), crossings, random.between(9.0, 14.0)), false, 1.0);
     if random.chance(0.5) {
         points.iter_mut().for_each(|p| p.z = -p.z);
     }
     let between = points[points.len() - 1] - points[0];
     let most = (0.9 * room(&points, false)).min(0.02);
-    let radius = 0.5 * random.log_between(0.3 * most, most);
+    let radius = 0.5 * random.log_between(0.4 * most, most);
     let material =
         if random.chance(0.3) { Material::anisotropic(random, radius) } else { Material::isotropic(random, radius) };
     // nodes as far apart as the preset for a first look puts them do not resolve the tied curve
