@@ -9,6 +9,7 @@ pub mod curvature;
 pub mod fuzz;
 pub mod kirchhoff_ring;
 pub mod runge_kutta;
+pub mod two_ply;
 
 use std::ops::ControlFlow;
 

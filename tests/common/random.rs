@@ -8,6 +8,14 @@ use nalgebra::Vector3;
 pub struct Random(pub u64);
 
 impl Random {
+    /// The stream of one case of many. Streams of neighbouring numbers have nothing in common (splitmix64).
+    pub fn of(family: u64, index: u64) -> Self {
+        let mut z = (family << 32 ^ index).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        Self(z ^ (z >> 31))
+    }
+
     /// Uniform in [−1, 1).
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -27,5 +35,31 @@ impl Random {
     /// Each coordinate uniform in [−1, 1).
     pub fn vector(&mut self) -> Vector3<f64> {
         Vector3::new(self.unit(), self.unit(), self.unit())
+    }
+
+    /// In [low, high), its logarithm uniform.
+    pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.between(0.0, 1.0))
+    }
+
+    /// −1 or 1.
+    pub fn sign(&mut self) -> f64 {
+        self.unit().signum()
+    }
+
+    /// True with this probability.
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.between(0.0, 1.0) < probability
+    }
+
+    /// A unit vector, all directions alike.
+    pub fn direction(&mut self) -> Vector3<f64> {
+        loop {
+            let v = self.vector();
+            let size = v.norm();
+            if (0.1..1.0).contains(&size) {
+                return v / size;
+            }
+        }
     }
 }
