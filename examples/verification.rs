@@ -24,6 +24,8 @@ struct Row {
 
 /// What one test file has to say.
 struct Section {
+    /// The test binary that it is a module of.
+    binary: String,
     test: String,
     /// The first paragraph of the file's header.
     caption: String,
@@ -32,7 +34,7 @@ struct Section {
 
 const INTRODUCTION: &str = "# Verification\n\n\
     Written by `cargo run --example verification` from the rows that the tests print; do not edit. Every row is asserted by the test file \
-    that heads its table: |measured − reference| ≤ tolerance. `cargo test --test NAME -- --nocapture` prints them again, with all digits; rows \
+    that heads its table: |measured − reference| ≤ tolerance. `cargo test NAME -- --nocapture` prints them again, with all digits; rows \
     marked *slow* are of tests that run on demand only, with `--ignored` after the `--`.\n\n\
     Where references come from is told in the header of each test file: closed forms, numerical solutions of the continuous equations (shooting or \
     collocation, all printed digits meant), or, for tight knots, the literature. Where a file computes its reference itself, by a method that \
@@ -94,20 +96,21 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut sections = Vec::new();
     let mut failed = Vec::new();
-    for test in tests(&root.join("tests")) {
+    for (binary, test) in tests(&root.join("tests")) {
         if !wanted.is_empty() && !wanted.contains(&test) {
             continue;
         }
-        let Ok(source) = std::fs::read_to_string(root.join("tests").join(format!("{test}.rs"))) else { continue };
+        let file = root.join("tests").join(&binary).join(format!("{test}.rs"));
+        let Ok(source) = std::fs::read_to_string(file) else { continue };
         if !source.contains("verify") {
             continue;
         }
-        let Some((mut rows, mut passed)) = rows_of(root, &test, false) else {
+        let Some((mut rows, mut passed)) = rows_of(root, (&binary, &test), false) else {
             println!("cargo could not be run");
             return ExitCode::FAILURE;
         };
         if wanted.is_empty() && source.contains("#[ignore") {
-            let Some((slow, all_passed)) = rows_of(root, &test, true) else { return ExitCode::FAILURE };
+            let Some((slow, all_passed)) = rows_of(root, (&binary, &test), true) else { return ExitCode::FAILURE };
             rows.extend(slow);
             passed &= all_passed;
         }
@@ -116,7 +119,7 @@ fn main() -> ExitCode {
         }
         println!("{test}: {} rows{}", rows.len(), if passed { "" } else { ", FAILED" });
         if !rows.is_empty() {
-            sections.push(Section { caption: caption(&source), rows: condensed(rows), test });
+            sections.push(Section { binary, caption: caption(&source), rows: condensed(rows), test });
         }
     }
     if !failed.is_empty() {
@@ -139,22 +142,27 @@ fn main() -> ExitCode {
 
 /// The rows that a test file prints, its ordinary or its slow tests, and whether all passed; `None` if cargo could not
 /// be run.
-fn rows_of(root: &Path, test: &str, slow: bool) -> Option<(Vec<Row>, bool)> {
+fn rows_of(root: &Path, (binary, test): (&str, &str), slow: bool) -> Option<(Vec<Row>, bool)> {
     let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
-    cargo.args(["test", "--quiet", "--test", test, "--", "--nocapture", "--test-threads=1"]);
+    cargo.args(["test", "--quiet", "--test", binary, "--", "--nocapture", "--test-threads=1"]);
+    cargo.arg(format!("{test}::"));
     cargo.args(slow.then_some("--ignored"));
     let output = cargo.current_dir(root).output().ok()?;
     let rows = String::from_utf8_lossy(&output.stdout).lines().filter_map(|line| row(line, slow)).collect();
     Some((rows, output.status.success()))
 }
 
-/// Names of the test files, sorted.
-fn tests(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let name = |entry: std::fs::DirEntry| Some(entry.file_name().to_str()?.strip_suffix(".rs")?.to_owned());
-    let mut names: Vec<String> = entries.filter_map(name).collect();
-    names.sort();
-    names
+/// Test binaries and the names of their modules, sorted by these.
+fn tests(folder: &Path) -> Vec<(String, String)> {
+    let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut all = Vec::new();
+    for binary in entries(folder).filter(|entry| entry.path().join("main.rs").exists()) {
+        let name = |entry: std::fs::DirEntry| Some(entry.file_name().to_str()?.strip_suffix(".rs")?.to_owned());
+        let modules = entries(&binary.path()).filter_map(name).filter(|name| name != "main");
+        all.extend(modules.map(|module| (binary.file_name().to_string_lossy().into_owned(), module)));
+    }
+    all.sort_by(|a, b| a.1.cmp(&b.1));
+    all
 }
 
 /// The row in a line of output, whatever the test runner has put before it.
@@ -228,8 +236,8 @@ fn document(sections: &[Section]) -> String {
 }
 
 fn write_section(text: &mut String, section: &Section) {
-    let test = &section.test;
-    let _ = write!(text, "\n### {test}\n\n{} ([tests/{test}.rs](tests/{test}.rs))\n\n", section.caption);
+    let Section { binary, test, caption, .. } = section;
+    let _ = write!(text, "\n### {test}\n\n{caption} ([tests/{binary}/{test}.rs](tests/{binary}/{test}.rs))\n\n");
     text.push_str("| case | quantity | measured | reference | error | tolerance |\n|---|---|---|---|---|---|\n");
     for row in &section.rows {
         let known = row.error.clamp(1e-2 * row.tolerance, row.tolerance);

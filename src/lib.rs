@@ -75,7 +75,7 @@
 //!
 //! # Modules
 //!
-//! Lower layers know nothing of higher ones (`tests/architecture.rs` sees to it):
+//! Lower layers know nothing of higher ones (`tests/architecture/architecture.rs` sees to it):
 //!
 //! ```text
 //! math ──┬── contact ───────────┐

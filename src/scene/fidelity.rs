@@ -4,7 +4,7 @@ use super::{Contact, ContactLaw};
 
 /// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie near the front of error
 /// against work of `cargo bench --bench work_precision`; `docs/ACCURACY.md` says how near, case by case. What a preset
-/// costs and what it is off by is stated there and in [`Fidelity::accuracy`], and `tests/fidelity.rs` holds it on cases
+/// costs and what it is off by is stated there and in [`Fidelity::accuracy`], and `tests/solver/fidelity.rs` holds it on cases
 /// that it was not chosen on.
 ///
 /// | | `Draft` | `Balanced` | `Reference` |

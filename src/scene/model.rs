@@ -95,7 +95,7 @@ pub enum ContactLaw {
         /// a point contact is spread. Along lines of contact it should be 1 or more: below, the law's layer (B/κ)^¼ is
         /// longer than the contact distance and offsets converge slowly. Above, rounding sets the limit: pressures are
         /// known to 1e-16 κ × the size of coordinates. Six decades in between give the same resultants
-        /// (`tests/contact_laws.rs`).
+        /// (`tests/solver/contact_laws.rs`).
         stiffness: f64,
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,

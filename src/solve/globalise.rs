@@ -8,10 +8,11 @@
 //! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
 //! closes along the way the corrections may not converge; the best state they passed is as good as any if it lies low
 //! enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
-//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Where the eigenvalue
-//! asks for a larger shift than the radius does, the step is lengthened along the softest direction (the hard case of
-//! Moré & Sorensen 1983): a slope of negative curvature is left in few steps instead of many that its own shift keeps
-//! short.
+//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
+//! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
+//! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
+//!
+//! A search goes on for as long as it gets somewhere ([`patience`]): the potential falls, or supports advance.
 
 mod patience;
 mod rest;

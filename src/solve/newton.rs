@@ -422,7 +422,7 @@ pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 /// makes rolling off along them unstable by that over the strands' distance. A closed rod clamped at a node swings
 /// about its tangent there and spins back, which loads resist by as little as they are. The softest bending of a rod
 /// has 12 and more. These motions are not left out of the count for good: with a load on it, a ring that stands upright
-/// on its clamp falls (`tests/held_motions.rs`).
+/// on its clamp falls (`tests/solver/held_motions.rs`).
 const LOOSE: f64 = 1e-3;
 
 /// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.

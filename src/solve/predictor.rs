@@ -283,3 +283,100 @@ fn spin_evenly(engine: &Engine, state: &mut State, node: usize, angle: f64) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::quaternion::exp;
+    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::scene::{Model, NodeRef, Ramp, Stage, Support};
+    use crate::solve::path::{Solver, run};
+    use crate::solve::{Options, Status};
+
+    fn clamped(closed: bool) -> Model {
+        let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.02);
+        let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+        let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+        let shape = if closed { circle } else { line };
+        let rods = vec![Rod::new("rod", &shape, closed, section, 12, 3, Natural::Straight).unwrap()];
+        let ends = if closed { vec![] } else { vec![0, 36] };
+        let supports = ends.into_iter().map(|node| Support::clamp(NodeRef { rod: 0, node })).collect();
+        Model { rods, supports, ..Model::default() }
+    }
+
+    /// A turn of a clamp about the tangent is taken by the whole rod: the node is where the drive takes it, its
+    /// neighbours turn by even shares, nothing is left to be pushed; a turn about another axis is left as it is.
+    #[test]
+    fn turns_about_tangents_are_lifted() {
+        let engine = Engine::new(clamped(false), None).unwrap();
+        let drive = |axis: Vec3| Drive { nodes: vec![(36, Vec3::zeros(), axis * 2.0)], seams: Vec::new() };
+        let Lifted { state, drive: left, spun } = lifted(&engine, &engine.state, &drive(Vec3::x()));
+        assert!(left.nodes.is_empty());
+        assert_eq!(spun.len(), 1);
+        for node in 0..=36 {
+            let wanted = exp(&(Vec3::x() * (2.0 * node as f64 / 36.0))) * engine.state.frames[node];
+            assert!(state.frames[node].angle_to(&wanted) < 1e-12, "{node}");
+        }
+        assert_eq!(state.positions, engine.state.positions);
+        let Lifted { state, drive: left, spun } = lifted(&engine, &engine.state, &drive(Vec3::y()));
+        assert_eq!((left.nodes.len(), spun.len()), (1, 0));
+        assert_eq!(state, engine.state);
+    }
+
+    /// The way is told by what is prescribed: not by other loads, not backwards, not much farther than the last step.
+    #[test]
+    fn ways_go_on_along_their_line() {
+        let at = |seam: f64, load: f64| {
+            let engine = Engine::new(clamped(true), None).unwrap();
+            let state = State { seams: vec![seam], load_factor: load, ..engine.state };
+            Visited { state, moved: Moved::default() }
+        };
+        let mut history = History::default();
+        for seam in [0.0, 0.2, 0.5] {
+            let Visited { state, moved } = at(seam, 0.0);
+            history.push(&state, &moved);
+        }
+        let place = |seam: f64, load: f64| history.line(&at(seam, load)).map(|(place, line)| (place, line.len()));
+        let (ahead, count) = place(0.8, 0.0).unwrap();
+        assert!((ahead - 1.0).abs() < 1e-12 && count == 3);
+        assert_eq!(place(0.8, 0.1), None);
+        assert_eq!(place(0.4, 0.0), None);
+        assert_eq!(place(1.2, 0.0), None);
+        assert_eq!(place(1.1, 0.0).unwrap().1, 3);
+    }
+
+    /// One stage, two, or single steps: the same iterations, the same states but for rounding of what is prescribed.
+    #[test]
+    fn a_path_does_not_know_its_stages() {
+        let options = Options::default();
+        let stage = |to: f64, steps: usize| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps };
+        let path = |stages: &[Stage]| {
+            let mut seen = Vec::new();
+            let solution = run(clamped(true), stages, &options, &mut |progress| {
+                seen.push((progress.report.iterations, progress.report.predicted));
+                std::ops::ControlFlow::Continue(())
+            })
+            .unwrap();
+            assert_eq!(solution.status, Status::Converged);
+            (seen, solution.solver.engine.state)
+        };
+        let (whole, state) = path(&[stage(1.8, 9)]);
+        assert!(whole.iter().filter(|(_, predicted)| *predicted).count() >= 4, "{whole:?}");
+        let (parts, other) = path(&[stage(0.8, 4), stage(1.4, 3), stage(1.8, 2)]);
+        assert_eq!(whole, parts);
+        let mut solver = Solver::new(clamped(true), options.clone()).unwrap();
+        let mut single = vec![{
+            let start = solver.step_to(&[]).unwrap();
+            (start.iterations, start.predicted)
+        }];
+        for k in 1..=9 {
+            let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: 0.2 * f64::from(k) }]).unwrap();
+            single.push((report.iterations, report.predicted));
+        }
+        assert_eq!(whole, single);
+        for end in [&other, &solver.engine.state] {
+            let apart = state.positions.iter().zip(&end.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            assert!(apart < 1e-9, "{apart:e}");
+        }
+    }
+}

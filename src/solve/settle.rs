@@ -1,12 +1,12 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
-//! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already
-//! balance the shape (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again.
-//! The law is hardened by way of one half as stiff as asked for in decades, which takes the pressures of the one before
-//! for its own: the first step of a stage moves the strands to where the new law has them. Then the offsets of the
-//! augmented Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left
-//! along their most negative direction. Long plectonemes and large turns are not begun like this but from a short rod
-//! or a coarse mesh (`short_first`, `coarse_first`), if these come to rest.
+//! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
+//! on, a step with contact begins under a thin core law, with offsets and tensions that already balance the shape
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law asked for
+//! takes the pressures of the core for its own. Then the offsets of the augmented Lagrangian are raised, one Newton step
+//! each, until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
+//! direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
+//! (`short_first`, `coarse_first`), if these come to rest.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -29,10 +29,10 @@ const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
 /// given ten turns at once would buckle into its tenth mode.
 pub(super) const TURNS_AT_ONCE: f64 = 1.0;
-/// Iterations spent on a predicted state.
+/// Iterations without progress that a predicted state is given.
 const PREDICTED_ITERATIONS: usize = 30;
-/// Iterations spent on one hardening stage before it is given up.
-pub(super) const HARDENING_ITERATIONS: usize = 100;
+/// Iterations without progress that a state made on another mesh is given to come to rest.
+pub(super) const RESETTLING_ITERATIONS: usize = 100;
 
 /// Snapshot that a failed step returns to.
 #[derive(Clone)]
@@ -118,7 +118,7 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled = self.settle_as_it_is(HARDENING_ITERATIONS, report);
+        let settled = self.settle_as_it_is(RESETTLING_ITERATIONS, report);
         if settled == Ok(false) {
             self.restore(start)?;
         }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use supercoil::contact::curve::Cubic;
 use supercoil::math::Vec3;
 
-use crate::random::Random;
+use super::random::Random;
 
 /// A helix of pitch angle atan .4 in n pieces.
 pub fn helix(n: usize, turns: f64, phase: f64, radius: f64) -> Vec<Cubic> {

@@ -1,0 +1,31 @@
+//! Contact of curves with radii, without a rod.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code)] // each module uses its part
+mod common;
+#[path = "../../benches/inputs.rs"]
+#[allow(dead_code)] // each module uses its part
+mod inputs;
+#[path = "../../examples/contact_of_polylines.rs"]
+#[allow(dead_code)] // each module uses its part
+mod polylines;
+#[path = "../common/random.rs"]
+#[allow(dead_code)] // each module uses its part
+mod random;
+#[path = "../common/smooth_curves.rs"]
+#[allow(dead_code)] // each module uses its part
+mod smooth_curves;
+#[path = "../../examples/contact_in_foreign_stepper.rs"]
+#[allow(dead_code)] // each module uses its part
+mod stepper;
+
+mod contact_cubics;
+mod contact_detector;
+mod contact_examples;
+mod contact_forces;
+mod contact_geometry;
+mod contact_layer;
+mod contact_radii;
+mod contact_sites;

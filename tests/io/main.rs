@@ -1,0 +1,29 @@
+//! Scene files, tables, pictures, checkpoints, examples.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code)] // each module uses its part
+mod common;
+#[path = "../../examples/crossed_beams.rs"]
+#[allow(dead_code)] // each module uses its part
+mod crossed_beams;
+#[path = "../../examples/elastica.rs"]
+#[allow(dead_code)] // each module uses its part
+mod elastica;
+#[path = "../../examples/lee_frame.rs"]
+#[allow(dead_code)] // each module uses its part
+mod lee_frame;
+#[path = "../common/plectoneme.rs"]
+#[allow(dead_code)] // each module uses its part
+mod plectoneme;
+#[path = "../../examples/ring_pressure.rs"]
+#[allow(dead_code)] // each module uses its part
+mod ring_pressure;
+
+mod examples;
+mod fuzz_scenes;
+mod long_output;
+mod pictures;
+mod scene_files;
+mod survive;

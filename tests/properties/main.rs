@@ -1,0 +1,17 @@
+//! What holds for every input: rigid motions, topology, units, far from the origin.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code)] // each module uses its part
+mod common;
+#[path = "../common/random.rs"]
+#[allow(dead_code)] // each module uses its part
+mod random;
+
+mod far_from_origin;
+mod footprint;
+mod fuzz_library;
+mod objectivity;
+mod observables;
+mod topology;

@@ -1,0 +1,45 @@
+//! What searches, load steps and runs do and promise.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code)] // each module uses its part
+mod common;
+#[path = "../common/families/mod.rs"]
+#[allow(dead_code)] // each module uses its part
+mod families;
+#[path = "../common/knots.rs"]
+#[allow(dead_code)] // each module uses its part
+mod knots;
+#[path = "../common/play.rs"]
+#[allow(dead_code)] // each module uses its part
+mod play;
+#[path = "../common/random.rs"]
+#[allow(dead_code)] // each module uses its part
+mod random;
+#[path = "../common/supercoiling.rs"]
+#[allow(dead_code)] // each module uses its part
+mod supercoiling;
+#[path = "../common/tally.rs"]
+#[allow(dead_code)] // each module uses its part
+mod tally;
+
+mod as_shaped;
+mod augmented_ring;
+mod cable;
+mod coaxial_clamps;
+mod contact_by_mesh;
+mod contact_held_open;
+mod contact_laws;
+mod contact_unfelt;
+mod contact_unloaded;
+mod error_estimate;
+mod families;
+mod fidelity;
+mod free_rods;
+mod held_motions;
+mod honest_endings;
+mod long_plectonemes;
+mod planar;
+mod random_supercoiling;
+mod start_shapes;

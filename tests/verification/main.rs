@@ -1,0 +1,45 @@
+//! Closed forms and published cases: one module a physical case; its header gives source and parameters.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code)] // each module uses its part
+mod common;
+#[path = "../../benches/inputs.rs"]
+#[allow(dead_code)] // each module uses its part
+mod inputs;
+#[path = "../common/plectoneme.rs"]
+#[allow(dead_code)] // each module uses its part
+mod plectoneme;
+#[path = "../common/random.rs"]
+#[allow(dead_code)] // each module uses its part
+mod random;
+
+mod bathe_bolourchi;
+mod beams;
+mod chain_of_rings;
+mod clamped_pop;
+mod contact_three_strands;
+mod deep_arch;
+mod elastic_knots;
+mod elastica_branches;
+mod greenhill;
+mod helical_spring;
+mod ibrahimbegovic_helix;
+mod intrinsic_curvature;
+mod lateral_buckling;
+mod lee_frame;
+mod michell_zajac;
+mod path_corners;
+mod planar_touch;
+mod plectoneme_under_tension;
+mod princeton;
+mod ring_branches;
+mod ring_events;
+mod ring_thickness;
+mod ring_topology;
+mod roll_up;
+mod ropelength;
+mod twisted_ring;
+mod two_ply;
+mod writhe_of_long_curves;
