@@ -180,7 +180,8 @@ fn turns_under(random: &mut Random, force: f64, length: f64, material: &Material
     }
     let moment = 2.0 * bending * alpha.sin().powi(3) * alpha.cos() / (radius * (2.0 * alpha).cos());
     let in_twist = moment * length / (TAU * twisting);
-    let in_plectoneme = random.between(0.0, 1.0) * room * alpha.sin() / (4.0 * PI * radius);
+    // strands cross twice in a turn of the superhelix, which takes 4πR/sin α of the rod
+    let in_plectoneme = random.between(0.2, 1.0) * room * alpha.sin() / (TAU * radius);
     (in_twist + in_plectoneme).max(buckling * random.between(0.6, 1.1))
 }
 
