@@ -41,7 +41,7 @@ struct Choices {
     /// Runs to make, separated by commas [default: all].
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<String>,
-    /// Random supercoiling runs, turn by turn.
+    /// Random supercoiling runs, turn by turn and at once.
     #[arg(long, default_value_t = 200)]
     random: u64,
     /// Seconds of the processor after which a run is stopped.
@@ -62,11 +62,12 @@ struct Choices {
 type Make = fn(&Choices) -> Vec<Row>;
 
 /// The runs by name.
-const RUNS: [(&str, Make); 8] = [
+const RUNS: [(&str, Make); 9] = [
     ("ring", ring),
     ("minicircle", minicircle),
     ("puc19", puc19),
-    ("random", random_supercoiling),
+    ("random", |choices| random_supercoiling(choices, "random", Way::TurnByTurn)),
+    ("random_at_once", |choices| random_supercoiling(choices, "random_at_once", Way::AtOnce)),
     ("lambda", lambda),
     ("two_ply", two_ply),
     ("five_strand_cable", five_strand_cable),
@@ -143,14 +144,14 @@ fn five_strand_cable(choices: &Choices) -> Vec<Row> {
     one(choices, "five_strand_cable", file("tests/scenes/five_strand_cable.toml"))
 }
 
-/// Rings and trefoils of random thickness, C/B, link and start, turn by turn.
-fn random_supercoiling(choices: &Choices) -> Vec<Row> {
+/// Rings and trefoils of random thickness, C/B, link and start.
+fn random_supercoiling(choices: &Choices, name: &str, way: Way) -> Vec<Row> {
     let run = |seed: u64| {
         let clock = Watch::new(Clock::Processor);
         let options = Options { threads: Some(1), ..Options::default() };
-        let run = supercoiling::go(supercoiling::start(seed), Way::TurnByTurn, &options);
+        let run = supercoiling::go(supercoiling::start(seed), way, &options);
         Row {
-            family: "random".to_owned(),
+            family: name.to_owned(),
             case: seed.to_string(),
             passed: run.passed(),
             status: run.status.to_string(),

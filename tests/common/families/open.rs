@@ -162,7 +162,7 @@ fn angle_under(tension: f64) -> f64 {
     low
 }
 
-/// Turns for a rod pulled by a force, one end turned: some short of the snap, others up to where half of the rod is in
+/// Turns for a rod pulled by a force, one end turned: some short of the snap, others up to where 85 % of the rod are in
 /// the plectoneme. Where the loop at its end would be as long as the rod, fewer than buckle it.
 fn turns_under(random: &mut Random, force: f64, length: f64, material: &Material) -> f64 {
     let (bending, twisting, radius) = (material.bending[0], material.twisting, material.radius);
@@ -174,13 +174,14 @@ fn turns_under(random: &mut Random, force: f64, length: f64, material: &Material
     }
     let alpha = angle_under(tension);
     let end_loop = TAU * (bending / (2.0 * force)).sqrt();
-    let room = 0.6 * length - end_loop;
+    let room = 0.85 * length - end_loop;
     if room <= 0.0 {
         return buckling * random.between(0.5, 0.9); // past the snap its ends would meet
     }
     let moment = 2.0 * bending * alpha.sin().powi(3) * alpha.cos() / (radius * (2.0 * alpha).cos());
     let in_twist = moment * length / (TAU * twisting);
-    let in_plectoneme = random.between(0.0, 1.0) * room * alpha.sin() / (4.0 * PI * radius);
+    // strands cross twice in a turn of the superhelix, which takes 4πR/sin α of the rod
+    let in_plectoneme = random.between(0.2, 1.0) * room * alpha.sin() / (TAU * radius);
     (in_twist + in_plectoneme).max(buckling * random.between(0.6, 1.1))
 }
 
