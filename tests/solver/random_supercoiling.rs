@@ -7,7 +7,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; numbers for whoever asks with --nocapture
 
 use crate::knots;
-use crate::random;
 use crate::supercoiling;
 
 use knots::determinant;

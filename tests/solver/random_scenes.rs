@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; a table for whoever asks with --nocapture
 
 use crate::families;
-use crate::knots;
 use crate::play;
 use crate::tally;
 
