@@ -395,11 +395,11 @@ impl Solver {
     }
 
     fn attempt(&mut self, target: &Target) -> StepReport {
-        if let Err(error) = self.engine.check_drive(&target.drive) {
+        let spun = lifted(&self.engine, &self.engine.state, &target.drive).spun;
+        if let Err(error) = self.engine.check_drive(&target.drive).and_then(|()| self.engine.check_spun(&spun)) {
             return StepReport::refused(error);
         }
         let predicted = self.history.predict(&self.engine, target);
-        let spun = lifted(&self.engine, &self.engine.state, &target.drive).spun;
         target.load(&mut self.engine.state);
         let mut report = self.in_own_pool(|solver| solver.settle_along(&target.drive, predicted));
         self.judge_turning(&mut report);

@@ -2,9 +2,9 @@
 //!
 //! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
 //! on, a step with contact begins under a thin core law, with offsets and tensions that already balance the shape
-//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. The law asked for
-//! takes the pressures of the core for its own. Then the offsets of the augmented Lagrangian are raised, one Newton step
-//! each, until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. By way of one half as
+//! stiff in decades, the law asked for takes the pressures of the core for its own. Then the offsets of the augmented
+//! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
 //! direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
 //! (`short_first`, `coarse_first`), if these come to rest.
 
@@ -26,12 +26,15 @@ const DEPTH: f64 = 0.1;
 pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
 const TOL_ON_THE_WAY: f64 = 1e-2;
+/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
+const SOFTENING: f64 = 10.0;
+const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
 /// given ten turns at once would buckle into its tenth mode.
 pub(super) const TURNS_AT_ONCE: f64 = 1.0;
 /// Iterations without progress that a predicted state is given.
 const PREDICTED_ITERATIONS: usize = 30;
-/// Iterations without progress that a state made on another mesh is given to come to rest.
+/// Iterations without progress that a state made on another mesh, or a law, is given to come to rest.
 pub(super) const RESETTLING_ITERATIONS: usize = 100;
 
 /// Snapshot that a failed step returns to.
@@ -226,21 +229,25 @@ impl Solver {
                 Some(gaps) => {
                     self.augment(&gaps, &mut paces);
                     report.augmentations += 1;
-                    self.step_once(report)?;
-                    at_rest = false;
+                    self.search_nearly(&Drive::default(), report)?;
+                    at_rest = self.ended_at_rest(report);
                 }
             }
         }
         Ok(())
     }
 
-    /// One Newton step after offsets were moved: pressures are unknowns like any other, so they move in every iteration
-    /// and none is brought to the rest of pressures that will not stay.
-    fn step_once(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        let patience = self.be_patient_for(1);
-        let outcome = self.equilibrate(&Drive::default(), false, report);
-        self.options.newton.max_iterations = patience;
-        outcome.map(|_| ())
+    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges
+    /// quadratically: after a last increment of √tol the error is of the order of tol, and the tolerance itself is for
+    /// the last search of all.
+    fn search_nearly(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
+        let tol = self.options.newton.tol_increment;
+        if self.augments() && self.is_near_contact()? {
+            self.options.newton.tol_increment = tol.sqrt();
+        }
+        let outcome = self.search(drive, report);
+        self.options.newton.tol_increment = tol;
+        outcome
     }
 
     /// Whether the last search went on to the tolerance of a state at rest.
@@ -249,10 +256,29 @@ impl Solver {
         last.is_none_or(|iteration| iteration.increment <= self.options.newton.tol_increment)
     }
 
-    /// From the core law to the law asked for, pressures kept.
+    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it
+    /// is too coarse, lines of contact break up into points between nodes.
     fn harden(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        self.harden_to(Law::Linear { stiffness: self.engine.contact_stiffness() });
-        self.search(&Drive::default(), report)
+        let asked = self.engine.contact_stiffness();
+        // half way in decades; to a law softer than the core at once
+        self.harden_to(Law::Linear { stiffness: asked.min((asked * self.core_stiffness()).sqrt()) });
+        self.search_roughly(true, &Drive::default(), report)?;
+        if report.status != Status::Converged {
+            return Ok(());
+        }
+        let before = self.snapshot();
+        for softer in 0..=MAX_SOFTER {
+            self.change_law(Law::Linear { stiffness: asked / SOFTENING.powi(softer) }, &[]);
+            let patience = self.be_patient_for(RESETTLING_ITERATIONS);
+            let outcome = self.search(&Drive::default(), report);
+            self.options.newton.max_iterations = patience;
+            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER {
+                return outcome;
+            }
+            self.restore(before.clone())?;
+            (report.status, report.num_unstable) = (Status::Converged, 0);
+        }
+        Ok(())
     }
 
     /// Allows searches at most so many iterations, never more than the caller does, and returns what the caller allows.
