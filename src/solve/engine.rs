@@ -55,7 +55,7 @@ pub struct Engine {
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
     pub(crate) scales: Scales,
-    /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times the square of a length for rotations.
+    /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times lever² for rotations.
     pub(crate) masses: Vec<f64>,
     pub(crate) pool: Option<Pool>,
 }
@@ -420,17 +420,9 @@ fn scales(model: &Model) -> Scales {
     }
 }
 
-/// Length that turns rotations into displacements in shifts, contact radii: strands that wind about each other turn by
-/// a radian as they move by some radii. Magnetic tweezers of 400 nm snap in 480 iterations with it, in 860 with 10, in
-/// more than 1000 with 1; a minicircle takes 413, 436 and 392 in all.
-const LEVER: f64 = 3.0;
-
 fn masses(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
     let unit = scales.bending / scales.length.powi(4);
-    let touching = |rod: &Rod| Some(rod.section.contact_radius).filter(|radius| *radius > 0.0);
-    let radius = model.rods.iter().filter_map(touching).min_by(f64::total_cmp).filter(|_| model.contact.law.is_on());
-    let lever = radius.map_or(scales.lever, |radius| LEVER * radius);
-    let lever_sq = lever * lever;
+    let lever_sq = scales.lever * scales.lever;
     let of_rod = |rod: &Rod| {
         let position = unit * rod.spacing();
         let rotation = position * lever_sq;

@@ -8,13 +8,11 @@
 //! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
 //! closes along the way the corrections may not converge; the best state they passed is as good as any if it lies low
 //! enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
-//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
-//! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
-//! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
-//!
-//! A search goes on for as long as it gets somewhere ([`patience`]): the potential falls, or supports advance.
+//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Where the eigenvalue
+//! asks for a larger shift than the radius does, the step is lengthened along the softest direction (the hard case of
+//! Moré & Sorensen 1983): a slope of negative curvature is left in few steps instead of many that its own shift keeps
+//! short.
 
-mod patience;
 mod rest;
 mod step;
 mod trial;
@@ -26,7 +24,6 @@ use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
-use patience::Patience;
 use rest::{Accepted, Rest};
 use step::Step;
 use trial::Trial;
@@ -107,12 +104,10 @@ impl Workspace {
     ) -> Result<NewtonReport, SolveError> {
         let mut search = Search::new(engine, drive, forces, Rest::new(options.tol_increment, self.rough));
         self.shift = 0.0;
-        let mut patience = Patience::new(options.max_iterations);
-        'search: while !search.report.converged && !patience.is_over() {
+        'search: while !search.report.converged && search.report.iterations.len() < options.max_iterations {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
-            patience.see(&residual, search.remaining);
             let noise = noise(&residual);
             let unbalanced = relative_residual(engine, &residual);
             let mut longest = 1.0;
@@ -127,7 +122,6 @@ impl Workspace {
                 let trial = self.try_step(engine, &search, &residual, &step, (size, longest))?;
                 let shift = self.shift;
                 let is_accepted = search.accepts(engine, &residual, &trial, size)?;
-                patience.count();
                 search.report.iterations.push(Iteration {
                     increment: size,
                     residual: unbalanced,
@@ -156,17 +150,17 @@ impl Workspace {
                     break;
                 }
                 search.rejections += 1;
-                if search.rejections > MAX_REJECTIONS || patience.is_over() {
+                if search.rejections > MAX_REJECTIONS || search.report.iterations.len() >= options.max_iterations {
                     break 'search;
                 }
-                if search.is_pushed() && step.extent > TOO_FAR {
-                    // no push leads that far: it is the response of a tangent that is nearly singular
-                    self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
-                } else if search.is_pushed() {
+                if search.is_pushed() {
                     // shifts do not shorten what is prescribed
                     longest = 0.4 * trial.fraction;
                     if longest < SHORTEST {
                         break 'search;
+                    }
+                    if step.extent > TOO_FAR {
+                        self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
                     }
                 } else {
                     search.trust.reject(step.extent);

@@ -6,7 +6,7 @@ use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
 use crate::solve::interrupt::Interrupt;
 use crate::solve::neutral::Neutral;
-use crate::solve::predictor::{Lifted, lifted};
+use crate::solve::predictor::turned;
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::{Timings, timed};
 use crate::sparse::{Factor, Pattern};
@@ -16,8 +16,7 @@ use crate::sparse::{Factor, Pattern};
 pub struct NewtonOptions {
     /// Converged when a full step moves no node by more than this × node spacing and turns none by more (rad).
     pub tol_increment: f64,
-    /// Give up after so many iterations in which the potential hardly fell (by less than 1e-3 of the elastic energy): a
-    /// search that still descends goes on. Searches without a potential to descend give up after so many in all.
+    /// Give up after so many iterations.
     pub max_iterations: usize,
     /// Shift the tangent until it has no negative eigenvalue: seeks minima. Off: seeks any equilibrium.
     pub stable_only: bool,
@@ -107,8 +106,7 @@ impl Workspace {
         options: &NewtonOptions,
         leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
-        let Lifted { state: start, drive, .. } = lifted(engine, &engine.state, drive);
-        let drive = &drive;
+        let start = turned(engine, &engine.state, drive);
         let forces = std::mem::take(&mut self.start_forces);
         engine.state = start.clone();
         self.refresh(engine, &start)?;

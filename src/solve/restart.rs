@@ -10,12 +10,13 @@ use crate::contact::broad_phase::BroadPhase;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::error::{InputError, SolveError};
+use crate::math::Vec3;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::predictor::History;
-use crate::solve::state::{Moved, State};
+use crate::solve::state::State;
 
 /// Where a run stands between two load steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,9 +52,10 @@ pub struct Restart {
     pub state: State,
     /// Contact law in force.
     contact: Option<ContactRestart>,
-    /// What supports have made of nodes so far.
-    moved: Moved,
-    /// The last accepted states.
+    /// Turns and displacements prescribed so far, by node.
+    turned: Vec<(usize, f64)>,
+    displaced: Vec<(usize, Vec3)>,
+    /// The way of the present stage.
     history: History,
 }
 
@@ -68,10 +70,17 @@ impl Solver {
     /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
     /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
-        let Self { engine, workspace: _, options: _, moved, history, failure: _ } = self;
+        let Self { engine, workspace: _, options: _, turned, displaced, history, failure: _ } = self;
         let contact =
             engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
-        Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), history: history.clone() }
+        Restart {
+            place,
+            state: engine.state.clone(),
+            contact,
+            turned: turned.iter().map(|(&node, &turns)| (node, turns)).collect(),
+            displaced: displaced.iter().map(|(&node, &by)| (node, by)).collect(),
+            history: history.clone(),
+        }
     }
 
     /// Takes over a run.
@@ -79,10 +88,13 @@ impl Solver {
     /// # Errors
     /// [`InputError::Inconsistent`] if it belongs to another model.
     pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
-        let Restart { place: _, state, contact, moved, history } = restart;
+        let Restart { place: _, state, contact, turned, displaced, history } = restart;
         let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
-        if let Some(node) = moved.nodes().find(|node| *node >= state.positions.len()) {
-            return Err(refuse(&format!("moves node {node}, which the model has not")));
+        if let Some((node, _)) = turned.iter().find(|(node, _)| *node >= state.positions.len()) {
+            return Err(refuse(&format!("turns node {node}, which the model has not")));
+        }
+        if displaced.iter().any(|(node, _)| *node >= state.positions.len()) {
+            return Err(refuse("moves a node that the model has not"));
         }
         let numbers = state.positions.iter().chain(&state.remainders).flatten();
         let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
@@ -103,7 +115,8 @@ impl Solver {
             }
             _ => return Err(refuse("has contact where the model has none, or the other way round")),
         }
-        self.moved = moved;
+        self.turned = turned.into_iter().collect();
+        self.displaced = displaced.into_iter().collect();
         self.history = history;
         Ok(())
     }

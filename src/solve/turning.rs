@@ -55,25 +55,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Refuses spins by which some pair of neighbouring nodes could come past half a turn, where nobody can tell that
-    /// it did.
-    pub(crate) fn check_spun(&self, spun: &[(usize, f64)]) -> Result<(), SolveError> {
-        for &(node, angle) in spun {
-            let rod = self.rod_of(node);
-            let added = angle.abs() / TAU / self.segments_to_held(rod, node) as f64;
-            let nodes = self.nodes(rod);
-            let turned = |k: &usize| self.state.frames[*k].angle_to(&self.state.frames[*k + 1]) / TAU;
-            let Some(most) = (nodes.start..nodes.end - 1).max_by(|a, b| turned(a).total_cmp(&turned(b))) else {
-                continue;
-            };
-            let turns = turned(&most) + added;
-            if turns > 0.5 {
-                return Err(self.too_twisted(rod, most, most + 1, turns, MAX_TURN));
-            }
-        }
-        Ok(())
-    }
-
     /// Segments between a node and the next on its rod whose rotation is held; all of the rod if there is none.
     fn segments_to_held(&self, rod: usize, node: usize) -> usize {
         let held = |other: &usize| *other != node && self.free[*other][3..] != [true; 3];
