@@ -19,6 +19,8 @@ mod families;
 mod knots;
 #[path = "../tests/common/play.rs"]
 mod play;
+#[path = "../tests/common/random.rs"]
+mod random;
 #[path = "../tests/common/tally.rs"]
 mod tally;
 

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code)] // each module uses its part
 mod common;
 #[path = "../../benches/inputs.rs"]
 #[allow(dead_code)] // each module uses its part
@@ -12,10 +11,8 @@ mod inputs;
 #[allow(dead_code)] // each module uses its part
 mod polylines;
 #[path = "../common/random.rs"]
-#[allow(dead_code)] // each module uses its part
 mod random;
 #[path = "../common/smooth_curves.rs"]
-#[allow(dead_code)] // each module uses its part
 mod smooth_curves;
 #[path = "../../examples/contact_in_foreign_stepper.rs"]
 #[allow(dead_code)] // each module uses its part

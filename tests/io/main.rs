@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code)] // each module uses its part
 mod common;
 #[path = "../../examples/crossed_beams.rs"]
 #[allow(dead_code)] // each module uses its part
@@ -15,7 +14,6 @@ mod elastica;
 #[allow(dead_code)] // each module uses its part
 mod lee_frame;
 #[path = "../common/plectoneme.rs"]
-#[allow(dead_code)] // each module uses its part
 mod plectoneme;
 #[path = "../../examples/ring_pressure.rs"]
 #[allow(dead_code)] // each module uses its part

@@ -3,25 +3,18 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code)] // each module uses its part
 mod common;
 #[path = "../common/families/mod.rs"]
-#[allow(dead_code)] // each module uses its part
 mod families;
 #[path = "../common/knots.rs"]
-#[allow(dead_code)] // each module uses its part
 mod knots;
 #[path = "../common/play.rs"]
-#[allow(dead_code)] // each module uses its part
 mod play;
 #[path = "../common/random.rs"]
-#[allow(dead_code)] // each module uses its part
 mod random;
 #[path = "../common/supercoiling.rs"]
-#[allow(dead_code)] // each module uses its part
 mod supercoiling;
 #[path = "../common/tally.rs"]
-#[allow(dead_code)] // each module uses its part
 mod tally;
 
 mod as_shaped;

@@ -3,16 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code)] // each module uses its part
 mod common;
 #[path = "../../benches/inputs.rs"]
 #[allow(dead_code)] // each module uses its part
 mod inputs;
 #[path = "../common/plectoneme.rs"]
-#[allow(dead_code)] // each module uses its part
 mod plectoneme;
 #[path = "../common/random.rs"]
-#[allow(dead_code)] // each module uses its part
 mod random;
 
 mod bathe_bolourchi;

@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use supercoil::math::Vec3;
 use supercoil::math::link::writhe;
 
+use super::Random;
 use super::curve::{room, scaled};
 use super::draft::{Draft, Mesh, short};
 use super::material::Material;
-use super::random::Random;
 
 /// Excess link × D/L at most: DNA at the supercoiling density .1, D = 5 nm, 3.57 nm a turn.
 const MOST_LINK: f64 = 0.1 * 5.0 / 3.57;

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use supercoil::math::Vec3;
 
+use super::Random;
 use super::material::Material;
-use super::random::Random;
 
 /// A number rounded to six digits, as a person would write it.
 pub fn short(x: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Stiffnesses and thickness of rods, within what real ones have.
 
+use super::Random;
 use super::draft::short;
-use super::random::Random;
 
 /// C/B: .5 is a tube's, .77 a steel wire's, 1.5 to 2 DNA's.
 const TWISTING: [f64; 2] = [0.5, 2.0];

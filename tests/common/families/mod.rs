@@ -20,14 +20,12 @@ mod draft;
 mod material;
 mod open;
 mod open_knots;
-#[path = "../random.rs"]
-mod random;
 mod several;
 
 use std::path::{Path, PathBuf};
 
+use super::random::Random;
 use draft::Draft;
-use random::Random;
 use supercoil::InputError;
 use supercoil::scene::Scene;
 

@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{UnitQuaternion, UnitVector3};
 use supercoil::math::Vec3;
 
+use super::Random;
 use super::draft::{Draft, Mesh, list, short};
 use super::material::Material;
-use super::random::Random;
 
 const ONLY: &str = "\"rod\"";
 /// Most turns of a rod whose length is given as 1.

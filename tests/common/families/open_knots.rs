@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use supercoil::math::Vec3;
 
+use super::Random;
 use super::curve::{room, scaled};
 use super::draft::{Draft, Mesh, list, short};
 use super::material::Material;
-use super::random::Random;
 
 const ONLY: &str = "\"rod\"";
 

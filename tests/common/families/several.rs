@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use supercoil::math::Vec3;
 
+use super::Random;
 use super::draft::{Draft, Mesh, list, short};
 use super::material::Material;
-use super::random::Random;
 
 fn quoted(name: &str) -> String {
     format!("\"{name}\"")
