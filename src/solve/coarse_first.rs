@@ -25,7 +25,7 @@ use crate::solve::Options;
 use crate::solve::contact_side::contact_cubic;
 use crate::solve::engine::Engine;
 use crate::solve::path::Solver;
-use crate::solve::settle::{AT_REST, HARDENING_ITERATIONS, TURNS_AT_ONCE};
+use crate::solve::settle::{AT_REST, RESETTLING_ITERATIONS, TURNS_AT_ONCE};
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
 
@@ -87,7 +87,7 @@ impl Solver {
             self.engine.update_contact(&state)?;
             self.harden_to(asked);
         }
-        let settled = self.settle_as_it_is(HARDENING_ITERATIONS, report)?;
+        let settled = self.settle_as_it_is(RESETTLING_ITERATIONS, report)?;
         if settled {
             report.departures += made.departures;
         }

@@ -55,7 +55,7 @@ pub struct Engine {
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
     pub(crate) scales: Scales,
-    /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times lever² for rotations.
+    /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times the square of a length for rotations.
     pub(crate) masses: Vec<f64>,
     pub(crate) pool: Option<Pool>,
 }
@@ -420,12 +420,17 @@ fn scales(model: &Model) -> Scales {
     }
 }
 
+/// Length that turns rotations into displacements in shifts, node spacings: about an element. It must not know of contact
+/// radii, lest contact that nobody feels choose steps. Magnetic tweezers of 400 nm snap in 824 iterations with it, in
+/// 882 with 1, in 671 with 8; a minicircle takes 442, 481 and 530 in all.
+const LEVER: f64 = 3.0;
+
 fn masses(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
     let unit = scales.bending / scales.length.powi(4);
-    let lever_sq = scales.lever * scales.lever;
     let of_rod = |rod: &Rod| {
+        let lever = LEVER * rod.spacing();
         let position = unit * rod.spacing();
-        let rotation = position * lever_sq;
+        let rotation = position * lever * lever;
         [position, position, position, rotation, rotation, rotation].repeat(rod.num_nodes())
     };
     let mut all: Vec<f64> = model.rods.iter().flat_map(of_rod).collect();

@@ -8,11 +8,13 @@
 //! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
 //! closes along the way the corrections may not converge; the best state they passed is as good as any if it lies low
 //! enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
-//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Where the eigenvalue
-//! asks for a larger shift than the radius does, the step is lengthened along the softest direction (the hard case of
-//! Moré & Sorensen 1983): a slope of negative curvature is left in few steps instead of many that its own shift keeps
-//! short.
+//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
+//! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
+//! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
+//!
+//! A search goes on for as long as it gets somewhere ([`patience`]): the potential falls, or supports advance.
 
+mod patience;
 mod rest;
 mod step;
 mod trial;
@@ -24,6 +26,7 @@ use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
 use crate::solve::state::{Drive, State};
+use patience::Patience;
 use rest::{Accepted, Rest};
 use step::Step;
 use trial::Trial;
@@ -47,6 +50,8 @@ const LEAST: f64 = 0.05;
 const SHORTEST: f64 = 1e-3;
 /// Relative size of changes of the potential that rounding makes.
 const ROUNDING: f64 = 1e-11;
+/// Rounding of the potential, so many times over, is what its decrease does not tell from none.
+const UNSEEN: f64 = 10.0;
 
 /// A search under way.
 struct Search {
@@ -104,10 +109,12 @@ impl Workspace {
     ) -> Result<NewtonReport, SolveError> {
         let mut search = Search::new(engine, drive, forces, Rest::new(options.tol_increment, self.rough));
         self.shift = 0.0;
-        'search: while !search.report.converged && search.report.iterations.len() < options.max_iterations {
+        let mut patience = Patience::new(options.max_iterations);
+        'search: while !search.report.converged && !patience.is_over() {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
+            patience.see(&residual, search.remaining);
             let noise = noise(&residual);
             let unbalanced = relative_residual(engine, &residual);
             let mut longest = 1.0;
@@ -116,12 +123,13 @@ impl Workspace {
                     return Ok(search.report);
                 }
                 let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
-                let at = (search.report.iterations.len(), options.tol_increment);
+                let at = search.report.iterations.len();
                 let step = self.step_within(engine, &residual, &drive_now, within, at)?;
                 let size = increment_size(engine, &step.increment);
                 let trial = self.try_step(engine, &search, &residual, &step, (size, longest))?;
                 let shift = self.shift;
                 let is_accepted = search.accepts(engine, &residual, &trial, size)?;
+                patience.count();
                 search.report.iterations.push(Iteration {
                     increment: size,
                     residual: unbalanced,
@@ -150,17 +158,17 @@ impl Workspace {
                     break;
                 }
                 search.rejections += 1;
-                if search.rejections > MAX_REJECTIONS || search.report.iterations.len() >= options.max_iterations {
+                if search.rejections > MAX_REJECTIONS || patience.is_over() {
                     break 'search;
                 }
-                if search.is_pushed() {
+                if search.is_pushed() && step.extent > TOO_FAR {
+                    // no push leads that far: it is the response of a tangent that is nearly singular
+                    self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
+                } else if search.is_pushed() {
                     // shifts do not shorten what is prescribed
                     longest = 0.4 * trial.fraction;
                     if longest < SHORTEST {
                         break 'search;
-                    }
-                    if step.extent > TOO_FAR {
-                        self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
                     }
                 } else {
                     search.trust.reject(step.extent);
@@ -196,7 +204,7 @@ impl Workspace {
     /// Goes where an accepted step leads.
     fn accept(&mut self, engine: &mut Engine, search: &mut Search, residual: &Residual, (step, trial): (&Step, Trial)) {
         let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
-        let unseen = trial.expected.abs() <= 10.0 * noise(residual);
+        let unseen = trial.expected.abs() <= UNSEEN * noise(residual);
         search.trust.accept(Outcome {
             extent: step.extent,
             fraction: trial.fraction,

@@ -17,7 +17,7 @@
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
 use crate::contact::detect::Meeting;
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
@@ -36,6 +36,11 @@ const DEPENDENT: f64 = 1e-3;
 /// does if what is left of it is below the second.
 const MAY_PASS: f64 = 1e-12;
 const PASSES: f64 = 1e-24;
+/// Work of a load on a motion, relative to the largest it could do, that rounding makes.
+const UNLOADED: f64 = 1e-9;
+/// Difference of roll between both ends, relative, up to which a motion costs too little twist to be resisted: at rest
+/// moments about the line through the supports balance and it is zero.
+const TWISTS: f64 = 0.1;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
@@ -120,6 +125,65 @@ fn spin_of(engine: &Engine, state: &State, rod: usize, nodes: impl Iterator<Item
     motion(nodes, |n| (Vec3::zeros(), if own.contains(&n) { tangent_of(state, n) } else { Vec3::zeros() }))
 }
 
+/// Roll about the tangent that grows evenly along an open rod.
+fn roll_along(engine: &Engine, state: &State) -> Vec<f64> {
+    let nodes = engine.nodes(0);
+    let count = nodes.len() as f64;
+    let share = |n: usize| (n - nodes.start) as f64 / count;
+    motion(nodes.clone(), |n| (Vec3::zeros(), tangent_of(state, n) * share(n)))
+}
+
+/// Rotation of some nodes as a whole in a motion whose displacements are those of a rigid body.
+fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
+    let count = nodes.len() as f64;
+    let moved = |k: usize| Vec3::new(motion[6 * k], motion[6 * k + 1], motion[6 * k + 2]);
+    let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / count;
+    let mean = (0..nodes.len()).map(moved).sum::<Vec3>() / count;
+    let (mut inertia, mut moment) = (Mat3::zeros(), Vec3::zeros());
+    for (k, n) in nodes.iter().enumerate() {
+        let arm = state.positions[*n] - centre;
+        inertia += Mat3::identity() * arm.norm_squared() - arm * arm.transpose();
+        moment += arm.cross(&(moved(k) - mean));
+    }
+    // nothing tells of the rotation of a straight rod about itself
+    let least = DEPENDENT * DEPENDENT * inertia.trace();
+    inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
+}
+
+/// Whether the roll of sections in a motion of an open rod is nearly the same all along.
+fn hardly_twists(state: &State, nodes: &[usize], motion: &[f64]) -> bool {
+    let whole = rigid_rotation(state, nodes, motion);
+    let roll = |k: usize| {
+        (Vec3::new(motion[6 * k + 3], motion[6 * k + 4], motion[6 * k + 5]) - whole).dot(&tangent_of(state, nodes[k]))
+    };
+    let (first, last) = (roll(0), roll(nodes.len() - 1));
+    (last - first).abs() <= TWISTS * first.abs().max(last.abs())
+}
+
+/// Whether loads at nodes or along rods do work on a motion of some nodes, or would as it goes on.
+fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) -> bool {
+    let model = &engine.model;
+    if state.load_factor == 0.0 {
+        return false;
+    }
+    let whole = rigid_rotation(state, nodes, motion);
+    let largest = motion.chunks(6).map(|m| Vec3::new(m[0], m[1], m[2]).norm()).fold(0.0, f64::max);
+    let works = |force: &Vec3, k: usize| {
+        let moved = Vec3::new(motion[6 * k], motion[6 * k + 1], motion[6 * k + 2]);
+        let least = UNLOADED * force.norm() * largest;
+        force.dot(&moved).abs() > least || force.dot(&whole.cross(&moved)).abs() > least * whole.norm()
+    };
+    let turns = |moment: &Vec3, k: usize| {
+        *moment != Vec3::zeros() && Vec3::new(motion[6 * k + 3], motion[6 * k + 4], motion[6 * k + 5]) != Vec3::zeros()
+    };
+    nodes.iter().enumerate().any(|(k, &node)| {
+        let at_node = model.loads.iter().filter(|load| engine.first_node[load.node.rod] + load.node.node == node);
+        let along = model.line_loads.iter().filter(|load| engine.nodes(load.rod).contains(&node));
+        at_node.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
+            || along.clone().any(|load| works(&load.force, k))
+    })
+}
+
 /// What the supports of a rod let pass of its motions.
 struct Supports {
     /// Indices of the unknowns that are held.
@@ -197,8 +261,8 @@ impl Neutral {
         Self { several, ..Self::default() }
     }
 
-    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere and
-    /// bears no loads, those that its supports let pass (a closed rod clamped at one node travels along its own shape
+    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere, those
+    /// that its supports let pass and loads do no work on (a closed rod clamped at one node travels along its own shape
     /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
     /// while it spins back). None otherwise.
     pub(crate) fn of(engine: &Engine, state: &State) -> Self {
@@ -207,7 +271,7 @@ impl Neutral {
         }
         let free = is_free(engine, 0);
         let passes_nothing = holds_all(engine, 0) && (engine.is_joined(0) || !is_round(engine, 0));
-        if !free && (passes_nothing || engine.bears_loads(0)) {
+        if !free && passes_nothing {
             return Self::default();
         }
         let mut neutral = Self { weights: weights(engine), ..Self::default() };
@@ -222,8 +286,17 @@ impl Neutral {
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             // a straight rod between coaxial clamps turns back as much as it turns
             let least = DEPENDENT * motions.last().map_or(0.0, |motion| neutral.dot(motion, motion)).sqrt();
-            motions = supports.all_that_pass(&motions);
+            let all = motions;
+            motions = supports.all_that_pass(&all);
+            if motions.is_empty() && is_round(engine, 0) && !holds_all(engine, 0) {
+                // supports that hold parts of rotations hold the roll by different shares at both ends
+                let rolls = all.into_iter().chain([roll_along(engine, state)]).collect::<Vec<_>>();
+                motions = supports.all_that_pass(&rolls);
+                motions.retain(|motion| hardly_twists(state, &nodes, motion));
+            }
             motions.retain(|motion| neutral.dot(motion, motion).sqrt() > least);
+            motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
+            sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
             neutral.held = true;
         }
         for motion in motions {

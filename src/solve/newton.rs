@@ -6,7 +6,7 @@ use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
 use crate::solve::interrupt::Interrupt;
 use crate::solve::neutral::Neutral;
-use crate::solve::predictor::turned;
+use crate::solve::predictor::{Lifted, lifted};
 use crate::solve::state::{Drive, State};
 use crate::solve::timing::{Timings, timed};
 use crate::sparse::{Factor, Pattern};
@@ -16,7 +16,8 @@ use crate::sparse::{Factor, Pattern};
 pub struct NewtonOptions {
     /// Converged when a full step moves no node by more than this × node spacing and turns none by more (rad).
     pub tol_increment: f64,
-    /// Give up after so many iterations.
+    /// Give up after so many iterations in which the potential hardly fell (by less than 1e-2 of what is stored): a
+    /// search that still descends goes on. Searches without a potential to descend give up after so many in all.
     pub max_iterations: usize,
     /// Shift the tangent until it has no negative eigenvalue: seeks minima. Off: seeks any equilibrium.
     pub stable_only: bool,
@@ -106,7 +107,8 @@ impl Workspace {
         options: &NewtonOptions,
         leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
-        let start = turned(engine, &engine.state, drive);
+        let Lifted { state: start, drive, .. } = lifted(engine, &engine.state, drive);
+        let drive = &drive;
         let forces = std::mem::take(&mut self.start_forces);
         engine.state = start.clone();
         self.refresh(engine, &start)?;

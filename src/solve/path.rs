@@ -1,6 +1,5 @@
 //! Load stepping: runs the stages of a model with adaptive steps, each of which is brought to rest.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -14,9 +13,9 @@ use crate::solve::Options;
 use crate::solve::engine::Engine;
 use crate::solve::failure::Failure;
 use crate::solve::newton::Workspace;
-use crate::solve::predictor::History;
+use crate::solve::predictor::{History, lifted};
 use crate::solve::restart::{Place, Restart};
-use crate::solve::state::Drive;
+use crate::solve::state::{Drive, Moved, Target};
 use crate::solve::step_report::{Status, StepReport};
 use crate::solve::timing::Timings;
 
@@ -59,23 +58,12 @@ pub struct Solver {
     pub(crate) engine: Engine,
     pub(crate) workspace: Workspace,
     pub(crate) options: Options,
-    /// Turns and displacements prescribed so far, per node.
-    pub(crate) turned: BTreeMap<usize, f64>,
-    pub(crate) displaced: BTreeMap<usize, Vec3>,
+    /// What supports have made of nodes so far.
+    pub(crate) moved: Moved,
     /// The attempt that ended the run.
     pub(crate) failure: Option<Failure>,
-    /// The way of the present stage, for predictions.
+    /// The last accepted states, for predictions.
     pub(crate) history: History,
-}
-
-/// Target of one step in terms of the engine.
-#[derive(Debug, Clone, Default)]
-struct Target {
-    drive: Drive,
-    load_factor: Option<f64>,
-    pressures: Vec<(usize, f64)>,
-    turned: Vec<(usize, f64)>,
-    displaced: Vec<(usize, Vec3)>,
 }
 
 /// An accepted state that a run may be taken up from.
@@ -182,8 +170,7 @@ impl Solver {
             engine,
             workspace: Workspace::default(),
             options,
-            turned: BTreeMap::new(),
-            displaced: BTreeMap::new(),
+            moved: Moved::default(),
             failure: None,
             history: History::default(),
         })
@@ -216,7 +203,11 @@ impl Solver {
         let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
         InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
         let target = self.target(ramps, 1.0);
-        Ok(self.attempt(&target, None))
+        let report = self.attempt(&target);
+        if report.status == Status::Converged {
+            self.remember(&report);
+        }
+        Ok(report)
     }
 
     /// Where the time of all searches of this solver went.
@@ -240,6 +231,7 @@ impl Solver {
         let place = Place::start_of(0, 0, report.iterations);
         let settled = report.status == Status::Converged;
         if settled {
+            self.remember(&report);
             self.forget_the_way()?;
         } else if report.status != Status::Stopped {
             self.failure = Some(Failure::of(&self.engine, &report, &self.options.newton));
@@ -262,9 +254,6 @@ impl Solver {
         let full = 1.0 / (stage.steps as f64).max((rounds - 1e-6).ceil());
         let mut size = place.step_size.min(full);
         let mut started = Instant::now();
-        if place.fraction == 0.0 {
-            self.history.restart(&self.engine.state);
-        }
         while place.fraction < 1.0 - 1e-12 {
             let done = place.fraction;
             // of the rest: ramps are measured from where they are
@@ -273,14 +262,8 @@ impl Solver {
             let snapshot = self.snapshot();
             let target = self.target(&stage.ramps, take);
             let advance = take * (1.0 - done);
-            let predicted = self.history.predict(&self.engine, &target.drive, done + advance);
-            let offered = predicted.is_some();
-            let report = self.attempt(&target, predicted);
+            let report = self.attempt(&target);
             place.iterations += report.iterations;
-            if offered && !report.predicted {
-                // where contact changes too much for a parabola, some steps are made the slow way before the next try
-                self.history.clear();
-            }
             if report.status != Status::Converged {
                 size *= 0.5;
                 let gives_up = size < full * self.options.min_step;
@@ -304,10 +287,7 @@ impl Solver {
             place.fraction += advance;
             place.step_size = size;
             place.num_steps += 1;
-            if report.departures > 0 {
-                self.history.clear();
-            }
-            self.history.push(place.fraction, self.engine.state.clone());
+            self.remember(&report);
             self.forget_the_way()?;
             let progress = Progress {
                 engine: &self.engine,
@@ -325,8 +305,16 @@ impl Solver {
         Ok(Status::Converged)
     }
 
+    /// Adds the accepted state to the way that the next is predicted from.
+    fn remember(&mut self, report: &StepReport) {
+        if report.departures > 0 {
+            self.history.clear();
+        }
+        self.history.push(&self.engine.state, &self.moved);
+    }
+
     fn turns_left(&self, node: usize, to: f64) -> f64 {
-        to - self.turned.get(&node).copied().unwrap_or(0.0)
+        to - self.moved.turned.get(&node).copied().unwrap_or(0.0)
     }
 
     /// Turns by which the ramps will carry a node round an axis, at most.
@@ -363,14 +351,14 @@ impl Solver {
                     let change = self.turns_left(node, *to) * take;
                     let vector = unit(axis) * (change * std::f64::consts::TAU);
                     let state = &self.engine.state;
-                    let displaced = self.displaced.get(&node).copied().unwrap_or_default();
+                    let displaced = self.moved.displaced.get(&node).copied().unwrap_or_default();
                     let arm = (state.positions[node] - through - displaced) + state.remainders[node];
                     target.drive.nodes.push((node, exp(&vector) * arm - arm, vector));
                     target.turned.push((node, change));
                 }
                 Ramp::Displacement { node, to } => {
                     let node = node_of(node);
-                    let change = (to - self.displaced.get(&node).copied().unwrap_or_default()) * take;
+                    let change = (to - self.moved.displaced.get(&node).copied().unwrap_or_default()) * take;
                     target.drive.nodes.push((node, change, Vec3::zeros()));
                     target.displaced.push((node, change));
                 }
@@ -406,25 +394,17 @@ impl Solver {
         result
     }
 
-    fn attempt(&mut self, target: &Target, predicted: Option<Vec<f64>>) -> StepReport {
-        if let Some(factor) = target.load_factor {
-            self.engine.state.load_factor = factor;
-        }
-        for &(rod, pressure) in &target.pressures {
-            self.engine.state.pressures[rod] = pressure;
-        }
-        if let Err(error) = self.engine.check_drive(&target.drive) {
+    fn attempt(&mut self, target: &Target) -> StepReport {
+        let spun = lifted(&self.engine, &self.engine.state, &target.drive).spun;
+        if let Err(error) = self.engine.check_spun(&target.drive.seams, &spun) {
             return StepReport::refused(error);
         }
+        let predicted = self.history.predict(&self.engine, target);
+        target.load(&mut self.engine.state);
         let mut report = self.in_own_pool(|solver| solver.settle_along(&target.drive, predicted));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {
-            for &(node, change) in &target.turned {
-                *self.turned.entry(node).or_insert(0.0) += change;
-            }
-            for &(node, change) in &target.displaced {
-                *self.displaced.entry(node).or_default() += change;
-            }
+            self.moved.go_on(target, &spun);
         }
         report
     }

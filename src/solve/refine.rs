@@ -10,6 +10,7 @@ use crate::solve::neutral::Neutral;
 use crate::solve::newton::relative_residual;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
+use crate::solve::predictor::Prediction;
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::StepReport;
 
@@ -91,8 +92,7 @@ impl Solver {
             let rod = coarse.rod_of(node);
             fine.engine.first_node[rod] + factor * (node - coarse.first_node[rod])
         };
-        fine.turned = self.turned.iter().map(|(&node, &turns)| (fine_node(node), turns)).collect();
-        fine.displaced = self.displaced.iter().map(|(&node, &by)| (fine_node(node), by)).collect();
+        fine.moved = self.moved.on_nodes(fine_node);
         Ok(fine)
     }
 
@@ -111,7 +111,7 @@ impl Solver {
     /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if
     /// that fails.
     pub fn resettle(&mut self) -> StepReport {
-        let still = vec![0.0; 6 * self.engine.num_nodes()];
+        let still = Prediction::still(&self.engine);
         self.settle_along(&Drive::default(), Some(still))
     }
 }

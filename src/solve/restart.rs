@@ -10,13 +10,12 @@ use crate::contact::broad_phase::BroadPhase;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::error::{InputError, SolveError};
-use crate::math::Vec3;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
 use crate::solve::predictor::History;
-use crate::solve::state::State;
+use crate::solve::state::{Moved, State};
 
 /// Where a run stands between two load steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,10 +51,9 @@ pub struct Restart {
     pub state: State,
     /// Contact law in force.
     contact: Option<ContactRestart>,
-    /// Turns and displacements prescribed so far, by node.
-    turned: Vec<(usize, f64)>,
-    displaced: Vec<(usize, Vec3)>,
-    /// The way of the present stage.
+    /// What supports have made of nodes so far.
+    moved: Moved,
+    /// The last accepted states.
     history: History,
 }
 
@@ -70,17 +68,10 @@ impl Solver {
     /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
     /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
-        let Self { engine, workspace: _, options: _, turned, displaced, history, failure: _ } = self;
+        let Self { engine, workspace: _, options: _, moved, history, failure: _ } = self;
         let contact =
             engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
-        Restart {
-            place,
-            state: engine.state.clone(),
-            contact,
-            turned: turned.iter().map(|(&node, &turns)| (node, turns)).collect(),
-            displaced: displaced.iter().map(|(&node, &by)| (node, by)).collect(),
-            history: history.clone(),
-        }
+        Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), history: history.clone() }
     }
 
     /// Takes over a run.
@@ -88,13 +79,10 @@ impl Solver {
     /// # Errors
     /// [`InputError::Inconsistent`] if it belongs to another model.
     pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
-        let Restart { place: _, state, contact, turned, displaced, history } = restart;
+        let Restart { place: _, state, contact, moved, history } = restart;
         let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
-        if let Some((node, _)) = turned.iter().find(|(node, _)| *node >= state.positions.len()) {
-            return Err(refuse(&format!("turns node {node}, which the model has not")));
-        }
-        if displaced.iter().any(|(node, _)| *node >= state.positions.len()) {
-            return Err(refuse("moves a node that the model has not"));
+        if let Some(node) = moved.nodes().find(|node| *node >= state.positions.len()) {
+            return Err(refuse(&format!("moves node {node}, which the model has not")));
         }
         let numbers = state.positions.iter().chain(&state.remainders).flatten();
         let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
@@ -115,8 +103,7 @@ impl Solver {
             }
             _ => return Err(refuse("has contact where the model has none, or the other way round")),
         }
-        self.turned = turned.into_iter().collect();
-        self.displaced = displaced.into_iter().collect();
+        self.moved = moved;
         self.history = history;
         Ok(())
     }

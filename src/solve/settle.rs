@@ -1,12 +1,12 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
-//! A load step with contact begins under a core law that strands may sink into, with offsets and tensions that already
-//! balance the shape (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again.
-//! The law is hardened by way of one half as stiff as asked for in decades, which takes the pressures of the one before
-//! for its own: the first step of a stage moves the strands to where the new law has them. Then the offsets of the
-//! augmented Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left
-//! along their most negative direction. Long plectonemes and large turns are not begun like this but from a short rod
-//! or a coarse mesh (`short_first`, `coarse_first`), if these come to rest.
+//! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
+//! on, a step with contact begins under a thin core law, with offsets and tensions that already balance the shape
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. By way of one half as
+//! stiff in decades, the law asked for takes the pressures of the core for its own. Then the offsets of the augmented
+//! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
+//! direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
+//! (`short_first`, `coarse_first`), if these come to rest.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -15,12 +15,13 @@ use crate::solve::multipliers::Paces;
 use crate::solve::newton::NewtonReport;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
-use crate::solve::predictor::turned;
+use crate::solve::predictor::{Lifted, Prediction, lifted};
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
 
-/// Depth of the core law that a load step with contact begins under, over the contact distance.
-const DEPTH: f64 = 0.4;
+/// Depth of the core law that a load step with contact begins under, over the contact distance: thin, so that strands
+/// that snap together do not sink where they could not come out again.
+const DEPTH: f64 = 0.1;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
@@ -31,11 +32,10 @@ const MAX_SOFTER: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
 /// given ten turns at once would buckle into its tenth mode.
 pub(super) const TURNS_AT_ONCE: f64 = 1.0;
-/// Iterations spent on a predicted state, and the largest rotation of a node for which the prediction is trusted, rad.
-const PREDICTED_ITERATIONS: usize = 20;
-const LARGEST_PREDICTED_TURN: f64 = 0.3;
-/// Iterations spent on one hardening stage before it is given up.
-pub(super) const HARDENING_ITERATIONS: usize = 100;
+/// Iterations without progress that a predicted state is given.
+const PREDICTED_ITERATIONS: usize = 30;
+/// Iterations without progress that a state made on another mesh, or a law, is given to come to rest.
+pub(super) const RESETTLING_ITERATIONS: usize = 100;
 
 /// Snapshot that a failed step returns to.
 #[derive(Clone)]
@@ -51,13 +51,13 @@ impl Solver {
     }
 
     /// [`Solver::settle`], tried first from where the increment `predicted` leads.
-    pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> StepReport {
+    pub(crate) fn settle_along(&mut self, drive: &Drive, predicted: Option<Prediction>) -> StepReport {
         let mut report = StepReport::settled();
         if let Err(error) = self.foresee_hardening() {
             return StepReport::refused(error);
         }
         let foreseen = match predicted {
-            Some(increment) => self.settle_predicted(drive, increment, PREDICTED_ITERATIONS, &mut report),
+            Some(prediction) => self.settle_predicted(drive, &prediction, PREDICTED_ITERATIONS, &mut report),
             None => self.settle_from_short(drive, &mut report),
         };
         let outcome = foreseen
@@ -86,17 +86,13 @@ impl Solver {
     pub(super) fn settle_predicted(
         &mut self,
         drive: &Drive,
-        increment: Vec<f64>,
+        prediction: &Prediction,
         iterations: usize,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
-        let largest = increment.chunks(6).flat_map(|node| &node[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
-        if largest > LARGEST_PREDICTED_TURN {
-            return Ok(false);
-        }
         let before = self.snapshot();
         let patience = self.be_patient_for(iterations);
-        let outcome = self.search_predicted(drive, &increment, report);
+        let outcome = self.search_predicted(drive, prediction, report);
         self.options.newton.max_iterations = patience;
         if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
             report.predicted = true;
@@ -109,8 +105,8 @@ impl Solver {
 
     /// Tries the law as it is on the present state; true if it settles, otherwise the solver is back where it was.
     pub(super) fn settle_as_it_is(&mut self, iterations: usize, report: &mut StepReport) -> Result<bool, SolveError> {
-        let still = vec![0.0; 6 * self.engine.num_nodes()];
-        let settled = self.settle_predicted(&Drive::default(), still, iterations, report);
+        let still = Prediction::still(&self.engine);
+        let settled = self.settle_predicted(&Drive::default(), &still, iterations, report);
         report.predicted = false;
         settled
     }
@@ -125,7 +121,7 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled = self.settle_as_it_is(HARDENING_ITERATIONS, report);
+        let settled = self.settle_as_it_is(RESETTLING_ITERATIONS, report);
         if settled == Ok(false) {
             self.restore(start)?;
         }
@@ -135,14 +131,15 @@ impl Solver {
     fn search_predicted(
         &mut self,
         drive: &Drive,
-        increment: &[f64],
+        prediction: &Prediction,
         report: &mut StepReport,
     ) -> Result<(), SolveError> {
         let engine = &mut self.engine;
-        let state = turned(engine, &engine.state, drive);
+        let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
         engine.update_contact(&state)?;
-        let fraction = engine.step_fraction(&state, increment)?;
-        engine.state = state.retract(increment, fraction);
+        let fraction = engine.step_fraction(&state, &prediction.increment)?;
+        engine.state = state.retract(&prediction.increment, fraction);
+        self.workspace.start_forces.clone_from(&prediction.forces);
         self.search(&drive.scaled(1.0 - fraction), report)?;
         self.enforce_gaps(report)
     }
@@ -272,7 +269,7 @@ impl Solver {
         let before = self.snapshot();
         for softer in 0..=MAX_SOFTER {
             self.change_law(Law::Linear { stiffness: asked / SOFTENING.powi(softer) }, &[]);
-            let patience = self.be_patient_for(HARDENING_ITERATIONS);
+            let patience = self.be_patient_for(RESETTLING_ITERATIONS);
             let outcome = self.search(&Drive::default(), report);
             self.options.newton.max_iterations = patience;
             if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER {

@@ -32,6 +32,7 @@ use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model};
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
+use crate::solve::predictor::Prediction;
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
 use crate::solve::timing::Timings;
@@ -222,7 +223,7 @@ impl Solver {
         }
         let wanted = engine.state.seams[0] / TAU;
         let mut short = self.solver_of(&start, rod).ok()?;
-        let still = vec![0.0; 6 * start.positions.len()];
+        let still = Prediction::still(&short.engine);
         let mut slope = 1.0 + 2.0 * cut as f64 / shorter as f64;
         let mut before: Option<[f64; 2]> = None;
         let mut iterations = short.comes_to_rest(&Drive::default(), None)?;
@@ -264,7 +265,7 @@ impl Solver {
     }
 
     /// Newton iterations that [`Solver::settle_along`] takes; `None` where it does not converge.
-    fn comes_to_rest(&mut self, drive: &Drive, predicted: Option<Vec<f64>>) -> Option<usize> {
+    fn comes_to_rest(&mut self, drive: &Drive, predicted: Option<Prediction>) -> Option<usize> {
         let report = self.settle_along(drive, predicted);
         (report.status == Status::Converged).then_some(report.iterations)
     }
@@ -389,7 +390,7 @@ mod tests {
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
         let energy =
             |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
-        let still = vec![0.0; 6 * slow.engine.num_nodes()];
+        let still = Prediction::still(&slow.engine);
         for _ in 0..SMOOTHINGS {
             slow.smooth_pressures();
             let report = slow.settle_along(&Drive::default(), Some(still.clone()));
@@ -418,7 +419,7 @@ mod tests {
     #[test]
     fn strands_under_smooth_pressures_do_not_want_to_slide() {
         let mut solver = plectoneme(240, 0.3);
-        let still = vec![0.0; 6 * solver.engine.num_nodes()];
+        let still = Prediction::still(&solver.engine);
         assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
         let before = stiffness_of_sliding(&mut solver);
         assert!(before < 0.0, "{before}");

@@ -4,8 +4,10 @@ use crate::error::SolveError;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 
-/// Inverse iterations for the direction in which an unstable equilibrium is left.
-const DIRECTION_ROUNDS: usize = 60;
+/// Inverse iterations for the direction in which an unstable equilibrium is left: so few that something of other modes
+/// stays in it. A direction converged to rounding has the symmetry of the state, and rounding would decide which of two
+/// mirror images comes next.
+const DIRECTION_ROUNDS: usize = 16;
 
 impl Workspace {
     /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse

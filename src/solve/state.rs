@@ -1,5 +1,7 @@
 //! The configuration of all rods and how it moves.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Unit;
 
 use crate::math::quaternion::{exp, spin};
@@ -33,6 +35,72 @@ pub struct Drive {
     pub nodes: Vec<(usize, Vec3, Vec3)>,
     /// Per rod: change of the seam angle, rad; empty if none changes.
     pub seams: Vec<f64>,
+}
+
+/// Where one load step leads.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Target {
+    pub(crate) drive: Drive,
+    pub(crate) load_factor: Option<f64>,
+    /// By rod \[F/L\].
+    pub(crate) pressures: Vec<(usize, f64)>,
+    /// Turns that supports make, by node.
+    pub(crate) turned: Vec<(usize, f64)>,
+    /// Displacements that supports make, by node \[L\].
+    pub(crate) displaced: Vec<(usize, Vec3)>,
+}
+
+impl Target {
+    /// Puts loads and pressures in force.
+    pub(crate) fn load(&self, state: &mut State) {
+        if let Some(factor) = self.load_factor {
+            state.load_factor = factor;
+        }
+        for &(rod, pressure) in &self.pressures {
+            state.pressures[rod] = pressure;
+        }
+    }
+}
+
+/// What supports have made of nodes so far, by node.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Moved {
+    /// Turns.
+    pub(crate) turned: BTreeMap<usize, f64>,
+    /// Displacements \[L\].
+    pub(crate) displaced: BTreeMap<usize, Vec3>,
+    /// Angles by which rods were spun about their own tangents, rad.
+    pub(crate) spun: BTreeMap<usize, f64>,
+}
+
+impl Moved {
+    /// After a step to a target on which these nodes were spun.
+    pub(crate) fn go_on(&mut self, target: &Target, spun: &[(usize, f64)]) {
+        for &(node, turns) in &target.turned {
+            *self.turned.entry(node).or_insert(0.0) += turns;
+        }
+        for &(node, by) in &target.displaced {
+            *self.displaced.entry(node).or_default() += by;
+        }
+        for &(node, angle) in spun {
+            *self.spun.entry(node).or_insert(0.0) += angle;
+        }
+    }
+
+    /// The same of nodes that are called by other numbers.
+    pub(crate) fn on_nodes(&self, number: impl Fn(usize) -> usize) -> Self {
+        Self {
+            turned: self.turned.iter().map(|(&node, &turns)| (number(node), turns)).collect(),
+            displaced: self.displaced.iter().map(|(&node, &by)| (number(node), by)).collect(),
+            spun: self.spun.iter().map(|(&node, &angle)| (number(node), angle)).collect(),
+        }
+    }
+
+    /// All nodes that supports have moved.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = usize> {
+        self.turned.keys().chain(self.displaced.keys()).chain(self.spun.keys()).copied()
+    }
 }
 
 impl Drive {

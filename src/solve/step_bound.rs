@@ -10,6 +10,8 @@
 mod tree;
 mod way;
 
+use std::f64::consts::TAU;
+
 use self::tree::PassageTree;
 use crate::error::SolveError;
 use crate::math::{Vec3, parallel};
@@ -26,12 +28,14 @@ struct Keep {
     deep: f64,
     /// Largest relative rotation of neighbouring nodes, rad: interpolation needs less than π between them.
     rotation: f64,
+    /// Largest angle between frames of neighbouring nodes that a step may lead to, rad: below half a turn.
+    turned: f64,
 }
 
 /// For a step before it is corrected for curvature.
-const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0 };
+const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, turned: 0.45 * TAU };
 /// For the step as it is taken: corrections may use up half of what the step left.
-const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5 };
+const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, turned: 0.48 * TAU };
 /// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod
 /// bulges by much more than the rod's thickness: with that for an error no step near contact would be left.
 const TOL_DISTANCE: f64 = 0.05;
@@ -49,7 +53,7 @@ impl Engine {
     }
 
     fn fraction_keeping(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
-        let t = rotation_fraction(self, increment, keep.rotation);
+        let t = rotation_fraction(self, state, increment, keep);
         match &self.contact {
             Some(side) => Ok(t.min(self.install(|| side.passage_fraction(state, increment, keep))?)),
             None => Ok(t),
@@ -57,16 +61,30 @@ impl Engine {
     }
 }
 
-fn rotation_fraction(engine: &Engine, increment: &[f64], limit: f64) -> f64 {
-    let mut largest = 0.0f64;
+/// Largest t ≤ 1 for which no frame turns against its neighbour by more than `keep.rotation` in the step, nor, if it
+/// turns on, to more than `keep.turned` in all: past half a turn it would count as turned the other way.
+fn rotation_fraction(engine: &Engine, state: &State, increment: &[f64], keep: Keep) -> f64 {
+    let mut t = 1.0f64;
     for element in &engine.elements {
         let order = engine.model.rods[element.rod].order;
         for a in 1..=order {
-            let relative = rotation(increment, element.nodes[a]) - rotation(increment, element.nodes[a - 1]);
-            largest = largest.max(relative.norm());
+            let [before, node] = [element.nodes[a - 1], element.nodes[a]];
+            let relative = rotation(increment, node) - rotation(increment, before);
+            let size = relative.norm();
+            if size > keep.rotation {
+                t = t.min(keep.rotation / size);
+            }
+            let closing = element.closes && a == order;
+            let frame = if closing { state.seam_frame(element.rod, node) } else { state.frames[node] };
+            let turned = state.frames[before].angle_to(&frame);
+            if turned + size > keep.turned
+                && (frame * state.frames[before].inverse()).scaled_axis().dot(&relative) > 0.0
+            {
+                t = t.min((keep.turned - turned).max(0.0) / size);
+            }
         }
     }
-    if largest > limit { limit / largest } else { 1.0 }
+    t
 }
 
 fn displacement(increment: &[f64], node: usize) -> Vec3 {
@@ -276,6 +294,24 @@ mod tests {
                 engine.state.frames[node] = frame * spin(20.0 * s);
             }
             assert_eq!(engine.is_way_free(&start).unwrap(), free, "bar {bar}, {angle} rad");
+        }
+    }
+
+    /// Frames that are .4 turns apart turn on by no more than .05 turns in a step, and back by any step.
+    #[test]
+    fn frames_do_not_turn_past_half_a_turn() {
+        let mut engine = crossing(40.0);
+        let mut state = engine.state.clone();
+        state.frames[1] = state.frames[0] * spin(0.4 * TAU);
+        let tangent = state.frames[0] * Vec3::z();
+        for (angle, expected) in [(0.9, 0.05 * TAU / 0.9), (0.3, 1.0), (-0.9, 1.0)] {
+            let mut step = vec![0.0; 6 * engine.num_nodes()];
+            // all other nodes on the rod turn along
+            for node in 1..engine.first_node[1] {
+                (0..3).for_each(|k| step[6 * node + 3 + k] = angle * tangent[k]);
+            }
+            let t = engine.step_fraction(&state, &step).unwrap();
+            assert!((t - expected).abs() < 1e-12, "{angle}: {t} {expected}");
         }
     }
 

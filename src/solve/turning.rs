@@ -7,14 +7,8 @@
 use std::f64::consts::TAU;
 
 use crate::error::SolveError;
-use crate::math::Vec3;
 use crate::rod::MAX_TURN;
 use crate::solve::engine::Engine;
-use crate::solve::state::Drive;
-
-/// Turns between neighbouring nodes that one load step may add, on average over the nodes between what is turned and
-/// what is held: more could take a segment past half a turn and out on the other side.
-const MAX_ADDED: f64 = 0.3;
 
 impl Engine {
     /// Refuses the present state if frames of neighbouring nodes have turned too far against each other.
@@ -34,22 +28,28 @@ impl Engine {
         Ok(())
     }
 
-    /// Refuses what would turn neighbouring nodes too far at once.
-    pub(crate) fn check_drive(&self, drive: &Drive) -> Result<(), SolveError> {
-        for (rod, angle) in drive.seams.iter().enumerate() {
-            let turns = angle.abs() / TAU / self.model.rods[rod].num_segments() as f64;
-            if turns > MAX_ADDED {
-                let first = self.first_node[rod];
-                return Err(self.too_twisted(rod, first, first + 1, turns, MAX_ADDED));
-            }
-        }
-        for (node, _, rotation) in drive.nodes.iter().filter(|(_, _, rotation)| *rotation != Vec3::zeros()) {
-            let rod = self.rod_of(*node);
-            let turns = rotation.norm() / TAU / self.segments_to_held(rod, *node) as f64;
-            if turns > MAX_ADDED {
-                let last = *node + 1 == self.first_node[rod + 1];
-                let (a, b) = if last { (*node - 1, *node) } else { (*node, *node + 1) };
-                return Err(self.too_twisted(rod, a, b, turns, MAX_ADDED));
+    /// Refuses turns of seams and [spins](crate::solve::predictor::lifted) of nodes that could take some pair of
+    /// neighbouring nodes farther than an accepted state may have them: spread over the rod at once, they could go past
+    /// half a turn unseen.
+    pub(crate) fn check_spun(&self, seams: &[f64], spun: &[(usize, f64)]) -> Result<(), SolveError> {
+        let per_segment = |angle: f64, segments: usize| angle.abs() / TAU / segments as f64;
+        let of_seams = seams.iter().enumerate().map(|(rod, &angle)| {
+            let segments = self.model.rods[rod].num_segments();
+            (rod, per_segment(angle, segments))
+        });
+        let of_nodes = spun.iter().map(|&(node, angle)| {
+            let rod = self.rod_of(node);
+            (rod, per_segment(angle, self.segments_to_held(rod, node)))
+        });
+        for (rod, added) in of_seams.chain(of_nodes).filter(|(_, added)| *added > 0.0) {
+            let nodes = self.nodes(rod);
+            let turned = |k: usize| self.state.frames[k].angle_to(&self.state.frames[k + 1]) / TAU;
+            let (turns, most) = (nodes.start..nodes.end - 1)
+                .map(|k| (turned(k), k))
+                .fold((0.0, nodes.start), |most, this| if this.0 > most.0 { this } else { most });
+            let turns = turns + added;
+            if turns > MAX_TURN {
+                return Err(self.too_twisted(rod, most, most + 1, turns, MAX_TURN));
             }
         }
         Ok(())

@@ -126,8 +126,8 @@ fn units_along_a_line() {
 }
 
 /// Away from the origin start positions carry ε × offset, but searches know them in two parts. A ring with radius .02 L
-/// *returns* energy, writhe, twisting moment and contact force as at the origin: to 1e-11 at up to 1e8 radii, to 1e-10
-/// at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is *refused*.
+/// *returns* energy, writhe, twisting moment and contact force as at the origin: to 1e-11 at up to 1e6 radii, to 1e-10
+/// at 1e8, to 1e-9 at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is *refused*.
 #[test]
 fn offset_from_the_origin() {
     let away = Vec3::new(0.6, 0.64, 0.48);
@@ -140,7 +140,7 @@ fn offset_from_the_origin() {
         [seen.energies.total, seen.links[0].writhe, seen.links[0].seam_moment, seen.total_contact_force]
     };
     let reference = run(0.0);
-    for (offset, tolerance) in [(1e3, 1e-11), (1e6, 1e-11), (1e8, 1e-11), (1e9, 1e-10)] {
+    for (offset, tolerance) in [(1e3, 1e-11), (1e6, 1e-11), (1e8, 1e-10), (1e9, 1e-9)] {
         let ours = run(offset);
         let errors: [f64; 4] = std::array::from_fn(|k| ours[k] / reference[k] - 1.0);
         println!("{offset:e}: {errors:?}");

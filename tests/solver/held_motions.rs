@@ -64,7 +64,8 @@ fn compare(name: &str, model: &Model, support: Support, ramps: &[Ramp]) {
         let energy = free.energies.total;
         verify(&name, "energy", held.energies.total, energy, 1e-5 * energy.abs());
         let force = free.total_contact_force;
-        verify(&name, "contact force", held.total_contact_force, force, 3e-5 * force);
+        // where on its mesh a point lies makes 5e-5 of its force
+        verify(&name, "contact force", held.total_contact_force, force, 1e-4 * force);
         for reaction in &held.reactions {
             verify(&name, "reaction", Vec3::from(reaction.force).norm(), 0.0, 2e-4 * force.max(1e-3));
         }

@@ -45,7 +45,7 @@ impl Parameter {
             Ramp::Pressure { rod, to } => (Quantity::Pressure(*rod), state.pressures[*rod], *to),
             Ramp::ExcessLink { rod, to } => (Quantity::Link(*rod), state.seams[*rod] / TAU, *to),
             Ramp::Rotation { node, axis, to } => {
-                let turned = solver.turned.get(&index(node)).copied().unwrap_or(0.0);
+                let turned = solver.moved.turned.get(&index(node)).copied().unwrap_or(0.0);
                 (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
             }
             Ramp::RotationAbout { .. } => {
@@ -54,7 +54,7 @@ impl Parameter {
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
             }
             Ramp::Displacement { node, to } => {
-                let here = solver.displaced.get(&index(node)).copied().unwrap_or_default();
+                let here = solver.moved.displaced.get(&index(node)).copied().unwrap_or_default();
                 let way = to - here;
                 let along = if way == Vec3::zeros() { way } else { unit(&way) };
                 (Quantity::Node(index(node), along, Vec3::zeros()), here.dot(&along), to.dot(&along))
@@ -96,9 +96,9 @@ impl Parameter {
     pub(super) fn record(&self, solver: &mut Solver, by: f64) {
         let Quantity::Node(node, displacement, rotation) = self.quantity else { return };
         if rotation == Vec3::zeros() {
-            *solver.displaced.entry(node).or_default() += displacement * by;
+            *solver.moved.displaced.entry(node).or_default() += displacement * by;
         } else {
-            *solver.turned.entry(node).or_insert(0.0) += by;
+            *solver.moved.turned.entry(node).or_insert(0.0) += by;
         }
     }
 

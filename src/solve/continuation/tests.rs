@@ -124,7 +124,7 @@ fn there_and_back() {
         let ramp = Ramp::Displacement { node, to };
         let report = solver.follow(&ramp, &FollowOptions::default(), &mut |_| ControlFlow::Continue(())).unwrap();
         assert_eq!(report.end, PathEnd::Target, "{report:?}");
-        assert!((solver.displaced[&12] - to).norm() < 1e-15);
+        assert!((solver.moved.displaced[&12] - to).norm() < 1e-15);
         assert!((solver.engine.state.positions[12] - (Vec3::x() * 2.0 + to)).norm() < 1e-12);
     }
     let pairs = solver.engine.state.positions.iter().zip(&start.positions);

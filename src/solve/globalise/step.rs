@@ -5,8 +5,10 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Workspace, increment_size};
+use crate::solve::newton::Workspace;
 use crate::solve::state::Drive;
+
+use super::{UNSEEN, noise};
 
 /// Smallest shift that is tried, in units of B/L⁴.
 const FIRST_SHIFT: f64 = 10.0;
@@ -28,6 +30,24 @@ pub(super) struct Step {
     pub(super) curvature: f64,
     /// ΔᵀMΔ.
     pub(super) inertia: f64,
+}
+
+impl Step {
+    /// Goes on along the step to where the model is lowest within the radius, if it falls on the way by more than
+    /// `noise`. A shift that one direction asks for shortens steps in all: down a valley that hardly falls, a hundredfold.
+    fn lengthen(&mut self, radius: f64, noise: f64) {
+        let lowest = if self.curvature > 0.0 { -self.slope / self.curvature } else { f64::INFINITY };
+        let longer = lowest.min(radius / self.extent);
+        let decrease = -longer * (self.slope + 0.5 * longer * self.curvature);
+        if !(longer > 1.0 && longer.is_finite() && decrease > noise) {
+            return;
+        }
+        self.increment.iter_mut().chain(&mut self.raw).for_each(|x| *x *= longer);
+        self.extent *= longer;
+        self.slope *= longer;
+        self.curvature *= longer * longer;
+        self.inertia *= longer * longer;
+    }
 }
 
 impl Workspace {
@@ -78,44 +98,15 @@ impl Workspace {
         Ok(Step { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
     }
 
-    /// Adds to a step that shifts keep short as much of the softest direction as takes it `farther`, if the model falls
-    /// along it.
-    fn add_softest(&self, engine: &Engine, residual: &Residual, step: &mut Step, farther: f64) {
-        let way = &self.softest;
-        if way.len() != step.raw.len() {
-            return;
-        }
-        let product = self.multiply(engine, &self.tangent.values, way);
-        let curvature = self.free_dot(engine, way, |i| product[i]);
-        let inertia = self.free_dot(engine, way, |i| engine.masses[i] * way[i]);
-        if curvature >= -0.2 * self.shift * inertia {
-            return;
-        }
-        let slope = self.free_dot(engine, way, |i| residual.gradient[i]);
-        let mixed = self.free_dot(engine, way, |i| engine.masses[i] * step.raw[i]);
-        let cross = -slope - self.shift * mixed;
-        let mut clean = way.clone();
-        self.neutral.remove(&mut clean);
-        let scale = farther / extent(engine, residual, &clean) * if slope + cross > 0.0 { -1.0 } else { 1.0 };
-        for (s, w) in step.increment.iter_mut().zip(&clean) {
-            *s += scale * w;
-        }
-        step.extent = extent(engine, residual, &step.increment);
-        step.slope += scale * slope;
-        step.curvature += 2.0 * scale * cross + scale * scale * curvature;
-        step.inertia += 2.0 * scale * mixed + scale * scale * inertia;
-    }
-
     /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is
-    /// near enough). Where the model is not convex and the step falls short of the radius, the softest direction makes
-    /// up for it. `at` is the iteration and the tolerance below which a step is left as it is.
+    /// near enough), lengthened to the lowest of the model along it.
     pub(super) fn step_within(
         &mut self,
         engine: &Engine,
         residual: &Residual,
         drive: &Drive,
         radius: f64,
-        (at, tol): (usize, f64),
+        at: usize,
     ) -> Result<Step, SolveError> {
         self.convexify(engine, at)?;
         let mut step = self.model_step(engine, residual, drive, at)?;
@@ -127,10 +118,8 @@ impl Workspace {
             self.factorise(engine, self.shift);
             step = self.model_step(engine, residual, drive, at)?;
         }
-        let small = increment_size(engine, &step.increment) <= tol;
-        if radius.is_finite() && step.extent < 0.5 * radius && self.shift > 0.0 && !small {
-            let farther = radius - step.extent;
-            self.add_softest(engine, residual, &mut step, farther);
+        if radius.is_finite() && self.shift > 0.0 {
+            step.lengthen(radius, UNSEEN * noise(residual));
         }
         Ok(step)
     }

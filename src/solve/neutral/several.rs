@@ -4,7 +4,7 @@
 //! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
 //! along themselves is left to the mesh's ripple.
 
-use super::{Supports, holds_all, is_free, rigid_motions, spin_of, spins, subtract};
+use super::{Supports, holds_all, is_free, is_loaded, rigid_motions, spin_of, spins, subtract};
 use crate::contact::detect::Meeting;
 use crate::math::groups::Groups;
 use crate::solve::engine::Engine;
@@ -27,11 +27,12 @@ pub(super) struct Several {
 }
 
 impl Several {
-    /// Of a model where strands touch as in `meetings`; groups that bear loads have none.
+    /// Of a model where strands touch as in `meetings`; groups with free rods that bear loads have none.
     pub(super) fn of(engine: &Engine, state: &State, meetings: &[Meeting], weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
         let mut groups = groups(engine, meetings);
-        groups.retain(|group| !group.iter().any(|rod| engine.bears_loads(*rod)));
+        let loaded = |rod: &usize| engine.bears_loads(*rod);
+        groups.retain(|group| !(group.iter().any(loaded) && group.iter().any(|rod| is_free(engine, *rod))));
         for group in groups {
             let start = several.motions.len();
             for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
@@ -50,7 +51,8 @@ impl Several {
                 let held = group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod));
                 let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
                 let motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
-                let passing = Supports::of(engine, &nodes).all_that_pass(&motions);
+                let mut passing = Supports::of(engine, &nodes).all_that_pass(&motions);
+                passing.retain(|motion| !is_loaded(engine, state, &nodes, motion));
                 passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
                 if !passing.is_empty() {
                     several.held.push((nodes, passing));
