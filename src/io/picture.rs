@@ -265,9 +265,9 @@ impl Picture {
     /// Writes the picture as a PNG file, replacing what is there.
     ///
     /// # Errors
-    /// [`InputError::File`] if the file cannot be written.
+    /// [`InputError::Write`] if the file cannot be written.
     pub fn save_png(&self, path: &Path) -> Result<(), InputError> {
-        let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+        let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
         let buffer = image::RgbImage::from_raw(self.width as u32, self.height as u32, self.rgb.clone());
         let buffer = buffer.ok_or_else(|| refuse("picture of inconsistent size".to_owned()))?;
         buffer.save_with_format(path, image::ImageFormat::Png).map_err(|e| refuse(e.to_string()))

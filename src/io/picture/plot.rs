@@ -91,7 +91,7 @@ const FARTHEST: f64 = 1e300;
 ///
 /// # Errors
 /// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] if no point can be drawn or an axis would have
-/// to reach beyond 1e300, [`InputError::File`] if the file cannot be written.
+/// to reach beyond 1e300, [`InputError::Write`] if the file cannot be written.
 pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
     for (field, value) in [("size.0", plot.size.0), ("size.1", plot.size.1)] {
         if !(1..=MAX_SIZE).contains(&value) {
@@ -119,7 +119,7 @@ pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
 }
 
 fn refuse(path: &Path, reason: String) -> InputError {
-    InputError::File { path: path.to_owned(), reason }
+    InputError::Write { path: path.to_owned(), reason }
 }
 
 /// Whether a point can be drawn on the plot's axes.
