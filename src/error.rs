@@ -38,7 +38,7 @@ pub enum InputError {
         allowed: &'static str,
     },
     /// A name (of a rod, a node, a key …) that is unknown or ambiguous.
-    #[error("{field} = \"{name}\": must be {allowed}")]
+    #[error("{} = \"{}\": must be {}", legible(field), legible(name), legible(allowed))]
     Name {
         /// Path of the offending field.
         field: String,
@@ -48,7 +48,7 @@ pub enum InputError {
         allowed: String,
     },
     /// Input whose parts contradict each other or make an ill-posed problem.
-    #[error("{field}: {reason}")]
+    #[error("{}: {}", legible(field), legible(reason))]
     Inconsistent {
         /// Path of the offending field.
         field: String,
@@ -56,21 +56,47 @@ pub enum InputError {
         reason: String,
     },
     /// Text that could not be parsed (TOML, CSV, XYZ).
-    #[error("{file}: {reason}")]
+    #[error("{}: {}", legible(file), legible(reason))]
     Parse {
         /// File or section the text came from.
         file: String,
         /// The parser's words, with line and column where known.
         reason: String,
     },
-    /// A file that could not be read or written.
-    #[error("{}: {reason}", path.display())]
+    /// A file that could not be read.
+    #[error("{}: {}", legible(&path.to_string_lossy()), legible(reason))]
     File {
         /// The file's path.
         path: PathBuf,
         /// The operating system's words.
         reason: String,
     },
+    /// A file or folder that could not be written: a full disk, a folder that is read-only or in use.
+    #[error("{}: {}", legible(&path.to_string_lossy()), legible(reason))]
+    Write {
+        /// The file's or folder's path.
+        path: PathBuf,
+        /// The operating system's words.
+        reason: String,
+    },
+}
+
+/// Longest line of a message. The longest of our own has some 700 characters; a line of a file may have millions.
+const LONGEST_LINE: usize = 1000;
+
+/// Text as it may be shown wherever it came from: control characters, which a terminal obeys, are escaped, and long
+/// lines are cut.
+fn legible(text: &str) -> String {
+    let line = |line: &str| -> String {
+        let shown = line.chars().take(LONGEST_LINE).map(|c| match c {
+            '\t' => c.to_string(),
+            c if c.is_control() => c.escape_default().to_string(),
+            c => c.to_string(),
+        });
+        let cut = if line.chars().nth(LONGEST_LINE).is_some() { "…" } else { "" };
+        shown.chain([cut.to_owned()]).collect()
+    };
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
 impl InputError {

@@ -105,11 +105,11 @@
 //! | `parallel` | threads; results are the same bits without | 5 |
 //! | `solver` | equilibria, paths, stability, observation; faer | 34 |
 //! | `serde` | states, restarts and reports can be written and read with serde | 3 |
-//! | `scenes` | scene files (TOML); `serde` | 9 |
+//! | `scenes` | scene files (TOML); `serde` | 10 |
 //! | `tables` | tables and states as CSV; `solver` | 40 |
-//! | `pictures` | pictures of tubes, plots | 17 |
-//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 68 |
-//! | `cli` | the command line; `runs` | 88 |
+//! | `pictures` | pictures of tubes, plots | 22 |
+//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 73 |
+//! | `cli` | the command line; `runs` | 92 |
 //!
 //! Without `solver` there are no modules `sparse`, `solve` and `observe`. All builds for `wasm32-unknown-unknown`; what
 //! runs there are contact, rods and scenes: the solver asks for the time, which that target has not.

@@ -1,6 +1,7 @@
 //! The command line: `supercoil run FILE --out DIR`, `supercoil resume DIR` and `supercoil check FILE`.
 //!
-//! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 130 stopped by Ctrl-C.
+//! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
+//! read-only, folder in use), 130 stopped by Ctrl-C or `--time-limit`.
 #![allow(clippy::print_stderr)] // a program talks to its user
 
 mod progress;
@@ -8,6 +9,7 @@ mod progress;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use supercoil::InputError;
@@ -15,6 +17,7 @@ use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
 use supercoil::observe::{StartOverlap, start_overlaps};
+use supercoil::scene::file::MOST_THREADS;
 use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Options, RunError, Solver, Status};
 
@@ -23,6 +26,7 @@ use progress::Bar;
 const CONVERGED: u8 = 0;
 const NOT_CONVERGED: u8 = 1;
 const BAD_INPUT: u8 = 2;
+const NOT_WRITTEN: u8 = 3;
 const INTERRUPTED: u8 = 130;
 
 /// Overlaps told one by one.
@@ -32,7 +36,8 @@ const MOST_WARNINGS: usize = 10;
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 130 stopped by Ctrl-C."
+    after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
+    full, read-only, folder in use), 130 stopped by Ctrl-C or --time-limit."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -49,6 +54,11 @@ enum Command {
         /// Folder for the outputs [default: output.dir of the scene, or out/NAME].
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Replace the results of another scene in that folder.
+        #[arg(long)]
+        force: bool,
+        #[command(flatten)]
+        set: Replacements,
         #[command(flatten)]
         choices: Choices,
     },
@@ -66,13 +76,23 @@ enum Command {
     Check {
         /// Scene file (TOML).
         file: PathBuf,
+        #[command(flatten)]
+        set: Replacements,
     },
+}
+
+#[derive(Args)]
+struct Replacements {
+    /// Replace a value of the scene, for example rods.dna.elements=96 (by name), stages.0.steps=10 (by index) or
+    /// solver.threads=2; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
 }
 
 #[derive(Args)]
 struct Choices {
     /// Threads; results do not depend on it [default: solver.threads of the scene, or all].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS as i64))]
     threads: Option<u16>,
     /// Write a checkpoint every so many accepted steps
     /// [default: output.checkpoint_steps of the scene, or by time only].
@@ -86,6 +106,9 @@ struct Choices {
     /// law.
     #[arg(long)]
     error_estimate: bool,
+    /// Stop after so many seconds, as Ctrl-C does: with all files in order, to be resumed.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    time_limit: Option<f64>,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -98,13 +121,13 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 fn main() -> ExitCode {
     let code = match Arguments::parse().command {
-        Command::Check { file } => check(&file),
-        Command::Run { file, out, choices } => run(&file, out, &choices),
+        Command::Check { file, set } => check(&file, &set.set),
+        Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
     };
     ExitCode::from(code.unwrap_or_else(|error| {
         eprintln!("error: {error}");
-        BAD_INPUT
+        if let InputError::Write { .. } = error { NOT_WRITTEN } else { BAD_INPUT }
     }))
 }
 
@@ -121,8 +144,8 @@ fn warn(overlaps: &[StartOverlap]) {
     }
 }
 
-fn check(file: &Path) -> Result<u8, InputError> {
-    let scene = Scene::read(file)?;
+fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
+    let scene = Scene::read_with(file, set)?;
     say(format_args!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title }));
     for rod in &scene.model.rods {
         let (kind, unit) = (if rod.closed { "closed" } else { "open" }, &scene.units.length);
@@ -149,8 +172,8 @@ fn check(file: &Path) -> Result<u8, InputError> {
     Ok(CONVERGED)
 }
 
-fn run(file: &Path, out: Option<PathBuf>, choices: &Choices) -> Result<u8, InputError> {
-    let scene = Scene::read(file)?;
+fn run(file: &Path, set: &[String], out: Option<PathBuf>, force: bool, choices: &Choices) -> Result<u8, InputError> {
+    let scene = Scene::read_with(file, set)?;
     let default = || Path::new("out").join(file.file_stem().unwrap_or_default());
     let dir = out.or_else(|| scene.output.dir.clone()).unwrap_or_else(default);
     if !choices.quiet && !scene.title.is_empty() {
@@ -161,13 +184,13 @@ fn run(file: &Path, out: Option<PathBuf>, choices: &Choices) -> Result<u8, Input
         let overlaps = start_overlaps(&scene.model).unwrap_or_default();
         warn(&overlaps.into_iter().filter(|overlap| overlap.through).collect::<Vec<_>>());
     }
-    go(scene, &dir, None, choices)
+    go(SceneRun { force, ..SceneRun::new(scene, &dir) }, None, choices)
 }
 
 fn resume(dir: &Path, scene: Option<PathBuf>, choices: &Choices) -> Result<u8, InputError> {
     let checkpoint = Checkpoint::read(&dir.join(FILE_NAME))?;
     let scene = match &scene {
-        Some(file) => Scene::read(file)?,
+        Some(file) => Scene::read_with(file, &checkpoint.set)?,
         None => scene_of(&checkpoint)?,
     };
     let place = checkpoint.restart.place;
@@ -184,11 +207,12 @@ fn resume(dir: &Path, scene: Option<PathBuf>, choices: &Choices) -> Result<u8, I
         let (then, now) = (&checkpoint.program, env!("CARGO_PKG_VERSION"));
         eprintln!("note: the run began with version {then}, this is {now}: the last digits may differ from here on");
     }
-    go(scene, dir, Some((place.stage, place.fraction)), choices)
+    go(SceneRun::new(scene, dir), Some((place.stage, place.fraction)), choices)
 }
 
-/// Runs a scene from its start or, with `from` (stage, fraction), from the checkpoint in `dir`.
-fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choices) -> Result<u8, InputError> {
+/// Runs a scene from its start or, with `from` (stage, fraction), from the checkpoint in its folder.
+fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Result<u8, InputError> {
+    let scene = &mut run.scene;
     scene.solver.threads = choices.threads.map(usize::from).or(scene.solver.threads);
     let output = &mut scene.output;
     output.checkpoint_steps = choices.checkpoint_every.map(|n| n as usize).or(output.checkpoint_steps);
@@ -196,7 +220,7 @@ fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choice
     output.checkpoint_seconds = choices.checkpoint_seconds.unwrap_or(output.checkpoint_seconds);
     let units = scene.units.clone();
     let bar = Bar::new(&scene.stages, from, choices.quiet);
-    let run = SceneRun::new(scene, dir);
+    let dir = run.dir.clone();
     let (interrupt, shown) = (run.interrupt.clone(), bar.clone());
     // without a handler Ctrl-C still ends the program, only less tidily
     ctrlc::set_handler(move || {
@@ -208,11 +232,20 @@ fn go(mut scene: Scene, dir: &Path, from: Option<(usize, f64)>, choices: &Choice
     })
     .ok();
     let interrupt = run.interrupt.clone();
+    // a limit too long for a Duration is none
+    if let Some(limit) = choices.time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok()) {
+        let (interrupt, shown) = (interrupt.clone(), bar.clone());
+        std::thread::spawn(move || {
+            std::thread::sleep(limit);
+            interrupt.raise();
+            shown.note("time limit reached: stopping");
+        });
+    }
     let mut watch = |step: &_| bar.step(step);
     let result = if from.is_some() { run.resume(&mut watch) } else { run.start(&mut watch) };
     bar.clear();
     match result {
-        Ok(outcome) => Ok(report(&outcome, &units, dir, choices.quiet, interrupt.is_raised())),
+        Ok(outcome) => Ok(report(&outcome, &units, &dir, choices.quiet, interrupt.is_raised())),
         Err(RunError::Input(error)) => Err(error),
         Err(error) => {
             eprintln!("error: {error}; what was reached is in {}", dir.display());

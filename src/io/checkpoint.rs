@@ -28,7 +28,7 @@ use super::record::RecordState;
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
-pub const FORMAT: u32 = 6;
+pub const FORMAT: u32 = 7;
 const MAGIC: &[u8; 8] = b"SUPRCOIL";
 const HEADER: usize = 28;
 
@@ -39,6 +39,8 @@ pub struct Checkpoint {
     pub program: String,
     /// Absolute path of the scene file, if the scene came from one.
     pub scene: Option<PathBuf>,
+    /// Values of the scene that were replaced, as `KEY=VALUE`.
+    pub set: Vec<String>,
     /// What the scene was.
     pub fingerprint: Fingerprint,
     /// Wall time of the run so far \[s\].
@@ -53,9 +55,9 @@ impl Checkpoint {
     /// Replaces the checkpoint at `path`; the old one is there until the new one is safely on the disk.
     ///
     /// # Errors
-    /// [`InputError::File`] if it cannot be written; the old one is then untouched.
+    /// [`InputError::Write`] if it cannot be written; the old one is then untouched.
     pub fn write(&self, path: &Path) -> Result<(), InputError> {
-        let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+        let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
         let bytes = self.to_bytes().map_err(|e| refuse(e.to_string()))?;
         replace(path, &bytes).map_err(|e| refuse(e.to_string()))
     }
@@ -184,7 +186,11 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".new");
     let beside = PathBuf::from(name);
-    let mut file = File::create(&beside)?;
+    // A leftover goes, be it a link that someone has put there: what it points to is not to be written to.
+    if beside.symlink_metadata().is_ok() {
+        std::fs::remove_file(&beside)?;
+    }
+    let mut file = File::create_new(&beside)?;
     file.write_all(bytes)?;
     file.sync_all()?;
     drop(file);

@@ -58,13 +58,13 @@ impl std::fmt::Display for Cell {
 /// Writes a table with a header line, replacing what is there.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if a row's length differs from the header's, [`InputError::File`] if the file cannot be
+/// [`InputError::Inconsistent`] if a row's length differs from the header's, [`InputError::Write`] if the file cannot be
 /// written.
 pub fn write_table<Row>(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Row>) -> Result<(), InputError>
 where
     Row: IntoIterator<Item: Into<Cell>>,
 {
-    let refuse = |e: ::csv::Error| file_error(path, &e.to_string());
+    let refuse = |e: ::csv::Error| write_error(path, &e.to_string());
     let mut writer = ::csv::Writer::from_path(path).map_err(refuse)?;
     writer.write_record(header).map_err(refuse)?;
     for (index, row) in rows.into_iter().enumerate() {
@@ -75,7 +75,7 @@ where
         }
         writer.write_record(&cells).map_err(refuse)?;
     }
-    writer.flush().map_err(|e| file_error(path, &e.to_string()))
+    writer.flush().map_err(|e| write_error(path, &e.to_string()))
 }
 
 /// Nodal state of one rod.
@@ -95,7 +95,7 @@ const STATE_COLUMNS: [&str; 10] = ["rod", "node", "arc_length", "x", "y", "z", "
 /// Writes the nodal state of rods 0, 1, … as CSV: rod, node, arc_length, x, y, z, qw, qx, qy, qz.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if a rod's arrays differ in length, [`InputError::File`] if the file cannot be written.
+/// [`InputError::Inconsistent`] if a rod's arrays differ in length, [`InputError::Write`] if the file cannot be written.
 pub fn write_state(path: &Path, rods: &[RodState]) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
         let counts = [rod.arc_lengths.len(), rod.positions.len(), rod.frames.len()];
@@ -168,6 +168,10 @@ fn add_node(rods: &mut Vec<RodState>, record: &::csv::StringRecord) -> Result<()
     state.positions.push(Vec3::new(x, y, z));
     state.frames.push(frame);
     Ok(())
+}
+
+fn write_error(path: &Path, reason: &str) -> InputError {
+    InputError::Write { path: path.to_owned(), reason: reason.to_owned() }
 }
 
 fn file_error(path: &Path, reason: &str) -> InputError {

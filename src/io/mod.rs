@@ -7,6 +7,8 @@ pub mod checkpoint;
 #[cfg(feature = "tables")]
 pub mod csv;
 pub mod detail;
+#[cfg(feature = "runs")]
+mod folder;
 #[cfg(feature = "pictures")]
 pub mod picture;
 #[cfg(feature = "runs")]

@@ -6,15 +6,16 @@
 //! Orthographic view, key light with a soft shadow, fill and rim light, ambient occlusion from the depth buffer. The
 //! work is that of the covered samples plus the capsules, in parallel over bands of rows; the same bytes for any number
 //! of threads. Rods too thin to be seen are drawn as lines one pixel wide, of no more points than can be told apart, so
-//! that a rod of a million nodes costs little more than one of a thousand. No system fonts are needed.
+//! that a rod of a million nodes costs little more than one of a thousand. Text is in a bundled font; no system
+//! fonts are needed.
 
 mod camera;
-mod font;
 mod palette;
 mod plot;
 mod raster;
 mod shade;
 mod strip;
+mod text;
 mod tube;
 
 use crate::error::InputError;
@@ -255,18 +256,18 @@ impl Picture {
         [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
     }
 
-    /// Writes text (ASCII, and Δ σ κ − ± ° ·) with its top left corner at `column`, `row`; a capital is `height` pixels
-    /// high. What does not fit is cut off; unknown characters are blank.
+    /// Writes text (Latin-1, Greek, − ± ° ² ₀ ≤ ∞ and the like) with its top left corner at `column`, `row`; a capital is
+    /// `height` pixels high. What does not fit is cut off; unknown characters are boxes. Without effect on WebAssembly.
     pub fn write(&mut self, text: &str, column: usize, row: usize, height: usize, color: [u8; 3]) {
-        font::write(self, text, [column, row], height, color);
+        text::write(self, text, [column, row], height, color);
     }
 
     /// Writes the picture as a PNG file, replacing what is there.
     ///
     /// # Errors
-    /// [`InputError::File`] if the file cannot be written.
+    /// [`InputError::Write`] if the file cannot be written.
     pub fn save_png(&self, path: &Path) -> Result<(), InputError> {
-        let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+        let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
         let buffer = image::RgbImage::from_raw(self.width as u32, self.height as u32, self.rgb.clone());
         let buffer = buffer.ok_or_else(|| refuse("picture of inconsistent size".to_owned()))?;
         buffer.save_with_format(path, image::ImageFormat::Png).map_err(|e| refuse(e.to_string()))

@@ -51,6 +51,7 @@ struct RodHead {
 /// `summary.json`.
 #[derive(Debug, Clone, Serialize)]
 struct Summary<'a> {
+    program: &'a str,
     title: &'a str,
     units: &'a Units,
     rods: &'a [RodHead],
@@ -98,6 +99,7 @@ pub struct RecordState {
 /// | `table.csv` | one line per accepted step |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
+/// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
@@ -124,7 +126,7 @@ impl Record {
     /// folder holds one run.
     ///
     /// # Errors
-    /// [`InputError::File`] if the folder cannot be made, or a file of an earlier run not be removed.
+    /// [`InputError::Write`] if the folder cannot be made, or a file of an earlier run not be removed.
     pub fn new(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
         let record = Self::open(scene, dir)?;
         files::remove_all(dir)?;
@@ -132,7 +134,7 @@ impl Record {
     }
 
     fn open(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
-        let refuse = |e: std::io::Error| InputError::File { path: dir.to_owned(), reason: e.to_string() };
+        let refuse = |e: std::io::Error| InputError::Write { path: dir.to_owned(), reason: e.to_string() };
         std::fs::create_dir_all(dir).map_err(refuse)?;
         let head = |rod: &crate::rod::Rod| RodHead {
             name: rod.name.clone(),
@@ -164,7 +166,7 @@ impl Record {
     /// Goes on with the record of an earlier run of the same scene.
     ///
     /// # Errors
-    /// [`InputError::File`] if the folder cannot be made.
+    /// [`InputError::Write`] if the folder cannot be made.
     pub fn resume(scene: &Scene, dir: &Path, state: RecordState) -> Result<Self, InputError> {
         let fresh = Self::open(scene, dir)?;
         let RecordState { steps, film, stride, last_written, collection } = state;
@@ -191,7 +193,7 @@ impl Record {
     /// Takes in an accepted state and writes its VTK file if it is due; `rods` in the order of the scene.
     ///
     /// # Errors
-    /// [`InputError::File`] if a file cannot be written.
+    /// [`InputError::Write`] if a file cannot be written.
     pub fn push(&mut self, mut observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
         let sites = std::mem::take(&mut observation.sites);
         observation.sites = strongest(&sites);
@@ -232,7 +234,7 @@ impl Record {
     /// Writes all that is left to write; `status` says how the run ended.
     ///
     /// # Errors
-    /// [`InputError::File`] if a file cannot be written.
+    /// [`InputError::Write`] if a file cannot be written.
     pub fn finish(&mut self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
         let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
         write_steps(&self.dir.join(files::TABLE), &names, &self.steps)?;
@@ -255,8 +257,10 @@ impl Record {
         let (title, units, rods, steps) = (&self.title, &self.units, &self.rods, &self.steps);
         let (last, error_estimate) = (steps.last(), self.error_estimate.as_ref());
         let failure = self.failure.as_deref();
-        let summary = Summary { title, units, rods, converged, status, failure, seconds, last, error_estimate, steps };
-        let refuse = |reason: String| InputError::File { path: path.clone(), reason };
+        let program = env!("CARGO_PKG_VERSION");
+        let summary =
+            Summary { program, title, units, rods, converged, status, failure, seconds, last, error_estimate, steps };
+        let refuse = |reason: String| InputError::Write { path: path.clone(), reason };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| refuse(e.to_string()))?;
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
     }

@@ -16,6 +16,7 @@ use crate::solve::{
 };
 
 use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
+use super::folder;
 use super::record::{Record, RodSnapshot};
 
 /// How a run went.
@@ -77,7 +78,7 @@ pub fn scene_of(checkpoint: &Checkpoint) -> Result<Scene, InputError> {
         let reason = "its scene came from no file: give the scene to go on with".to_owned();
         return Err(InputError::Inconsistent { field: "checkpoint".to_owned(), reason });
     };
-    Scene::read(path)
+    Scene::read_with(path, &checkpoint.set)
 }
 
 /// A scene about to be run in a folder.
@@ -89,12 +90,14 @@ pub struct SceneRun {
     pub dir: PathBuf,
     /// Stops the run between two Newton iterations.
     pub interrupt: Interrupt,
+    /// Replaces what another scene has left in the folder; else that is refused.
+    pub force: bool,
 }
 
 impl SceneRun {
     /// A run that nothing interrupts yet.
     pub fn new(scene: Scene, dir: &Path) -> Self {
-        Self { scene, dir: dir.to_owned(), interrupt: Interrupt::default() }
+        Self { scene, dir: dir.to_owned(), interrupt: Interrupt::default(), force: false }
     }
 
     /// Runs the scene from its start; `watch` sees every accepted step and may stop the run.
@@ -104,12 +107,18 @@ impl SceneRun {
     /// run leaves none. One that an earlier run has left in the folder is set aside as `checkpoint.bin.old`.
     ///
     /// # Errors
-    /// [`RunError`]: input refused (files that cannot be written included), or numbers that broke down.
+    /// [`RunError`]: input refused (files that cannot be written included), a folder in which another run is writing or
+    /// which holds the results of another scene, or numbers that broke down.
     pub fn start(self, watch: &mut Watch) -> Result<Outcome, RunError> {
+        let _lock = folder::lock(&self.dir)?;
+        if !self.force {
+            folder::check(&self.dir, &self.scene)?;
+        }
         let record = Record::new(&self.scene, &self.dir)?;
+        folder::describe(&self.dir, &self.scene)?;
         let path = self.dir.join(FILE_NAME);
         if path.exists() {
-            let refuse = |e: std::io::Error| InputError::File { path: path.clone(), reason: e.to_string() };
+            let refuse = |e: std::io::Error| InputError::Write { path: path.clone(), reason: e.to_string() };
             std::fs::rename(&path, self.dir.join(format!("{FILE_NAME}.old"))).map_err(refuse)?;
         }
         self.go(record, None, 0.0, watch)
@@ -122,7 +131,10 @@ impl SceneRun {
     /// As [`SceneRun::start`]; a checkpoint that is missing, damaged or of another version, or that was written for
     /// another scene (title, outputs and threads may differ).
     pub fn resume(self, watch: &mut Watch) -> Result<Outcome, RunError> {
-        let checkpoint = Checkpoint::read(&self.dir.join(FILE_NAME))?;
+        let path = self.dir.join(FILE_NAME);
+        // a folder that is not there is not made
+        let _lock = path.exists().then(|| folder::lock(&self.dir)).transpose()?;
+        let checkpoint = Checkpoint::read(&path)?;
         checkpoint.check_scene(&self.scene)?;
         let Checkpoint { restart, record, seconds, .. } = checkpoint;
         let record = Record::resume(&self.scene, &self.dir, record)?;
@@ -144,6 +156,7 @@ impl SceneRun {
             record,
             path: self.dir.join(FILE_NAME),
             scene: self.scene.path.clone(),
+            set: self.scene.set.clone(),
             fingerprint: Fingerprint::of(&self.scene),
             steps: output.checkpoint_steps,
             seconds: output.checkpoint_seconds,
@@ -179,6 +192,7 @@ struct Keeper {
     record: Record,
     path: PathBuf,
     scene: Option<PathBuf>,
+    set: Vec<String>,
     fingerprint: Fingerprint,
     steps: Option<usize>,
     seconds: f64,
@@ -210,6 +224,7 @@ impl Keeper {
         let checkpoint = Checkpoint {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             scene: self.scene.clone(),
+            set: self.set.clone(),
             fingerprint: self.fingerprint,
             seconds: self.elapsed(),
             restart: restart.clone(),

@@ -105,7 +105,7 @@ impl fmt::Display for StepTable<'_> {
 /// `rods` are the names of all rods; where several are closed their columns carry the name.
 ///
 /// # Errors
-/// [`InputError::Count`] if a rod has no name, [`InputError::File`] if the file cannot be written.
+/// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
 pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Result<(), InputError> {
     let closed: Vec<usize> =
         steps.first().map_or_else(Vec::new, |step| step.links.iter().map(|link| link.rod).collect());
@@ -152,7 +152,7 @@ fn name_of(rods: &[String], rod: usize) -> Result<&str, InputError> {
 /// are the names of all rods.
 ///
 /// # Errors
-/// [`InputError::Count`] if a rod has no name, [`InputError::File`] if the file cannot be written.
+/// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
 pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result<(), InputError> {
     let header = [
         "rod_a",

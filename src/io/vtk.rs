@@ -27,7 +27,7 @@ pub struct VtkRod<'a> {
 /// time, link …).
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::File`] if the file
+/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::Write`] if the file
 /// cannot be written.
 pub fn write_vtp(path: &Path, rods: &[VtkRod], field_data: &[(&str, f64)]) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
@@ -169,7 +169,7 @@ impl PvdWriter {
     /// Files in the collection's own folder (or below) are stored relative to it, so the folder can be moved.
     ///
     /// # Errors
-    /// [`InputError::Value`] if `time` is not finite, [`InputError::File`] if the collection cannot be written.
+    /// [`InputError::Value`] if `time` is not finite, [`InputError::Write`] if the collection cannot be written.
     pub fn push(&mut self, time: f64, file: &Path) -> Result<(), InputError> {
         InputError::check("time", time, true, "a finite number")?;
         let folder = self.path.parent().unwrap_or(Path::new(""));
@@ -183,7 +183,7 @@ impl PvdWriter {
 
 /// Writes a whole file.
 fn write_file(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
-    let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
+    let refuse = |e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
     std::fs::File::create(path).and_then(|mut f| f.write_all(bytes)).map_err(refuse)
 }
 
@@ -264,7 +264,7 @@ mod tests {
         let error = write_vtp(Path::new("/nowhere/a.vtp"), &[rod], &[]).unwrap_err();
         assert_eq!(error.to_string(), "rods[0].s: 0 values for 1 points");
         let error = write_vtp(Path::new("/nowhere/a.vtp"), &[], &[]).unwrap_err();
-        assert!(matches!(error, InputError::File { .. }));
+        assert!(matches!(error, InputError::Write { .. }));
     }
 
     #[test]

@@ -283,7 +283,7 @@ pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
         | InputError::Vector { field, .. }
         | InputError::Name { field, .. }
         | InputError::Inconsistent { field, .. } => *field = format!("{path}.{field}"),
-        InputError::Parse { .. } | InputError::File { .. } => {}
+        InputError::Parse { .. } | InputError::File { .. } | InputError::Write { .. } => {}
     }
     error
 }

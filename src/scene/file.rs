@@ -1,7 +1,9 @@
 //! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
 
 mod build;
+mod memory;
 mod mesh;
+mod set;
 mod shapes;
 mod text;
 mod values;
@@ -13,6 +15,7 @@ use serde::Deserialize;
 use crate::error::InputError;
 
 use super::model::{Model, Stage};
+use super::points::read_text;
 use super::{Fidelity, Units};
 
 use text::SceneText;
@@ -20,7 +23,7 @@ use text::SceneText;
 /// A scene: what is to be computed and what is to be written.
 ///
 /// ```toml
-/// title = "336 bp minicircle, excess link to -3"
+/// title = "336 bp minicircle, excess link to -3"   # one line, as all names
 /// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
 /// planar = false                               # true: all in the x-y plane, z is no unknown
 /// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are
@@ -88,7 +91,7 @@ use text::SceneText;
 /// [solver]                                     # all optional
 /// tol_increment = 1e-8                         # of the node spacing
 /// max_iterations = 50
-/// threads = 2
+/// threads = 2                                  # 1 to 1024
 ///
 /// [output]
 /// every = 1                                    # write VTK every so many accepted steps
@@ -103,8 +106,10 @@ use text::SceneText;
 /// dir = "out/minicircle"                       # relative to where the program runs
 /// ```
 ///
-/// Every unknown key is refused with its line and the keys that are allowed there, every bad value with its key, the
-/// value and what is allowed. All angles are in turns. A scene that was read has been checked.
+/// Every unknown key is refused with its line, the keys that are allowed there and the one that was probably meant,
+/// every bad value with its key, the value and what is allowed; so is a mesh that takes more memory than there is (as
+/// far as the system tells: Linux). All angles are in turns. A scene that was read has been checked. Points come from
+/// regular files of at most 256 MiB.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// Title, for reports; may be empty.
@@ -123,6 +128,10 @@ pub struct Scene {
     pub output: OutputChoice,
     /// The file it was read from, absolute; none if it came from text.
     pub path: Option<PathBuf>,
+    /// The text it was read from, before any value was replaced; empty if there was none.
+    pub text: String,
+    /// Values that were replaced, as `KEY=VALUE`, see [`Scene::read_with`].
+    pub set: Vec<String>,
 }
 
 /// Solver settings of a scene; `None` leaves the solver's default.
@@ -134,9 +143,12 @@ pub struct SolverChoice {
     pub tol_increment: Option<f64>,
     /// Newton iterations after which a step counts as failed. Legal: ≥ 1.
     pub max_iterations: Option<usize>,
-    /// Threads. Legal: ≥ 1. Results do not depend on it.
+    /// Threads. Legal: 1 to [`MOST_THREADS`]. Results do not depend on it.
     pub threads: Option<usize>,
 }
+
+/// Most threads of a run: more than any machine has cores for, few enough to start at once.
+pub const MOST_THREADS: usize = 1024;
 
 /// What a run writes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -185,10 +197,19 @@ impl Scene {
     /// # Errors
     /// A file that cannot be read, and all of [`Scene::from_toml`].
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
-        let text = std::fs::read_to_string(path).map_err(refuse)?;
-        let scene = Self::parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))?;
-        Ok(Self { path: std::path::absolute(path).ok(), ..scene })
+        Self::read_with(path, &[])
+    }
+
+    /// Reads a scene file and replaces some of its values, each given as `KEY=VALUE`: `solver.threads=2`,
+    /// `rods.dna.elements=96` (by name) or `stages.0.steps=10` (by index from 0). Values are TOML; what is none is a
+    /// word. Keys that the file leaves out are added.
+    ///
+    /// # Errors
+    /// As [`Scene::read`]; [`InputError::Inconsistent`] for a key that leads nowhere.
+    pub fn read_with(path: &Path, set: &[String]) -> Result<Self, InputError> {
+        let text = read_text(path)?;
+        let scene = Self::parse(&text, set, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))?;
+        Ok(Self { path: std::path::absolute(path).ok(), text, set: set.to_vec(), ..scene })
     }
 
     /// Reads a scene from text; files named in it are found relative to `base_dir`.
@@ -197,19 +218,58 @@ impl Scene {
     /// [`InputError::Parse`] with line and column for text that is no TOML, keys that are unknown or missing, values of
     /// the wrong type; everything [`Model::check`] and [`Model::check_stages`] refuse.
     pub fn from_toml(text: &str, base_dir: &Path) -> Result<Self, InputError> {
-        Self::parse(text, "scene", base_dir)
+        Ok(Self { text: text.to_owned(), ..Self::parse(text, &[], "scene", base_dir)? })
     }
 
-    fn parse(text: &str, file: &str, base_dir: &Path) -> Result<Self, InputError> {
-        let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: e.to_string() };
-        let mut text: SceneText = toml::from_str(text).map_err(refuse)?;
+    fn parse(text: &str, set: &[String], file: &str, base_dir: &Path) -> Result<Self, InputError> {
+        let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: with_suggestion(&e) };
+        // also where values are replaced: only here do errors have their lines
+        let mut read: SceneText = toml::from_str(text).map_err(refuse)?;
+        if !set.is_empty() {
+            let mut table: toml::Table = toml::from_str(text).map_err(refuse)?;
+            set.iter().try_for_each(|assignment| set::apply(&mut table, assignment))?;
+            read = table.try_into().map_err(refuse)?;
+        }
+        let mut text = read;
         build::name_rods(&mut text.rods)?;
+        check_words(&text)?;
         check_choices(&text.solver, &text.output)?;
         let model = build::model(&text, base_dir)?;
         let stages = build::stages(&text.stages, &model)?;
         let SceneText { title, units, fidelity, mut solver, output, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
-        Ok(Self { title, units, fidelity, model, stages, solver, output, path: None })
+        Ok(Self { title, units, fidelity, model, stages, solver, output, ..Self::default() })
+    }
+}
+
+/// Likeness (Jaro, 0 to 1) from which a key is taken for a slip of another; that of clap's own suggestions.
+const LIKE: f64 = 0.7;
+
+/// What an error says, with the allowed word that is most like an unknown one.
+fn with_suggestion(error: &toml::de::Error) -> String {
+    let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
+    let likest = match words.as_slice() {
+        [found, allowed @ ..] if error.message().starts_with("unknown ") => allowed
+            .iter()
+            .map(|word| (strsim::jaro(found, word), word))
+            .filter(|(likeness, _)| *likeness > LIKE)
+            .max_by(|a, b| a.0.total_cmp(&b.0)),
+        _ => None,
+    };
+    let hint = likest.map(|(_, word)| format!("did you mean `{word}`?"));
+    format!("{}{}", error, hint.unwrap_or_default()).trim_end().to_owned()
+}
+
+/// Refuses words that would put control characters into tables and terminals.
+fn check_words(text: &SceneText) -> Result<(), InputError> {
+    let words = [("title", &text.title), ("units.length", &text.units.length), ("units.force", &text.units.force)];
+    let names = text.rods.iter().map(|rod| ("rods.name", &rod.name));
+    match words.into_iter().chain(names).find(|(_, word)| word.chars().any(char::is_control)) {
+        Some((field, word)) => {
+            let allowed = "one line without control characters".to_owned();
+            Err(InputError::Name { field: field.to_owned(), name: word.clone(), allowed })
+        }
+        None => Ok(()),
     }
 }
 
@@ -224,6 +284,10 @@ fn check_choices(solver: &SolverChoice, output: &OutputChoice) -> Result<(), Inp
     if seconds.is_nan() || seconds < 0.0 {
         let field = "output.checkpoint_seconds".to_owned();
         return Err(InputError::Value { field, value: seconds, allowed: "at least 0 s, or inf" });
+    }
+    if let Some(value) = solver.threads.filter(|&threads| threads > MOST_THREADS) {
+        let field = "solver.threads".to_owned();
+        return Err(InputError::Count { field, value, allowed: "between 1 and 1024" });
     }
     let counts = [
         ("solver.max_iterations", solver.max_iterations),

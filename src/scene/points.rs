@@ -1,5 +1,7 @@
 //! Centrelines from CSV or XYZ files.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::InputError;
@@ -12,15 +14,34 @@ use crate::math::Vec3;
 ///   lines and what follows `#` are ignored.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] naming file, line and what was found if a
+/// [`InputError::File`] if the file cannot be read, is no regular one or holds more than 256 MiB; [`InputError::Parse`] naming file, line and what was found if a
 /// line has too few or too many numbers, a word, a NaN or an infinity, or if the number of points disagrees with the
 /// first line of an `.xyz` file.
 pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|e| InputError::File { path: path.to_owned(), reason: e.to_string() })?;
+    // before it is opened: opening a pipe that nobody writes to never ends
+    if path.metadata().is_ok_and(|found| !found.is_file()) {
+        let reason = "is no regular file: points are read from those only".to_owned();
+        return Err(InputError::File { path: path.to_owned(), reason });
+    }
+    let text = read_text(path)?;
     let is_xyz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xyz"));
     let parsed = if is_xyz { parse_xyz(&text) } else { parse_columns(&text) };
     parsed.map_err(|reason| InputError::Parse { file: path.display().to_string(), reason })
+}
+
+/// Most bytes of a scene or of a file of points: a million points with all their digits take 60 MB.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// The text of a file that somebody names: no more than is sensible, whatever it is.
+pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
+    let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+    let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
+    let mut text = String::new();
+    file.take(MOST_BYTES + 1).read_to_string(&mut text).map_err(|e| refuse(e.to_string()))?;
+    if text.len() as u64 > MOST_BYTES {
+        return Err(refuse(format!("holds more than {} MiB", MOST_BYTES >> 20)));
+    }
+    Ok(text)
 }
 
 /// Points of a text in columns.

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; rows for whoever asks
 
-#[path = "../common/mod.rs"]
-mod common;
 #[path = "../../benches/inputs.rs"]
 #[allow(dead_code)] // each module uses its part
 mod inputs;
@@ -23,6 +21,5 @@ mod contact_detector;
 mod contact_examples;
 mod contact_forces;
 mod contact_geometry;
-mod contact_layer;
 mod contact_radii;
 mod contact_sites;

@@ -1,4 +1,4 @@
-//! Every example's one number. (`dna_minicircle` is run by `.ci/run`: it is long and writes files.)
+//! Every example's one number. (`.ci/run` runs the scene of `dna_minicircle`: it is long and writes files.)
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 #![allow(dead_code)] // the examples' own main functions

@@ -24,6 +24,7 @@ mod coaxial_clamps;
 mod contact_by_mesh;
 mod contact_held_open;
 mod contact_laws;
+mod contact_layer;
 mod contact_unfelt;
 mod contact_unloaded;
 mod error_estimate;

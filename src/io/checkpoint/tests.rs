@@ -33,7 +33,15 @@ fn checkpoint() -> Checkpoint {
     .unwrap();
     let program = "0".to_owned();
     let scene = Some("/nowhere/scene.toml".into());
-    Checkpoint { program, scene, fingerprint, seconds: 0.1, restart: restart.unwrap(), record: RecordState::default() }
+    Checkpoint {
+        program,
+        scene,
+        set: vec![],
+        fingerprint,
+        seconds: 0.1,
+        restart: restart.unwrap(),
+        record: RecordState::default(),
+    }
 }
 
 #[test]

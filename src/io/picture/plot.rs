@@ -1,5 +1,6 @@
 //! Line plots as SVG.
 
+use super::text::font;
 use crate::error::InputError;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -78,8 +79,6 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(60, 60, 60),
 ];
 
-const FONT: &str = "sans-serif";
-
 /// Units of the drawing per pixel: the backend rounds to whole units, which would show in smooth curves.
 const FINE: u32 = 8;
 
@@ -88,11 +87,11 @@ const MAX_SIZE: u32 = 20_000;
 /// Axes to larger values have no end: their ticks overflow.
 const FARTHEST: f64 = 1e300;
 
-/// Draws a plot as SVG, replacing what is there; text is left to the viewer's own sans-serif font.
+/// Draws a plot as SVG, replacing what is there; text is DejaVu Sans where the viewer has it, else the viewer's own sans-serif.
 ///
 /// # Errors
 /// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] if no point can be drawn or an axis would have
-/// to reach beyond 1e300, [`InputError::File`] if the file cannot be written.
+/// to reach beyond 1e300, [`InputError::Write`] if the file cannot be written.
 pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
     for (field, value) in [("size.0", plot.size.0), ("size.1", plot.size.1)] {
         if !(1..=MAX_SIZE).contains(&value) {
@@ -120,7 +119,7 @@ pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
 }
 
 fn refuse(path: &Path, reason: String) -> InputError {
-    InputError::File { path: path.to_owned(), reason }
+    InputError::Write { path: path.to_owned(), reason }
 }
 
 /// Whether a point can be drawn on the plot's axes.
@@ -182,7 +181,7 @@ where
     let mut builder = ChartBuilder::on(area);
     builder.margin(14 * FINE).margin_right(24 * FINE).x_label_area_size(48 * FINE).y_label_area_size(72 * FINE);
     if !plot.title.is_empty() {
-        builder.caption(&plot.title, (FONT, 20 * FINE));
+        builder.caption(&plot.title, font(20 * FINE));
     }
     let mut chart = builder.build_cartesian_2d(x, y).map_err(words)?;
     chart
@@ -191,8 +190,8 @@ where
         .bold_line_style(BLACK.mix(0.12).stroke_width(FINE))
         .axis_style(BLACK.mix(0.6).stroke_width(FINE))
         .set_all_tick_mark_size(5 * FINE)
-        .label_style((FONT, 14 * FINE))
-        .axis_desc_style((FONT, 16 * FINE))
+        .label_style(font(14 * FINE))
+        .axis_desc_style(font(16 * FINE))
         .x_desc(&plot.x_label)
         .y_desc(&plot.y_label)
         .x_label_formatter(&|v| tick(*v, plot.log_x, largest_x))
@@ -210,7 +209,7 @@ where
         .legend_area_size(30 * FINE)
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2).stroke_width(FINE))
-        .label_font((FONT, 14 * FINE))
+        .label_font(font(14 * FINE))
         .draw()
         .map_err(words)
 }
@@ -300,13 +299,17 @@ mod tests {
     }
 
     #[test]
-    fn plot_has_curve_text_and_generic_font() {
+    fn plot_has_curve_text_and_font_with_generic_family() {
         let path = std::env::temp_dir().join(format!("supercoil_plot_{}.svg", std::process::id()));
         plot_lines(&path, &spec(vec![(1.0, 0.1), (10.0, 5.0), (100.0, f64::NAN), (1e3, 7e3)])).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::remove_file(&path).unwrap();
         assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
-        assert!(text.contains("font-family=\"sans-serif\"") && text.contains("Cost") && text.contains("measured"));
+        assert!(
+            text.contains("font-family=\"DejaVu Sans, sans-serif\"")
+                && text.contains("Cost")
+                && text.contains("measured")
+        );
         assert!(text.matches("<circle").count() >= 3 && text.contains("<polyline"));
     }
 

@@ -1,6 +1,6 @@
 //! Several pictures side by side.
 
-use super::Picture;
+use super::{Picture, text::width as text_width};
 use crate::error::InputError;
 
 /// Composes `(picture, caption)` pairs, row by row with `columns` in each, captions centred below the pictures.
@@ -19,9 +19,9 @@ pub fn film_strip(frames: &[(Picture, String)], columns: usize, background: [u8;
     let columns = columns.min(frames.len());
     let width = frames.iter().map(|(p, _)| p.width).max().unwrap_or(1);
     let height = frames.iter().map(|(p, _)| p.height).max().unwrap_or(1);
-    let longest = frames.iter().map(|(_, c)| c.chars().count()).max().unwrap_or(0);
-    // A character is 6/7 as wide as a capital is high.
-    let letter = (height / 14).min(7 * width * 9 / (10 * 6 * longest.max(1))).max(5);
+    let largest = (height / 14).max(5);
+    let longest = frames.iter().map(|(_, caption)| text_width(caption, largest)).max().unwrap_or(0);
+    let letter = (largest * width * 9 / (10 * longest.max(1))).clamp(5, largest);
     let caption = if longest == 0 { 0 } else { 2 * letter };
     let rows = frames.len().div_ceil(columns);
     let mut sheet = Picture::filled(columns * width, rows * (height + caption), background);
@@ -31,7 +31,7 @@ pub fn film_strip(frames: &[(Picture, String)], columns: usize, background: [u8;
         let (left, top) = ((index % columns) * width, (index / columns) * (height + caption));
         let corner = [left + (width - picture.width) / 2, top + (height - picture.height) / 2];
         paste(&mut sheet, picture, corner);
-        let wide = text.chars().count() * letter * 6 / 7;
+        let wide = text_width(text, letter);
         sheet.write(text, left + width.saturating_sub(wide) / 2, top + height + letter / 4, letter, ink);
     }
     Ok(sheet)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::InputError;
+use crate::io::folder::SCENE;
 
 pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
@@ -14,7 +15,7 @@ pub(super) const FILM_STRIP: &str = "filmstrip.png";
 pub(super) const WRITHE: &str = "writhe.svg";
 
 /// All but those of single steps.
-const ALL: [&str; 8] = [COLLECTION, TABLE, FINAL_STATE, SITES, SUMMARY, PICTURE, FILM_STRIP, WRITHE];
+const ALL: [&str; 9] = [COLLECTION, TABLE, FINAL_STATE, SITES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, SCENE];
 const STEP: [&str; 2] = ["step_", ".vtp"];
 
 /// Name of the VTK file of a step.
@@ -29,7 +30,7 @@ pub(super) fn remove_all(dir: &Path) -> Result<(), InputError> {
         let step = name.strip_prefix(STEP[0]).and_then(|rest| rest.strip_suffix(STEP[1]));
         ALL.contains(&name) || step.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
     };
-    let refuse = |path: &Path, e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
+    let refuse = |path: &Path, e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
     for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
         let path = entry.map_err(|e| refuse(dir, e))?.path();
         if path.file_name().and_then(|name| name.to_str()).is_some_and(is_output) && !path.is_dir() {

@@ -159,6 +159,9 @@ fn cusp(piece: usize) -> InputError {
     InputError::Inconsistent { field: "shape.points".into(), reason }
 }
 
+/// Points farther apart have distances whose squares overflow.
+const FARTHEST: f64 = 1e150;
+
 fn check_points(points: &[Vec3], closed: bool) -> Result<(), InputError> {
     let (needed, allowed) =
         if closed { (3, "at least 3 points for a closed rod") } else { (2, "at least 2 points for an open rod") };
@@ -169,6 +172,11 @@ fn check_points(points: &[Vec3], closed: bool) -> Result<(), InputError> {
         finite(&format!("shape.points[{i}]"), point)?;
     }
     let size = points.iter().map(|point| (point - points[0]).amax()).fold(0.0, f64::max);
+    if size > FARTHEST {
+        let reason =
+            format!("points lie {size:e} apart: more than {FARTHEST:e}, beyond which squares of distances overflow");
+        return Err(InputError::Inconsistent { field: "shape.points".into(), reason });
+    }
     for i in 0..points.len() - usize::from(!closed) {
         let next = (i + 1) % points.len();
         if (points[next] - points[i]).norm() <= 1e-12 * size {

@@ -9,10 +9,10 @@ use crate::rod::within;
 use crate::rod::{CrossSection, Natural, Rod, Section};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
-use super::mesh;
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
 use super::values::{At, List, Names, NaturalText};
+use super::{memory, mesh};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -41,7 +41,11 @@ pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
 }
 
 pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
-    let rods = text.rods.iter().map(|rod_text| rod(text, rod_text, base_dir)).collect::<Result<Vec<_>, _>>()?;
+    let mut rods: Vec<Rod> = Vec::new();
+    for rod_text in &text.rods {
+        let nodes = rods.iter().map(Rod::num_nodes).sum();
+        rods.push(rod(text, rod_text, base_dir, nodes)?);
+    }
     let contact = contact(&text.contact, text.fidelity, &rods)?;
     let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
@@ -116,7 +120,8 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
     Ok(ramps)
 }
 
-fn rod(scene: &SceneText, text: &RodText, base_dir: &Path) -> Result<Rod, InputError> {
+/// A rod of a scene, after others of so many `nodes`.
+fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
     let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
@@ -138,6 +143,8 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path) -> Result<Rod, InputE
             return Err(inconsistent(format!("{path}.elements"), reason));
         }
     };
+    let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
+    memory::check(format!("{path}.elements"), elements, nodes, scene.planar)?;
     let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
     if let Some(turns) = text.excess_link {
         rod = rod.with_excess_link(turns)?;

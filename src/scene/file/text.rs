@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair};
+use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, table, tables};
 use super::{OutputChoice, SolverChoice};
 
 #[derive(Deserialize)]
@@ -15,27 +15,28 @@ use super::{OutputChoice, SolverChoice};
 pub(super) struct SceneText {
     #[serde(default)]
     pub title: String,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "table")]
     pub units: Units,
     #[serde(default)]
     pub planar: bool,
     pub fidelity: Option<Fidelity>,
+    #[serde(deserialize_with = "tables")]
     pub rods: Vec<RodText>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tables")]
     pub supports: Vec<SupportText>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tables")]
     pub joints: Vec<JointText>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tables")]
     pub loads: Vec<LoadText>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tables")]
     pub line_loads: Vec<LineLoadText>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "table")]
     pub contact: ContactText,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tables")]
     pub stages: Vec<StageText>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "table")]
     pub solver: SolverChoice,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "table")]
     pub output: OutputChoice,
 }
 
@@ -50,7 +51,9 @@ pub(super) struct RodText {
     pub name: String,
     #[serde(default)]
     pub closed: bool,
+    #[serde(deserialize_with = "table")]
     pub shape: ShapeText,
+    #[serde(deserialize_with = "table")]
     pub section: SectionText,
     pub elements: Option<usize>,
     #[serde(default = "default_order")]
@@ -172,7 +175,9 @@ pub(super) struct SupportText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointText {
+    #[serde(deserialize_with = "table")]
     pub a: EndText,
+    #[serde(deserialize_with = "table")]
     pub b: EndText,
 }
 
@@ -222,6 +227,7 @@ pub(super) struct ContactText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StageText {
+    #[serde(deserialize_with = "table")]
     pub ramp: RampText,
     pub steps: usize,
 }

@@ -1,0 +1,37 @@
+//! Values of a scene replaced by `KEY=VALUE`.
+
+use toml::{Table, Value};
+
+use crate::error::InputError;
+
+use super::build::inconsistent;
+
+/// Replaces or adds one value; what it means is judged when the scene is read from the table.
+pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputError> {
+    let refuse = |reason: &str| inconsistent(format!("set {assignment}"), reason);
+    let (key, value) = assignment.split_once('=').ok_or_else(|| refuse("must be KEY=VALUE"))?;
+    let mut steps = key.trim().split('.');
+    let mut place = scene.entry(steps.next().unwrap_or_default()).or_insert_with(|| Table::new().into());
+    for step in steps {
+        place = match place {
+            Value::Table(table) => table.entry(step).or_insert_with(|| Table::new().into()),
+            Value::Array(list) => {
+                let named = |item: &Value| item.get("name").and_then(Value::as_str) == Some(step);
+                let index = step.parse().ok().or_else(|| list.iter().position(named));
+                let entry = index.and_then(|index: usize| list.get_mut(index));
+                entry.ok_or_else(|| {
+                    refuse(&format!("there is no entry \"{step}\": give its name or its index from 0"))
+                })?
+            }
+            _ => return Err(refuse(&format!("what \"{step}\" is to be in is no table"))),
+        };
+    }
+    *place = value_of(value.trim());
+    Ok(())
+}
+
+/// A value as TOML has it, or else a word.
+fn value_of(text: &str) -> Value {
+    let read = toml::from_str::<Table>(&format!("value = {text}")).ok();
+    read.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())
+}

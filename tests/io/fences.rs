@@ -1,0 +1,358 @@
+//! What could hurt the machine, the terminal or other results: each was found by trying, each is refused in words.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use supercoil::InputError;
+use supercoil::io::checkpoint::FILE_NAME;
+use supercoil::io::run::{SceneRun, run_scene};
+use supercoil::scene::{Scene, read_points};
+use supercoil::solve::Status;
+
+const BEAM: &str = r#"
+title = "beam"
+units = { length = "m", force = "N" }
+[[rods]]
+name = "beam"
+shape = { kind = "line", length = 1.0 }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.01 }
+elements = 2
+[[supports]]
+at = "start"
+position = true
+rotation = true
+[[supports]]
+at = "end"
+rotation = true
+[[stages]]
+ramp = { rotation = { at = "end", axis = [1, 0, 0], turns = 0.1 } }
+steps = 2
+[output]
+picture = false
+"#;
+
+/// An empty folder that no other test uses.
+fn folder(name: &str) -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("supercoil_fences_{}_{name}", std::process::id()));
+    std::fs::remove_dir_all(&dir).ok();
+    std::fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+fn scene_file(dir: &Path, text: &str) -> PathBuf {
+    let file = dir.join("beam.toml");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+/// The message with which a scene is refused after `from`, which must be there, was replaced by `to`.
+fn refusal(from: &str, to: &str) -> String {
+    assert!(BEAM.contains(from), "{from}");
+    let read = Scene::from_toml(&BEAM.replacen(from, to, 1), Path::new(""));
+    read.map_or_else(|error| error.to_string(), |_| format!("accepted: {to}"))
+}
+
+fn supercoil(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_supercoil"));
+    arguments.iter().for_each(|argument| _ = command.arg(argument));
+    command.stdin(Stdio::null()).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn go_on(_: &supercoil::observe::report::Observation) -> std::ops::ControlFlow<()> {
+    std::ops::ControlFlow::Continue(())
+}
+
+/// Symptom: the program was ended without a word, by `check` too.
+#[test]
+fn more_elements_than_memory_are_refused_with_the_number() {
+    let message = refusal("elements = 2", "elements = 1000000000");
+    assert!(message.starts_with("rods.beam.elements: 1000000000 elements are too many"), "{message}");
+    assert!(message.contains("3000000000 nodes take at least 19557.8 GiB, and"), "{message}");
+}
+
+/// A limit of the shell counts as well as the machine's memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_on_memory_is_heeded() {
+    let dir = folder("memory");
+    let file = scene_file(&dir, &BEAM.replace("elements = 2", "elements = 100000"));
+    let check = |limit: &str| {
+        let program = format!("ulimit -v {limit}; exec {} check {}", env!("CARGO_BIN_EXE_supercoil"), file.display());
+        Command::new("sh").args(["-c", &program]).output().unwrap()
+    };
+    let output = check("1500000");
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("300000 nodes take at least 2.0 GiB, and 1.4 GiB are available"),
+        "{}",
+        said(&output)
+    );
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: 20000 threads were being started for ever.
+#[test]
+fn threads_are_bounded() {
+    let message = refusal("[output]", "[solver]\nthreads = 20000\n[output]");
+    assert_eq!(message, "solver.threads = 20000: must be between 1 and 1024");
+    let dir = folder("threads");
+    let output = supercoil(&[&"run", &scene_file(&dir, BEAM), &"--threads", &"20000"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("20000 is not in 1..=1024"), "{}", said(&output));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: a pipe that nobody writes to was waited for, and a device without end read, for ever.
+#[cfg(unix)]
+#[test]
+fn points_come_from_regular_files_of_sensible_size() {
+    let dir = folder("points");
+    let pipe = dir.join("pipe.csv");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.as_path(), Path::new("/dev/zero"), &dir] {
+        let error = read_points(path).unwrap_err().to_string();
+        assert!(error.ends_with("is no regular file: points are read from those only"), "{error}");
+    }
+    let huge = dir.join("huge.csv");
+    std::fs::File::create(&huge).unwrap().set_len((256 << 20) + 1).unwrap();
+    assert!(read_points(&huge).unwrap_err().to_string().ends_with("holds more than 256 MiB"));
+    std::fs::remove_file(&huge).unwrap();
+    let scene = Scene::read(Path::new("/dev/zero")).unwrap_err().to_string();
+    assert_eq!(scene, "/dev/zero: holds more than 256 MiB");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: the line in which an error was found was echoed whole, its control characters obeyed by the terminal.
+#[test]
+fn what_is_echoed_is_cut_and_cannot_command_the_terminal() {
+    let dir = folder("echo");
+    let path = dir.join("points.csv");
+    std::fs::write(&path, format!("1,2,3\n1,\u{1b}[2J{},3\n", "7".repeat(1_000_000))).unwrap();
+    let message = read_points(&path).unwrap_err().to_string();
+    assert!(message.contains("line 2: a finite number expected, found \"\\u{1b}[2J777"), "{message:.200}");
+    assert!(message.len() < 2000 && message.ends_with('…'), "{}", message.len());
+    let message = refusal("steps = 2", &format!("steps = {}", "2".repeat(1_000_000)));
+    assert!(message.contains("line 18") && message.len() < 5000, "{message:.200}, {}", message.len());
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// What goes into tables and onto the terminal as it is.
+#[test]
+fn titles_names_and_units_are_without_control_characters() {
+    for (from, to, field) in [
+        ("title = \"beam\"", "title = \"a\\u001b[31mb\"", "title"),
+        ("name = \"beam\"", "name = \"a\\nb\"", "rods.name"),
+        ("length = \"m\"", "length = \"\\u0007\"", "units.length"),
+        ("force = \"N\"", "force = \"\\r\"", "units.force"),
+    ] {
+        let message = refusal(from, to);
+        assert!(message.starts_with(&format!("{field} = ")), "{message:?}");
+        assert!(message.ends_with("must be one line without control characters"), "{message:?}");
+        assert!(!message.chars().any(|c| c.is_control() && c != '\n'), "{message:?}");
+    }
+}
+
+/// Symptom: lists were taken for tables, their values in the order of the keys; `units = []` was accepted.
+#[test]
+fn tables_are_not_written_as_lists() {
+    for (from, to) in [
+        ("units = { length = \"m\", force = \"N\" }", "units = []"),
+        ("[output]\npicture = false", "[[output]]"),
+        ("[output]", "[[solver]]\n[output]"),
+        ("[output]", "[[contact]]\n[output]"),
+        ("shape = { kind = \"line\", length = 1.0 }", "shape = [\"line\"]"),
+        ("ramp = { rotation = { at = \"end\", axis = [1, 0, 0], turns = 0.1 } }", "ramp = []"),
+    ] {
+        let message = refusal(from, to);
+        assert!(message.contains("invalid type: sequence, expected a table"), "{message}");
+    }
+    let message = refusal("rotation = { at = \"end\", axis = [1, 0, 0], turns = 0.1 }", "load = 1.0, pressure = [[]]");
+    assert!(message.contains("invalid type: sequence, expected a table"), "{message}");
+}
+
+/// Symptom: points 2e308 apart "coincide". Mechanism: their distance overflows.
+#[test]
+fn points_too_far_apart_are_told_so() {
+    let dir = folder("far");
+    std::fs::write(dir.join("far.csv"), "-1e308,0,0\n0,0,0\n1e308,0,0\n").unwrap();
+    let text = BEAM.replace("{ kind = \"line\", length = 1.0 }", "{ kind = \"points\", file = \"far.csv\" }");
+    let message = Scene::from_toml(&text, &dir).unwrap_err().to_string();
+    assert!(message.starts_with("rods.beam.shape.points: points lie inf apart: more than 1e150"), "{message}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: two runs in one folder mixed their files, and both ended well.
+#[test]
+fn one_run_at_a_time_in_a_folder() {
+    let dir = folder("lock");
+    let (file, out) = (scene_file(&dir, BEAM), dir.join("out"));
+    let mut outputs = Vec::new();
+    let outcome = run_scene(Scene::read(&file).unwrap(), &out, &mut |step| {
+        if step.step == 1 {
+            outputs = vec![supercoil(&[&"run", &file, &"--out", &out])];
+        }
+        go_on(step)
+    });
+    assert_eq!(outcome.unwrap().status, Status::Converged);
+    assert_eq!(outputs[0].status.code(), Some(3), "{}", said(&outputs[0]));
+    assert!(said(&outputs[0]).contains("another run is writing to this folder"), "{}", said(&outputs[0]));
+    assert!(supercoil(&[&"run", &file, &"--out", &out]).status.success(), "free again");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: what a planted link pointed to was overwritten.
+#[cfg(unix)]
+#[test]
+fn a_new_checkpoint_follows_no_link() {
+    let dir = folder("link");
+    let (out, precious) = (dir.join("out"), dir.join("precious"));
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(&precious, "mine").unwrap();
+    std::os::unix::fs::symlink(&precious, out.join(format!("{FILE_NAME}.new"))).unwrap();
+    let mut scene = Scene::from_toml(BEAM, &dir).unwrap();
+    scene.output.checkpoint_steps = Some(1);
+    let outcome = run_scene(scene, &out, &mut |_| std::ops::ControlFlow::Break(())).unwrap();
+    assert!(outcome.checkpoint.is_some_and(|path| path.symlink_metadata().unwrap().is_file()));
+    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "mine");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: "bad input" for a disk that is full or read-only.
+#[test]
+fn what_cannot_be_written_has_an_exit_code_of_its_own() {
+    let dir = folder("written");
+    let file = scene_file(&dir, BEAM);
+    let in_the_way = supercoil(&[&"run", &file, &"--out", &file]);
+    assert_eq!(in_the_way.status.code(), Some(3), "{}", said(&in_the_way));
+    // found at the end only
+    let out = dir.join("out");
+    std::fs::create_dir_all(out.join("table.csv")).unwrap();
+    let output = supercoil(&[&"run", &file, &"--out", &out]);
+    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    assert!(said(&output).contains("table.csv"), "{}", said(&output));
+    let missing = supercoil(&[&"run", &dir.join("nowhere.toml")]);
+    assert_eq!(missing.status.code(), Some(2), "what cannot be read is bad input");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn the_key_that_was_meant_is_named() {
+    for (from, to, meant) in [
+        ("bending", "bendig", "bending"),
+        ("twisting", "twistin", "twisting"),
+        ("elements", "elemnts", "elements"),
+        ("kind = \"line\"", "kind = \"lien\"", "line"),
+        ("steps", "step", "steps"),
+    ] {
+        let message = refusal(from, to);
+        assert!(message.ends_with(&format!("did you mean `{meant}`?")), "{message}");
+    }
+    let message = refusal("title", "zzz");
+    assert!(message.contains("unknown field `zzz`") && !message.contains("did you mean"), "{message}");
+}
+
+/// Stopped by itself as Ctrl-C would, and taken up again.
+#[test]
+fn a_time_limit_ends_a_run_cleanly() {
+    let dir = folder("limit");
+    let file = scene_file(&dir, &BEAM.replace("steps = 2", "steps = 1000000"));
+    let out = dir.join("out");
+    let output = supercoil(&[&"run", &file, &"--out", &out, &"--time-limit", &"0.5"]);
+    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+    assert!(said(&output).contains("time limit reached") && said(&output).contains("to go on: supercoil resume"));
+    assert!(out.join("summary.json").exists() && out.join(FILE_NAME).exists());
+    let again = supercoil(&[&"resume", &out, &"--time-limit", &"0.2"]);
+    assert_eq!(again.status.code(), Some(130), "{}", said(&again));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn values_of_a_scene_can_be_replaced() {
+    let dir = folder("set");
+    let file = scene_file(&dir, BEAM);
+    let read = |set: &[&str]| Scene::read_with(&file, &set.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>());
+    let scene = read(&["rods.beam.elements=5", "stages.0.steps = 7", "solver.threads=3", "title=other words"]).unwrap();
+    assert_eq!((scene.model.rods[0].num_elements, scene.stages[0].steps), (5, 7));
+    assert_eq!((scene.solver.threads, scene.title.as_str()), (Some(3), "other words"));
+    let scene = read(&["rods.0.shape={ kind = \"line\", length = 3.0 }"]).unwrap();
+    assert_eq!(scene.model.rods[0].length, 3.0);
+    for (set, reason) in [
+        ("rods.beam.elements", "set rods.beam.elements: must be KEY=VALUE"),
+        ("rods.bean.elements=3", "there is no entry \"bean\": give its name or its index from 0"),
+        ("rods.7.elements=3", "there is no entry \"7\""),
+        ("title.x=3", "what \"x\" is to be in is no table"),
+        ("rods.beam.elemnts=3", "did you mean `elements`?"),
+        ("rods.beam.elements=many", "expected usize"),
+    ] {
+        let error = read(&[set]).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// A run that was cut goes on with the values that were replaced.
+#[test]
+fn replaced_values_survive_a_resume() {
+    let dir = folder("set_resume");
+    let (file, out) = (scene_file(&dir, BEAM), dir.join("out"));
+    let set = vec!["rods.beam.elements=3".to_owned(), "stages.0.steps=4".to_owned()];
+    let scene = Scene::read_with(&file, &set).unwrap();
+    let _ = run_scene(scene, &out, &mut |_| std::ops::ControlFlow::Break(())).unwrap();
+    let output = supercoil(&[&"resume", &out]);
+    assert!(output.status.success(), "{}", said(&output));
+    let summary: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+    assert_eq!(
+        (summary["rods"][0]["elements"].as_u64(), summary["steps"].as_array().map(Vec::len)),
+        (Some(3), Some(5))
+    );
+    assert_eq!(summary["program"].as_str(), Some(env!("CARGO_PKG_VERSION")));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// A folder says which scene it is of; results of another are not replaced unasked.
+#[test]
+fn results_of_another_scene_are_kept() {
+    let dir = folder("another");
+    let (file, out) = (scene_file(&dir, BEAM), dir.join("out"));
+    let run = |more: &[&str]| {
+        let mut arguments: Vec<&dyn AsRef<std::ffi::OsStr>> = vec![&"run", &file, &"--out", &out];
+        more.iter().for_each(|argument| arguments.push(argument));
+        supercoil(&arguments)
+    };
+    assert!(run(&[]).status.success());
+    let copy = || std::fs::read_to_string(out.join("scene_as_run.toml")).unwrap();
+    let head = format!("# supercoil {} has run\n# {file:?}\n\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(copy(), format!("{head}{BEAM}"));
+    // the same scene, edited
+    std::fs::write(&file, BEAM.replace("steps = 2", "steps = 3")).unwrap();
+    assert!(run(&[]).status.success());
+    assert!(copy().contains("steps = 3"));
+    // a variant of it, and another file
+    let output = run(&["--set", "rods.beam.elements=4"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("holds the results of another scene"), "{}", said(&output));
+    assert!(said(&output).contains("beam.toml") && said(&output).contains("--force"), "{}", said(&output));
+    let scene = Scene::from_toml(BEAM, &dir).unwrap();
+    let error = run_scene(scene.clone(), &out, &mut go_on).unwrap_err().to_string();
+    assert!(error.contains("holds the results of another scene"), "{error}");
+    assert!(copy().contains("steps = 3"), "nothing was touched");
+    assert!(run(&["--set", "rods.beam.elements=4", "--force"]).status.success());
+    assert!(copy().contains("# --set \"rods.beam.elements=4\"\n"), "{}", copy());
+    assert!(SceneRun { force: true, ..SceneRun::new(scene, &out) }.start(&mut go_on).is_ok());
+    assert!(!out.join("scene_as_run.toml").exists(), "a scene from no file leaves no copy of another's");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Reading and writing fail as different things.
+#[test]
+fn a_table_that_cannot_be_written_is_no_bad_file() {
+    let error = supercoil::io::csv::write_table(Path::new("/nowhere/a.csv"), &["a"], [[1.0]]).unwrap_err();
+    assert!(matches!(error, InputError::Write { .. }), "{error}");
+}
