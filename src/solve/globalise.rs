@@ -204,7 +204,7 @@ impl Workspace {
     /// Goes where an accepted step leads.
     fn accept(&mut self, engine: &mut Engine, search: &mut Search, residual: &Residual, (step, trial): (&Step, Trial)) {
         let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
-        let unseen = trial.expected.abs() <= UNSEEN * noise(residual);
+        let unseen = trial.expected.abs() <= unseen(residual);
         search.trust.accept(Outcome {
             extent: step.extent,
             fraction: trial.fraction,
@@ -245,6 +245,11 @@ impl Workspace {
 /// Decrease of the potential.
 fn gain(residual: &Residual, trial: &Trial) -> f64 {
     residual.potential.total() - trial.potential
+}
+
+/// Changes of the potential that are not told from none.
+pub(super) fn unseen(residual: &Residual) -> f64 {
+    UNSEEN * noise(residual)
 }
 
 /// Changes of the potential that rounding makes.

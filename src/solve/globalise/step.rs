@@ -8,7 +8,7 @@ use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
 use crate::solve::state::Drive;
 
-use super::{UNSEEN, noise};
+use super::unseen;
 
 /// Smallest shift that is tried, in units of B/L⁴.
 const FIRST_SHIFT: f64 = 10.0;
@@ -34,12 +34,12 @@ pub(super) struct Step {
 
 impl Step {
     /// Goes on along the step to where the model is lowest within the radius, if it falls on the way by more than
-    /// `noise`. A shift that one direction asks for shortens steps in all: down a valley that hardly falls, a hundredfold.
-    fn lengthen(&mut self, radius: f64, noise: f64) {
+    /// `unseen`. A shift that one direction asks for shortens steps in all: down a valley that hardly falls, a hundredfold.
+    fn lengthen(&mut self, radius: f64, unseen: f64) {
         let lowest = if self.curvature > 0.0 { -self.slope / self.curvature } else { f64::INFINITY };
         let longer = lowest.min(radius / self.extent);
         let decrease = -longer * (self.slope + 0.5 * longer * self.curvature);
-        if !(longer > 1.0 && longer.is_finite() && decrease > noise) {
+        if !(longer > 1.0 && longer.is_finite() && decrease > unseen) {
             return;
         }
         self.increment.iter_mut().chain(&mut self.raw).for_each(|x| *x *= longer);
@@ -119,7 +119,7 @@ impl Workspace {
             step = self.model_step(engine, residual, drive, at)?;
         }
         if radius.is_finite() && self.shift > 0.0 {
-            step.lengthen(radius, UNSEEN * noise(residual));
+            step.lengthen(radius, unseen(residual));
         }
         Ok(step)
     }
