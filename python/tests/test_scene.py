@@ -117,7 +117,22 @@ def test_link_and_writhe_of_polygons() -> None:
     assert contact.writhe(eight) == pytest.approx(-contact.writhe(mirrored)) and abs(contact.writhe(eight)) > 0.5
 
 
-def test_pyvista_and_pandas_are_optional() -> None:
-    result = cantilever().run()
+def test_tables_become_data_frames() -> None:
     pandas = pytest.importorskip("pandas")
-    assert isinstance(result.to_pandas(), pandas.DataFrame)
+    result = cantilever().run()
+    frame = result.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and list(frame.columns) == list(result.table)
+
+
+def test_states_become_polydata() -> None:
+    pytest.importorskip("pyvista")
+    t = {"kind": "circle", "length": 1.0}
+    rods = [
+        Rod(name="ring", closed=True, shape=t, section=SECTION, elements=4),
+        Rod(name="line", shape=LINE, section=SECTION, elements=2),
+    ]
+    state = Scene(rods).solver().state
+    mesh = state.to_pyvista()
+    assert mesh.n_points == 12 + 7 and mesh.n_lines == 2
+    assert mesh.lines.tolist() == [13, *range(12), 0, 7, *range(12, 19)]
+    assert np.array_equal(mesh.point_data["d3"], state.frames[:, 2])
