@@ -18,7 +18,7 @@ use super::model::{Model, Stage};
 use super::points::read_text;
 use super::{Fidelity, Units};
 
-use text::SceneText;
+use text::{SceneText, StagesText};
 
 /// A scene: what is to be computed and what is to be written.
 ///
@@ -219,6 +219,16 @@ impl Scene {
     /// the wrong type; everything [`Model::check`] and [`Model::check_stages`] refuse.
     pub fn from_toml(text: &str, base_dir: &Path) -> Result<Self, InputError> {
         Ok(Self { text: text.to_owned(), ..Self::parse(text, &[], "scene", base_dir)? })
+    }
+
+    /// Reads further stages for this scene's model from text: `[[stages]]` as in a scene file, nothing else.
+    ///
+    /// # Errors
+    /// As [`Scene::from_toml`].
+    pub fn stages_from_toml(&self, text: &str) -> Result<Vec<Stage>, InputError> {
+        let refuse = |e: toml::de::Error| InputError::Parse { file: "stages".to_owned(), reason: with_suggestion(&e) };
+        let text: StagesText = toml::from_str(text).map_err(refuse)?;
+        build::further_stages(&text.stages, &self.model)
     }
 
     fn parse(text: &str, set: &[String], file: &str, base_dir: &Path) -> Result<Self, InputError> {

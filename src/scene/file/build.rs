@@ -79,16 +79,22 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
 }
 
 pub(super) fn stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
-    let stage = |(i, stage): (usize, &StageText)| {
-        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model).map(|ramps| Stage { ramps, steps: stage.steps })
-    };
-    let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
-    model.check_stages(&stages)?;
+    let stages = further_stages(text, model)?;
     let loaded = !model.loads.is_empty() || !model.line_loads.is_empty();
     if loaded && !stages.iter().flat_map(|stage| &stage.ramps).any(|ramp| matches!(ramp, Ramp::Load { .. })) {
         let reason = "loads or line_loads are given but no stage ramps their factor from 0: add ramp = { load = 1.0 }";
         return Err(inconsistent("stages".into(), reason));
     }
+    Ok(stages)
+}
+
+/// Stages after others, which may have ramped the loads.
+pub(super) fn further_stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
+    let stage = |(i, stage): (usize, &StageText)| {
+        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model).map(|ramps| Stage { ramps, steps: stage.steps })
+    };
+    let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
+    model.check_stages(&stages)?;
     Ok(stages)
 }
 

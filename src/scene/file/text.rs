@@ -224,6 +224,13 @@ pub(super) struct ContactText {
     pub tol_penetration: Option<f64>,
 }
 
+/// Stages without a scene.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StagesText {
+    pub stages: Vec<StageText>,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StageText {

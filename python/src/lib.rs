@@ -1,0 +1,24 @@
+//! The native half of the Python package: scenes, runs and states as classes, contact and topology as functions.
+//! What users see is written in Python, in `supercoil/`; here is only what needs the crate.
+
+mod geometry;
+mod refuse;
+mod scene;
+mod solver;
+mod state;
+mod supervise;
+
+use pyo3::prelude::*;
+
+/// Native half of supercoil.
+#[pymodule]
+mod _supercoil {
+    #[pymodule_export]
+    use super::geometry::{contact_diameter, detect, dna, excess_link, linking_number, writhe};
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::solver::Solver;
+    #[pymodule_export]
+    use super::state::State;
+}

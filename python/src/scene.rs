@@ -1,0 +1,89 @@
+//! A scene and its run.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::mpsc::{Sender, channel};
+use std::time::Instant;
+
+use pyo3::prelude::*;
+use supercoil::io::run::options;
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
+use supercoil::scene;
+use supercoil::solve::{Progress, Waypoint, run_from};
+
+use crate::refuse;
+use crate::state::State;
+use crate::supervise::supervised;
+
+/// A scene that has been read and checked.
+#[pyclass(frozen, module = "supercoil._supercoil")]
+pub struct Scene(pub scene::Scene);
+
+/// Final state, observations of all steps as JSON, status, failure, wall time [s].
+type Run = (State, String, String, Option<String>, f64);
+
+#[pymethods]
+impl Scene {
+    /// Reads a scene from text; files named in it are found relative to `base_dir`.
+    #[new]
+    fn new(text: &str, base_dir: PathBuf) -> PyResult<Self> {
+        scene::Scene::from_toml(text, &base_dir).map(Self).map_err(refuse::input)
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.0.title
+    }
+
+    /// Of every rod: name, closed, length, contact radius, number of nodes.
+    fn rods(&self) -> Vec<(String, bool, f64, f64, usize)> {
+        let head = |rod: &supercoil::rod::Rod| {
+            (rod.name.clone(), rod.closed, rod.length, rod.section.contact_radius, rod.num_nodes())
+        };
+        self.0.model.rods.iter().map(head).collect()
+    }
+
+    /// Runs all stages. `callback` sees every accepted state and stops the run by returning False.
+    fn run(&self, py: Python, callback: Option<Py<PyAny>>, threads: Option<usize>) -> PyResult<Run> {
+        let started = Instant::now();
+        let mut options = options(&self.0);
+        options.threads = threads.or(options.threads);
+        let interrupt = options.newton.interrupt.clone();
+        let (verdict, verdicts) = channel();
+        let watched = callback.is_some();
+        let scene = &self.0;
+        let work = move |states: Sender<State>| {
+            let mut steps: Vec<Observation> = Vec::new();
+            let mut observer = |progress: &Progress, _: &Waypoint| {
+                let observation = observe(progress);
+                steps.push(observation.clone());
+                if !watched {
+                    return ControlFlow::Continue(());
+                }
+                let sent = states.send(State::of(progress.engine, observation));
+                // either channel closes when the caller has gone away
+                let go_on = sent.is_ok() && verdicts.recv().unwrap_or(false);
+                if go_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            };
+            let solution = run_from(scene.model.clone(), &scene.stages, &options, None, &mut observer)?;
+            // the start state is seen whatever becomes of it
+            let last = steps.last().cloned().map(|last| State::of(solution.solver.engine(), last));
+            Ok((last, steps, solution.status, solution.failure))
+        };
+        let answer = |state: State| {
+            let go_on = Python::attach(|py| {
+                py.check_signals()?;
+                let Some(callback) = &callback else { return Ok(true) };
+                let said = callback.call1(py, (state,))?;
+                Ok(!said.bind(py).is(&*pyo3::types::PyBool::new(py, false)))
+            });
+            verdict.send(*go_on.as_ref().unwrap_or(&false)).ok();
+            go_on.map(|_| ())
+        };
+        let (last, steps, status, failure) = supervised(py, &interrupt, work, answer)?.map_err(refuse::run)?;
+        let last = last.ok_or_else(|| refuse::damaged("run", "no state was seen"))?;
+        let steps = serde_json::to_string(&steps).map_err(|e| refuse::damaged("run", e))?;
+        Ok((last, steps, status.to_string(), failure.map(|f| f.to_string()), started.elapsed().as_secs_f64()))
+    }
+}

@@ -1,0 +1,96 @@
+//! The solver driven by hand.
+
+use std::sync::{Mutex, MutexGuard};
+
+use pyo3::prelude::*;
+use supercoil::io::run::options;
+use supercoil::observe::observe;
+use supercoil::scene;
+use supercoil::solve::{self, Interrupt, Progress, StepReport};
+
+use crate::refuse;
+use crate::scene::Scene;
+use crate::state::State;
+use crate::supervise::supervised;
+
+/// A solver and the last thing it did.
+struct Driven {
+    solver: solve::Solver,
+    step: usize,
+    report: Option<StepReport>,
+    seconds: f64,
+}
+
+/// A solver driven by hand.
+#[pyclass(frozen, module = "supercoil._supercoil")]
+pub struct Solver {
+    driven: Mutex<Driven>,
+    scene: scene::Scene,
+    interrupt: Interrupt,
+}
+
+impl Solver {
+    /// A solver in use by another thread is refused rather than waited for.
+    fn lock(&self) -> PyResult<MutexGuard<'_, Driven>> {
+        self.driven.try_lock().map_err(|_| refuse::damaged("solver", "is in use by another thread, or has panicked"))
+    }
+}
+
+#[pymethods]
+impl Solver {
+    #[new]
+    fn new(scene: &Scene, threads: Option<usize>) -> PyResult<Self> {
+        let scene = scene.0.clone();
+        let mut options = options(&scene);
+        options.threads = threads.or(options.threads);
+        let interrupt = options.newton.interrupt.clone();
+        let solver = solve::Solver::new(scene.model.clone(), options).map_err(refuse::input)?;
+        let driven = Mutex::new(Driven { solver, step: 0, report: None, seconds: 0.0 });
+        Ok(Self { driven, scene, interrupt })
+    }
+
+    /// Moves the ramps of `[[stages]]` in `text` to their targets in one step; without text, settles. Returns status,
+    /// error, iterations, augmentations, departures, unstable directions.
+    #[allow(clippy::type_complexity)]
+    fn step_to(
+        &self,
+        py: Python,
+        text: Option<&str>,
+    ) -> PyResult<(String, Option<String>, usize, usize, usize, usize)> {
+        let stages = text.map(|text| self.scene.stages_from_toml(text)).transpose().map_err(refuse::input)?;
+        let ramps: Vec<scene::Ramp> = stages.into_iter().flatten().flat_map(|stage| stage.ramps).collect();
+        let mut driven = self.lock()?;
+        let driven = &mut *driven;
+        let started = std::time::Instant::now();
+        let work = |_: std::sync::mpsc::Sender<()>| driven.solver.step_to(&ramps);
+        let report = supervised(py, &self.interrupt, work, |()| Ok(()))?.map_err(refuse::input)?;
+        driven.seconds = started.elapsed().as_secs_f64();
+        driven.step += 1;
+        let (status, error) = (report.status.to_string(), report.error.as_ref().map(ToString::to_string));
+        let counts = (report.iterations, report.augmentations, report.departures, report.num_unstable);
+        driven.report = Some(report);
+        Ok((status, error, counts.0, counts.1, counts.2, counts.3))
+    }
+
+    /// The present state; before the first step the start shape is settled.
+    fn state(&self, py: Python) -> PyResult<State> {
+        if self.lock()?.report.is_none() {
+            self.step_to(py, None)?;
+        }
+        let driven = self.lock()?;
+        let engine = driven.solver.engine();
+        let report = driven.report.as_ref().ok_or_else(|| refuse::damaged("solver", "took no step"))?;
+        let (step, seconds) = (driven.step, driven.seconds);
+        py.detach(|| {
+            let progress = Progress { engine, stage: 0, step, fraction: 1.0, report, seconds };
+            Ok(State::of(engine, observe(&progress)))
+        })
+    }
+
+    /// Unstable directions of the present state.
+    fn num_unstable(&self, py: Python) -> PyResult<usize> {
+        let mut driven = self.lock()?;
+        let driven = &mut *driven;
+        py.detach(|| driven.solver.num_unstable()).map_err(refuse::solve)
+    }
+}

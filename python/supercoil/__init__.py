@@ -1,0 +1,23 @@
+"""Equilibria of elastic rods that touch themselves and each other: DNA loops, plectonemes, knots, plies, cables."""
+
+from . import contact
+from .errors import InputError, SolveError, SupercoilError
+from .scene import LineLoad, Load, Result, Rod, Scene, Solver, Stage, StepReport, Support
+from .state import State
+
+__all__ = [
+    "InputError",
+    "LineLoad",
+    "Load",
+    "Result",
+    "Rod",
+    "Scene",
+    "SolveError",
+    "Solver",
+    "Stage",
+    "State",
+    "StepReport",
+    "SupercoilError",
+    "Support",
+    "contact",
+]

@@ -1,0 +1,199 @@
+"""States: everything known of an accepted equilibrium, as arrays."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _supercoil
+
+if TYPE_CHECKING:
+    import os
+
+Floats = NDArray[np.float64]
+
+_SITE_NUMBERS = ("rod_a", "rod_b", "arc_a", "arc_b", "gap", "force", "center", "spread", "angle", "force_on_a", "feet")
+_INDICES = ("rod_a", "rod_b")
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "arc_a": (2,),
+    "arc_b": (2,),
+    "center": (2,),
+    "spread": (2,),
+    "force_on_a": (3,),
+    "feet": (2, 3),
+}
+
+
+class State:
+    """A state of all rods. Nodes stand rod after rod: rod k has those of ``slice(*state.node_ranges[k])``.
+
+    Lengths are in the scene's unit [L], forces in [F]; link, twist and writhe in turns. Arrays are made when they are
+    asked for, then kept; they belong to the caller's process, not to the solver.
+    """
+
+    def __init__(self, native: _supercoil.State) -> None:
+        self._native = native
+
+    @cached_property
+    def observation(self) -> dict[str, Any]:
+        """All reports of the state, as in ``summary.json``: energies, links, sites, reactions, iterations, …"""
+        observation: dict[str, Any] = json.loads(self._native.observation_json())
+        return observation
+
+    @cached_property
+    def rod_names(self) -> list[str]:
+        """Names of the rods."""
+        return [rod[0] for rod in self._native.rods()]
+
+    @cached_property
+    def node_ranges(self) -> list[tuple[int, int]]:
+        """First node and the one after the last, of every rod."""
+        ends = np.cumsum([0] + [rod[3] for rod in self._native.rods()]).tolist()
+        return list(zip(ends[:-1], ends[1:], strict=True))
+
+    @cached_property
+    def arc_lengths(self) -> Floats:
+        """(n,) reference arc length of the nodes [L], from the start of each rod."""
+        return self._native.arc_lengths()
+
+    @cached_property
+    def positions(self) -> Floats:
+        """(n, 3) positions of the nodes [L]."""
+        return self._native.positions()
+
+    @cached_property
+    def quaternions(self) -> Floats:
+        """(n, 4) unit quaternions (w, x, y, z), scalar part first: d1, d2, d3 are the axes turned by them."""
+        return self._native.quaternions()
+
+    @cached_property
+    def frames(self) -> Floats:
+        """(n, 3, 3) frames: ``frames[i, k]`` is d1, d2, d3 of node i for k = 0, 1, 2; d3 runs along the rod."""
+        w, x, y, z = self.quaternions.T
+        d1 = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=-1)
+        d2 = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=-1)
+        d3 = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)
+        return np.stack([d1, d2, d3], axis=1)
+
+    @cached_property
+    def strain_arc_lengths(self) -> Floats:
+        """(m,) reference arc length [L] of the integration points, where strains and stresses are known."""
+        return self._native.strain_arc_lengths()
+
+    @cached_property
+    def strains(self) -> Floats:
+        """(m, 6) Γ1, Γ2, Γ3 (1 at rest), K1, K2, K3 [1/L] at the integration points, natural strains included."""
+        return self._native.strains()
+
+    @cached_property
+    def stresses(self) -> Floats:
+        """(m, 6) forces [F] and moments [F·L] along d1, d2, d3 at the integration points."""
+        return self._native.stresses()
+
+    @cached_property
+    def contact_force(self) -> Floats:
+        """(n, 3) contact force per length on the nodes [F/L]."""
+        return self._native.contact_force()
+
+    @cached_property
+    def contacts(self) -> dict[str, NDArray[Any]]:
+        """Contact sites, one entry of each array a site: ``rod_a``, ``rod_b`` (c,); ``arc_a``, ``arc_b`` (c, 2) [L];
+        ``gap`` (c,) [L]; ``force`` (c,) [F]; ``center``, ``spread`` (c, 2) [L]; ``angle`` (c,) degrees; ``force_on_a``
+        (c, 3) [F]; ``feet`` (c, 2, 3) [L]; ``kind`` (c,) "point" or "line"."""
+        sites = self.observation["sites"]
+        table: dict[str, NDArray[Any]] = {}
+        for name in _SITE_NUMBERS:
+            kind: type = np.int64 if name in _INDICES else np.float64
+            values: NDArray[Any] = np.array([site[name] for site in sites], dtype=kind)
+            table[name] = values.reshape((len(sites), *_SHAPES.get(name, ())))
+        table["kind"] = np.array([site["kind"] for site in sites], dtype="U5")
+        return table
+
+    @property
+    def energies(self) -> dict[str, float]:
+        """Energies [F·L]: stretch, shear, bend, twist, contact, total."""
+        return dict(self.observation["energies"])
+
+    def _link_number(self, name: str) -> float:
+        links = self.observation["links"]
+        if len(links) != 1:
+            closed = [self.rod_names[link["rod"]] for link in links]
+            raise AttributeError(f"{name}: must be of exactly one closed rod, found {closed}: see state.links")
+        return float(links[0][name])
+
+    @property
+    def links(self) -> list[dict[str, float]]:
+        """Link numbers of the closed rods, turns; ``seam_moment`` [F·L]."""
+        return list(self.observation["links"])
+
+    @property
+    def link(self) -> float:
+        """Link of the one closed rod, turns; of several see :attr:`links`."""
+        return self._link_number("link")
+
+    @property
+    def twist(self) -> float:
+        """Twist of the one closed rod, turns."""
+        return self._link_number("twist")
+
+    @property
+    def writhe(self) -> float:
+        """Writhe of the one closed rod, turns."""
+        return self._link_number("writhe")
+
+    @property
+    def reactions(self) -> list[dict[str, Any]]:
+        """Reactions of the supports: ``rod``, ``node``, ``force`` [F], ``moment`` [F·L]."""
+        return list(self.observation["reactions"])
+
+    @property
+    def status(self) -> str:
+        """"converged", or why not."""
+        return str(self.observation["status"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What to know of the state before believing it, in words."""
+        return list(self.observation["notes"])
+
+    def save_picture(self, path: str | os.PathLike[str], width: int = 800, height: int = 600) -> None:
+        """Draws the rods as tubes, contact glowing, into a PNG file of so many pixels."""
+        self._native.save_picture(path, width, height)
+
+    def _repr_png_(self) -> bytes:
+        """The picture, for notebooks."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "state.png"
+            self.save_picture(path, 600, 450)
+            return path.read_bytes()
+
+    def to_pyvista(self) -> Any:
+        """The centrelines as a ``pyvista.PolyData`` with frames and contact force; needs pyvista."""
+        import pyvista
+
+        lines: list[int] = []
+        for (first, end), rod in zip(self.node_ranges, self._native.rods(), strict=True):
+            nodes = [*range(first, end), *([first] if rod[1] else [])]
+            lines += [len(nodes), *nodes]
+        mesh = pyvista.PolyData(self.positions, lines=np.array(lines))
+        for k, name in enumerate(("d1", "d2", "d3")):
+            mesh.point_data[name] = self.frames[:, k]
+        mesh.point_data["contact_force"] = self.contact_force
+        return mesh
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _state_of, (self._native.to_bytes(),)
+
+    def __repr__(self) -> str:
+        nodes, sites = len(self.positions), self.observation["num_sites"]
+        return f"<State of {', '.join(self.rod_names)}: {nodes} nodes, {sites} contact sites, {self.status}>"
+
+
+def _state_of(data: bytes) -> State:
+    return State(_supercoil.State.from_bytes(data))

@@ -1,0 +1,173 @@
+"""Runs: the same bits as the command line, callbacks, exceptions, Ctrl-C."""
+
+import csv
+import os
+import pickle
+import signal
+import subprocess
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import supercoil
+from supercoil import Result, Rod, Scene, Stage, State
+
+ROOT = Path(__file__).parents[2]
+
+SECTION = {"bending": 1.0, "twisting": 1.5, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.02}
+
+
+def ring(excess_link: float = 1.4, steps: int = 4, elements: int = 16) -> Scene:
+    """A ring of length 1 into which link is put: a figure-eight from 1.3 turns on."""
+    shape = {"kind": "circle", "length": 1.0}
+    rod = Rod(name="ring", closed=True, shape=shape, section=SECTION, elements=elements)
+    return Scene(rod, stages=Stage(excess_link=excess_link, steps=steps))
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return ring().run()
+
+
+def test_a_run_equals_the_command_line(tmp_path: Path) -> None:
+    program = os.environ.get("SUPERCOIL_PROGRAM")
+    if not program:
+        pytest.skip("SUPERCOIL_PROGRAM names no command line: python/check does")
+    file = tmp_path / "ring.toml"
+    file.write_text(ring().to_toml())
+    subprocess.run([program, "run", file, "--out", tmp_path / "out", "--quiet"], check=True, timeout=300)
+    with (tmp_path / "out" / "final_state.csv").open() as lines:
+        rows = np.array([[float(cell) for cell in row] for row in list(csv.reader(lines))[1:]])
+    state = Scene.from_toml(file).run(threads=1).state
+    assert np.array_equal(rows[:, 2], state.arc_lengths)
+    assert np.array_equal(rows[:, 3:6], state.positions)
+    assert np.array_equal(rows[:, 6:], state.quaternions)
+
+
+def test_arrays_have_their_shapes_and_meaning(result: Result) -> None:
+    state = result.state
+    assert result.converged and state.status == "converged" and result.failure is None
+    assert state.positions.shape == (48, 3) and state.quaternions.shape == (48, 4)
+    assert state.frames.shape == (48, 3, 3) and state.strains.shape == state.stresses.shape == (48, 6)
+    # orthonormal and right-handed, d3 along the centreline
+    assert np.allclose(state.frames @ state.frames.transpose(0, 2, 1), np.eye(3), atol=1e-14)
+    assert np.allclose(np.linalg.det(state.frames), 1.0)
+    along = np.roll(state.positions, -1, axis=0) - np.roll(state.positions, 1, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    assert np.min(np.sum(along * state.frames[:, 2], axis=1)) > 0.98
+    # the energy of bending is the integral of the strains' density, with Gauss's weights on three points an element
+    weights = np.tile([5 / 18, 8 / 18, 5 / 18], 16) / 16
+    bend = 0.5 * np.sum(weights * (state.strains[:, 3] ** 2 + state.strains[:, 4] ** 2))
+    assert bend == pytest.approx(state.energies["bend"], rel=1e-12)
+    assert np.allclose(state.stresses[:, 5], 1.5 * state.strains[:, 5], rtol=1e-12)
+
+
+def test_link_is_twist_plus_writhe_and_contact_is_found(result: Result) -> None:
+    state = result.state
+    assert state.link == pytest.approx(1.4, abs=1e-12)
+    assert state.twist + state.writhe == pytest.approx(state.link, abs=1e-12)
+    assert supercoil.contact.writhe(state.positions) == pytest.approx(state.writhe, abs=0.02)
+    contacts = state.contacts
+    assert len(contacts["gap"]) == state.observation["num_sites"] >= 1
+    assert contacts["feet"].shape == (len(contacts["gap"]), 2, 3)
+    assert np.all(contacts["force"] > 0) and set(contacts["kind"]) <= {"point", "line"}
+    # the feet are two radii apart
+    apart = np.linalg.norm(contacts["feet"][:, 0] - contacts["feet"][:, 1], axis=1)
+    assert np.allclose(apart - 0.04, contacts["gap"], atol=1e-9)
+
+
+def test_the_table_has_a_row_a_step(result: Result) -> None:
+    table = result.table
+    assert {len(column) for column in table.values()} == {len(result.steps)}
+    assert table["step"].tolist() == list(range(len(result.steps)))
+    assert table["excess_link"][-1] == pytest.approx(1.4) and np.all(np.diff(table["excess_link"]) > 0)
+    assert np.isnan(table["min_gap"][0]) and abs(table["min_gap"][-1]) < 1e-6
+
+
+def test_the_callback_sees_states_and_stops() -> None:
+    seen: list[State] = []
+    threads: set[int] = set()
+
+    def callback(state: State) -> bool:
+        seen.append(state)
+        threads.add(threading.get_ident())
+        return len(seen) < 3
+
+    result = ring().run(callback=callback)
+    assert result.status == "stopped" and len(seen) == 3 and [s.observation["step"] for s in seen] == [0, 1, 2]
+    assert np.array_equal(result.state.positions, seen[-1].positions)
+    assert threads == {threading.get_ident()}
+
+
+def test_exceptions_pass_through() -> None:
+    class Mine(Exception):
+        pass
+
+    def callback(state: State) -> None:
+        raise Mine("of the callback")
+
+    with pytest.raises(Mine, match="of the callback"):
+        ring().run(callback=callback)
+
+
+def test_other_threads_go_on() -> None:
+    ticks = 0
+    done = threading.Event()
+
+    def count() -> None:
+        nonlocal ticks
+        while not done.wait(0.001):
+            ticks += 1
+
+    other = threading.Thread(target=count)
+    other.start()
+    try:
+        ring(elements=48, steps=8).run()
+    finally:
+        done.set()
+        other.join()
+    assert ticks > 3
+
+
+def test_ctrl_c_ends_a_run() -> None:
+    """A run that would take minutes ends with KeyboardInterrupt."""
+    scene = ring(excess_link=20.0, steps=4000, elements=300)
+    timer = threading.Timer(0.5, lambda: signal.raise_signal(signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        scene.run()
+    timer.join()
+
+
+def test_threads_do_not_change_the_bits(result: Result) -> None:
+    assert np.array_equal(ring().run(threads=2).state.positions, result.state.positions)
+
+
+def test_pickles_and_files_keep_everything(result: Result, tmp_path: Path) -> None:
+    state = pickle.loads(pickle.dumps(result.state))
+    assert state.observation == result.state.observation
+    for name in ("positions", "quaternions", "strains", "stresses", "arc_lengths", "contact_force"):
+        assert np.array_equal(getattr(state, name), getattr(result.state, name))
+    result.save(tmp_path / "ring.result")
+    loaded = Result.load(tmp_path / "ring.result")
+    assert loaded.status == result.status and loaded.steps == result.steps
+    assert loaded.scene.to_toml() == result.scene.to_toml()
+    (tmp_path / "other").write_bytes(pickle.dumps(1))
+    with pytest.raises(supercoil.InputError, match="must be a saved result, found int"):
+        Result.load(tmp_path / "other")
+
+
+def test_a_picture_is_a_png_of_the_size_asked_for(result: Result, tmp_path: Path) -> None:
+    result.state.save_picture(tmp_path / "ring.png", 320, 200)
+    data = (tmp_path / "ring.png").read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    assert (int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")) == (320, 200)
+    assert result._repr_png_()[:4] == b"\x89PNG"
+
+
+def test_progress_prints_a_line_a_step(capsys: pytest.CaptureFixture[str]) -> None:
+    result = ring(excess_link=0.5, steps=2).run(progress=True)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == len(result.steps) and lines[-1].startswith("step 2: stage 1 at 100 %")
