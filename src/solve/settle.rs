@@ -1,7 +1,7 @@
 //! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
 //!
 //! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
-//! on, a step with contact begins under a thin core law, with offsets and tensions that already balance the shape
+//! on, a step with contact begins under a core law, with offsets and tensions that already balance the shape
 //! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. By way of one half as
 //! stiff in decades, the law asked for takes the pressures of the core for its own. Then the offsets of the augmented
 //! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
@@ -20,9 +20,9 @@ use crate::solve::predictor::{Lifted, Prediction, lifted};
 use crate::solve::state::{Drive, State};
 use crate::solve::step_report::{Status, StepReport};
 
-/// Depth of the core law that a load step with contact begins under, over the contact distance: thin, so that strands
-/// that snap together do not sink where they could not come out again.
-const DEPTH: f64 = 0.1;
+/// Depth of the core law that a load step with contact begins under, over the contact distance. With .1 in its place
+/// pUC19 given all of its link takes 464 iterations for 335, a minicircle 442 for 404, tweezers do not come to their end.
+const DEPTH: f64 = 0.4;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
