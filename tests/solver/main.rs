@@ -28,6 +28,7 @@ mod contact_layer;
 mod contact_unfelt;
 mod contact_unloaded;
 mod error_estimate;
+mod everyday_scenes;
 mod fidelity;
 mod free_rods;
 mod held_motions;
