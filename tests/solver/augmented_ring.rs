@@ -117,7 +117,9 @@ fn twisted_ring() {
             let exact = event_of(event, 2.0 * radius);
             if link == 2.36 {
                 assert!(sites[1..].iter().all(|forces| forces.len() == 3), "{sites:?}");
-                verify(&case, "force of the middle point, B/L², κ = 1e14", sites[6][1], exact.middle, 0.2);
+                // the least of the three; which is listed first depends on where the ring's seam lies
+                let middle = sites[6].iter().copied().fold(f64::INFINITY, f64::min);
+                verify(&case, "force of the middle point, B/L², κ = 1e14", middle, exact.middle, 0.2);
             }
             let exact = [exact.writhe, exact.torque, exact.middle + 2.0 * exact.outer];
             for (k, quantity) in ["writhe", "torque M₃L/2πB", "contact force, B/L²"].into_iter().enumerate() {
