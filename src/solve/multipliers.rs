@@ -27,8 +27,6 @@ pub(super) struct ContactErrors {
     pub(super) gaps: PerContact,
     /// Worst penetration over the smallest contact radius.
     pub(super) penetration: f64,
-    /// Worst gap that an offset holds open over the smallest contact radius.
-    pub(super) opening: f64,
 }
 
 /// What an augmented Lagrangian has yet to do.
@@ -143,15 +141,8 @@ impl Solver {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let window = |slave, master| self.window(side, slave, master);
         let gaps = per_contact::smallest_gaps(side, residual, &self.engine.state.positions, window);
-        let offsets = side.offsets.at_places_of(&side.set, &gaps);
-        let mut touched = vec![false; gaps.values.len()];
-        for term in &residual.meetings {
-            side.nodes[term.slave].iter().for_each(|&node| touched[gaps.index(&side.set, node, term.master)] = true);
-        }
         let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
-        let held = (0..touched.len()).filter(|&k| touched[k] && gaps.values[k].is_finite() && offsets.values[k] > 0.0);
-        let opening = held.map(|k| gaps.values[k]).fold(0.0, f64::max) / side.min_radius;
-        ContactErrors { gaps, penetration, opening }
+        ContactErrors { gaps, penetration }
     }
 
     /// Arc length \[L\] within which an offset belongs to a contact, and is raised and lowered by its smallest gap:
@@ -179,8 +170,8 @@ impl Solver {
             return Outstanding { penetration: 0.0, held_open: Some(0.0), gaps: None };
         }
         let residual = self.engine.residual(&self.engine.state);
-        let ContactErrors { mut gaps, penetration, opening } = self.contact_errors_of(&residual);
-        let met = penetration <= tol && opening <= tol.max(TOL_OPENING);
+        let ContactErrors { mut gaps, penetration } = self.contact_errors_of(&residual);
+        let met = penetration <= tol;
         let mut outstanding = Outstanding { penetration, held_open: None, gaps: None };
         let mut releases = false;
         if paces.rounds < EARLY || met {
