@@ -5,7 +5,7 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::Workspace;
+use crate::solve::newton::{NEUTRAL_SHIFT, Workspace};
 use crate::solve::state::Drive;
 
 use super::unseen;
@@ -72,7 +72,7 @@ impl Workspace {
         let estimate = (1.5 * (self.shift - self.lowest_above(engine, 4))).max(1.5 * lower);
         if estimate < 0.6 * self.shift {
             let safe = self.shift;
-            self.shift = estimate.max(1e-2 * FIRST_SHIFT);
+            self.shift = estimate.max(NEUTRAL_SHIFT);
             if self.factorise(engine, self.shift) != Some(0) {
                 self.shift = safe;
                 self.factorise(engine, safe);
