@@ -1,6 +1,7 @@
 //! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new
 //! law the same.
 
+use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::assembly::Residual;
 use crate::solve::contact_side::ContactSide;
@@ -10,6 +11,8 @@ use crate::solve::per_contact::{self, PerContact};
 
 /// Pressure over that of a core law at which its stiffness is taken.
 const USUAL_PRESSURE: f64 = 0.1;
+/// Largest growth of a pace from one augmentation to the next.
+const FASTER: f64 = 2.0;
 /// How often offsets of contacts held open are lowered before these are left as they are.
 const MAX_RELEASES: usize = 10;
 /// In how many of the first rounds they are lowered along with what else is left to do, since offsets then come from
@@ -162,7 +165,7 @@ impl Solver {
 
     /// What is left to do until the contact conditions are met to a tolerance relative to the contact radius and
     /// offsets hold nothing open that can be released.
-    pub(super) fn outstanding(&self, tol: f64, rounds: &mut Rounds) -> Outstanding {
+    pub(super) fn outstanding(&self, tol: f64, paces: &mut Paces) -> Outstanding {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, held_open: Some(0.0), gaps: None };
         }
@@ -171,42 +174,68 @@ impl Solver {
         let met = penetration <= tol;
         let mut outstanding = Outstanding { penetration, held_open: None, gaps: None };
         let mut releases = false;
-        if rounds.all < EARLY || met {
+        if paces.rounds < EARLY || met {
             let HeldOpen { work, releasable, gaps: own } = self.held_open(&residual);
             outstanding.held_open = met.then_some(work);
-            releases = releasable > TOL_HELD_OPEN && rounds.releasing < MAX_RELEASES;
+            releases = releasable > TOL_HELD_OPEN && paces.releases < MAX_RELEASES;
             if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
-                rounds.releasing += 1;
+                paces.releases += 1;
                 let own = own.at_places_of(&side.set, &gaps).values;
                 gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
             }
         }
-        rounds.all += 1;
+        paces.rounds += 1;
         outstanding.gaps = (!met || releases).then_some(gaps);
         outstanding
     }
 
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them
-    /// by it where it is wider than it may stay.
-    pub(super) fn augment(&mut self, gaps: &PerContact) {
+    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at
+    /// its pace, where it is wider than it may stay.
+    pub(super) fn augment(&mut self, gaps: &PerContact, paces: &mut Paces) {
         let Some(side) = &mut self.engine.contact else { return };
         let open = TOL_OPENING * side.min_radius;
         let before = side.offsets.at_places_of(&side.set, gaps);
+        paces.adapt(&side.set, gaps, open);
         let raised = |k: usize, gap: f64| {
             let offset = before.values[k];
             // lowered by what may stay, little by little, an offset would keep others from closing their gaps
             let stays = gap > 0.0 && gap <= open;
-            if stays { offset } else { (offset - gap).max(0.0) }
+            if stays { offset } else { (offset - paces.paces.values[k] * gap).max(0.0) }
         };
         let offsets = gaps.map(raised);
+        paces.before = Some([gaps.clone(), before.map(|k, offset| offset - offsets.values[k])]);
         side.change_law(side.law, offsets);
     }
 }
 
-/// How often an augmented Lagrangian was asked how much is left to do.
+/// How fast offsets that hold gaps open are lowered: a secant on offset and gap. At the edge of a zone, or between two
+/// nodes that carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for
+/// ever to let go.
 #[derive(Debug, Default)]
-pub(super) struct Rounds {
-    all: usize,
-    /// Rounds that released contacts held open.
-    releasing: usize,
+pub(super) struct Paces {
+    paces: PerContact,
+    /// Gap at the augmentation before, and by how much it lowered the offset \[L\].
+    before: Option<[PerContact; 2]>,
+    /// How often contacts held open were released.
+    releases: usize,
+    /// How often it was asked what is left to do.
+    rounds: usize,
+}
+
+impl Paces {
+    /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what
+    /// would have closed it, at most [`FASTER`] than before.
+    fn adapt(&mut self, set: &CurveSet, gaps: &PerContact, open: f64) {
+        let Some(before) = &self.before else {
+            self.paces = gaps.map(|_, _| 1.0);
+            return;
+        };
+        let [before, lowered] = before.each_ref().map(|numbers| numbers.at_places_of(set, gaps).values);
+        let paces = self.paces.at_places_of(set, gaps).values;
+        self.paces = gaps.map(|k, gap| {
+            let stays = gap > open && before[k] > open && lowered[k] > 0.0;
+            let closed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
+            (1.0 / closed).min(FASTER * paces[k]).max(1.0)
+        });
+    }
 }

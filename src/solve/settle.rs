@@ -12,7 +12,7 @@ use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
 use crate::solve::globalise::unseen;
-use crate::solve::multipliers::Rounds;
+use crate::solve::multipliers::Paces;
 use crate::solve::newton::NewtonReport;
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
@@ -210,10 +210,10 @@ impl Solver {
             report.penetration = self.contact_errors().penetration;
             return Ok(());
         };
-        let mut rounds = Rounds::default();
+        let mut paces = Paces::default();
         let mut at_rest = self.ended_at_rest(report);
         while report.status == Status::Converged {
-            let outstanding = self.outstanding(tol_penetration, &mut rounds);
+            let outstanding = self.outstanding(tol_penetration, &mut paces);
             report.penetration = outstanding.penetration;
             report.held_open = outstanding.held_open.unwrap_or(report.held_open);
             match outstanding.gaps {
@@ -226,7 +226,7 @@ impl Solver {
                     report.status = Status::Penetration;
                 }
                 Some(gaps) => {
-                    self.augment(&gaps);
+                    self.augment(&gaps, &mut paces);
                     report.augmentations += 1;
                     self.search_nearly(&Drive::default(), report)?;
                     at_rest = self.ended_at_rest(report);

@@ -6,7 +6,7 @@ use crate::scene::ContactLaw;
 use crate::solve::assembly::Residual;
 use crate::solve::continuation::contacts::Contacts;
 use crate::solve::continuation::parameter::Parameter;
-use crate::solve::multipliers::Rounds;
+use crate::solve::multipliers::Paces;
 use crate::solve::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
 use crate::solve::path::Solver;
 use crate::solve::per_contact::PerContact;
@@ -268,9 +268,9 @@ impl Tracer<'_> {
             ContactLaw::AugmentedLagrangian { tol_penetration, .. } => tol_penetration,
             _ => f64::INFINITY,
         };
-        let mut rounds = Rounds::default();
+        let mut paces = Paces::default();
         loop {
-            let outstanding = self.solver.outstanding(tol, &mut rounds);
+            let outstanding = self.solver.outstanding(tol, &mut paces);
             point.penetration = outstanding.penetration;
             point.held_open = outstanding.held_open.unwrap_or(point.held_open);
             let Some(gaps) = outstanding.gaps else { break };
@@ -278,7 +278,7 @@ impl Tracer<'_> {
                 return Ok(false);
             }
             point.augmentations += 1;
-            self.solver.augment(&gaps);
+            self.solver.augment(&gaps, &mut paces);
             let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);
