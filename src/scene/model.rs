@@ -17,8 +17,9 @@ pub struct NodeRef {
 
 /// Fixes components of position and rotation of one node, in the global axes x, y, z.
 ///
-/// Rotation components are spatial: fixing all three clamps the cross-section's frame, fixing z alone
-/// forbids spin about the global z axis and so on.
+/// Rotation components are spatial: fixing all three clamps the cross-section's frame, fixing two leaves a hinge about
+/// the third axis. Fixing one alone makes a joint of constant velocity: the section may tilt, and the vector of its
+/// rotation since the start keeps no component along the axis, whatever way it went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Support {
     /// Supported node.

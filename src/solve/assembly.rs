@@ -12,6 +12,7 @@ use crate::contact::detect::{Besides, Meeting};
 use crate::rod::element::Six;
 use crate::solve::engine::{Engine, give_to_masters};
 use crate::solve::state::{Drive, State};
+use crate::solve::swivel::Bases;
 use crate::sparse::Pattern;
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
@@ -48,6 +49,8 @@ pub(crate) struct Residual {
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting
     /// moment there.
     pub(crate) seam_moments: Vec<f64>,
+    /// Bases of the unknowns at the state.
+    pub(crate) bases: Bases,
 }
 
 /// Tangent in the pattern's values plus the load-step right-hand side.
@@ -67,12 +70,13 @@ type Blocks = [[f64; 24]; 24];
 pub(super) struct Sink<'a> {
     pattern: &'a Pattern,
     tangent: &'a mut Tangent,
+    bases: Bases,
     /// Increments of what supports move, six per node, if any do.
     prescribed: Option<Vec<f64>>,
 }
 
 impl<'a> Sink<'a> {
-    fn new(engine: &Engine, drive: &Drive, pattern: &'a Pattern, tangent: &'a mut Tangent) -> Self {
+    fn new(engine: &Engine, bases: Bases, drive: &Drive, pattern: &'a Pattern, tangent: &'a mut Tangent) -> Self {
         if tangent.values.capacity() < pattern.num_entries() {
             tangent.values = Vec::new();
             tangent.values.reserve_exact(pattern.num_entries());
@@ -81,16 +85,17 @@ impl<'a> Sink<'a> {
         tangent.values.resize(pattern.num_entries(), 0.0);
         tangent.drive.clear();
         tangent.drive.resize(6 * engine.num_nodes(), 0.0);
-        Self { pattern, tangent, prescribed: engine.prescribed(drive) }
+        Self { pattern, tangent, bases, prescribed: engine.prescribed(drive) }
     }
 
     fn add(&mut self, nodes: &[usize], blocks: &Blocks) {
         for (a, &p) in nodes.iter().enumerate() {
             for (c, &q) in nodes.iter().enumerate().skip(a) {
                 let entry = |i: usize, j: usize| blocks[6 * a + i][6 * c + j];
-                self.pattern.add_block(&mut self.tangent.values, p, q, entry);
+                let at = (p, q);
+                self.bases.add_block(self.pattern, &mut self.tangent.values, at, entry);
                 if p == q && a != c {
-                    self.pattern.add_block(&mut self.tangent.values, p, q, |i, j| entry(j, i));
+                    self.bases.add_block(self.pattern, &mut self.tangent.values, at, |i, j| entry(j, i));
                 }
                 let Some(all) = &self.prescribed else { continue };
                 for i in 0..6 {
@@ -119,7 +124,7 @@ impl Engine {
 
     fn residual_besides(&self, state: &State, besides: Besides) -> Residual {
         self.install(|| {
-            let mut out = self.start_residual();
+            let mut out = self.start_residual(state);
             self.add_element_gradients(state, &mut out);
             self.add_contact(besides, &mut out, None);
             self.add_loads(state, &mut out, None);
@@ -138,9 +143,9 @@ impl Engine {
         pattern: &Pattern,
         tangent: &mut Tangent,
     ) -> Residual {
-        let mut sink = Sink::new(self, drive, pattern, tangent);
+        let mut out = self.start_residual(state);
+        let mut sink = Sink::new(self, out.bases.clone(), drive, pattern, tangent);
         let out = self.install(|| {
-            let mut out = self.start_residual();
             self.add_elements(state, predicted, &mut out, &mut sink);
             self.add_contact(Besides { zones: false, tangent: true }, &mut out, Some(&mut sink));
             self.add_loads(state, &mut out, Some(&mut sink));
@@ -163,7 +168,7 @@ impl Engine {
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })
         });
-        Pattern::joined(&self.free, &self.master, elements.chain(contacts))
+        Pattern::joined(&self.equations, &self.master, elements.chain(contacts))
     }
 
     fn join(&self, out: &mut Residual) {
@@ -171,12 +176,13 @@ impl Engine {
         give_to_masters(&mut out.magnitude, &self.master);
     }
 
-    pub(super) fn start_residual(&self) -> Residual {
+    pub(super) fn start_residual(&self, state: &State) -> Residual {
         let n = 6 * self.num_nodes();
         Residual {
             gradient: vec![0.0; n],
             magnitude: vec![0.0; n],
             seam_moments: vec![0.0; self.model.rods.len()],
+            bases: Bases::at(&self.swivels, state),
             ..Residual::default()
         }
     }

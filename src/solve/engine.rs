@@ -16,6 +16,7 @@ use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::contact_side::{self, ContactSide};
 use crate::solve::per_contact::PerContact;
 use crate::solve::state::State;
+use crate::solve::swivel::Swivel;
 
 /// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once
 /// more, which a shear strain cannot bear where rounding leaves few digits as it is.
@@ -48,7 +49,13 @@ pub struct Engine {
     pub(crate) reference: Vec<Reference>,
     /// Per rod: the plane as its elements know it, if they are computed in it.
     pub(crate) planes: Vec<Option<Plane>>,
+    /// Per node: components of position and rotation that no support holds. Where one holds rotation about one axis
+    /// ([`Swivel`]) these are all.
     pub(crate) free: Vec<[bool; 6]>,
+    /// Per node: unknowns; at swivels in the basis of these.
+    pub(crate) equations: Vec<[bool; 6]>,
+    /// Supports that hold rotation about one axis.
+    pub(crate) swivels: Vec<Swivel>,
     /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no
     /// mass, and their share of the gradient is the master's.
     pub(crate) master: Vec<usize>,
@@ -109,7 +116,10 @@ impl Engine {
         }
         let num_nodes = first_node[model.rods.len()];
         let master = masters(&model, &first_node, num_nodes);
-        let free = free_unknowns(&model, &first_node, &master);
+        let equations = free_unknowns(&model, &first_node, &master);
+        let swivels = Swivel::all(&model, &equations, &master);
+        let mut free = equations.clone();
+        swivels.iter().for_each(|swivel| free[swivel.nodes[0]][3 + swivel.axis] = true);
         let state = State {
             remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
@@ -132,6 +142,8 @@ impl Engine {
             first_node,
             elements,
             free,
+            equations,
+            swivels,
             master,
             state,
             scales,
@@ -218,6 +230,11 @@ impl Engine {
     /// Whether some node of a rod is held altogether, by supports or by being joined to one before.
     pub(crate) fn is_clamped(&self, rod: usize) -> bool {
         self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
+    }
+
+    /// Whether a support holds rotations of a node, some or all.
+    pub(crate) fn is_turning_held(&self, node: usize) -> bool {
+        self.free[node][3..] != [true; 3] || self.swivels.iter().any(|swivel| swivel.nodes.contains(&node))
     }
 
     /// Whether a rod is joined to another one, or to itself.

@@ -58,9 +58,10 @@ impl Failure {
     pub(crate) fn of(engine: &Engine, report: &StepReport, newton: &NewtonOptions) -> Self {
         let last = report.history.last().and_then(|search| search.last());
         let residual = engine.residual(&engine.state);
+        let gradient = residual.bases.without_reactions(&residual.gradient);
         let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
         let unbalanced = |node: usize| {
-            let size = |k: usize| residual.gradient[6 * node + k].abs() * scale(k);
+            let size = |k: usize| gradient[6 * node + k].abs() * scale(k);
             (0..6).filter(|&k| engine.free[node][k]).map(size).fold(0.0, f64::max)
         };
         let worst = (0..engine.num_nodes()).max_by(|&a, &b| unbalanced(a).total_cmp(&unbalanced(b)));

@@ -44,6 +44,7 @@ mod state;
 mod step_bound;
 mod step_report;
 mod surprise;
+pub(crate) mod swivel;
 mod timing;
 mod turning;
 

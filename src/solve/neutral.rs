@@ -21,6 +21,7 @@ use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
+use crate::solve::swivel::Bases;
 use crate::sparse::Pattern;
 use several::Several;
 
@@ -38,13 +39,13 @@ const MAY_PASS: f64 = 1e-12;
 const PASSES: f64 = 1e-24;
 /// Work of a load on a motion, relative to the largest it could do, that rounding makes.
 const UNLOADED: f64 = 1e-9;
-/// Difference of roll between both ends, relative, up to which a motion costs too little twist to be resisted: at rest
-/// moments about the line through the supports balance and it is zero.
-const TWISTS: f64 = 0.1;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
-    !engine.is_joined(rod) && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
+    let swivels = || engine.swivels.iter().flat_map(|swivel| &swivel.nodes);
+    !engine.is_joined(rod)
+        && !swivels().any(|&node| engine.rod_of(node) == rod)
+        && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
 }
 
 /// Whether a rod's joints or supports let none of its motions pass, on the face of it.
@@ -125,14 +126,6 @@ fn spin_of(engine: &Engine, state: &State, rod: usize, nodes: impl Iterator<Item
     motion(nodes, |n| (Vec3::zeros(), if own.contains(&n) { tangent_of(state, n) } else { Vec3::zeros() }))
 }
 
-/// Roll about the tangent that grows evenly along an open rod.
-fn roll_along(engine: &Engine, state: &State) -> Vec<f64> {
-    let nodes = engine.nodes(0);
-    let count = nodes.len() as f64;
-    let share = |n: usize| (n - nodes.start) as f64 / count;
-    motion(nodes.clone(), |n| (Vec3::zeros(), tangent_of(state, n) * share(n)))
-}
-
 /// Rotation of some nodes as a whole in a motion whose displacements are those of a rigid body.
 fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
     let count = nodes.len() as f64;
@@ -148,16 +141,6 @@ fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
     // nothing tells of the rotation of a straight rod about itself
     let least = DEPENDENT * DEPENDENT * inertia.trace();
     inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
-}
-
-/// Whether the roll of sections in a motion of an open rod is nearly the same all along.
-fn hardly_twists(state: &State, nodes: &[usize], motion: &[f64]) -> bool {
-    let whole = rigid_rotation(state, nodes, motion);
-    let roll = |k: usize| {
-        (Vec3::new(motion[6 * k + 3], motion[6 * k + 4], motion[6 * k + 5]) - whole).dot(&tangent_of(state, nodes[k]))
-    };
-    let (first, last) = (roll(0), roll(nodes.len() - 1));
-    (last - first).abs() <= TWISTS * first.abs().max(last.abs())
 }
 
 /// Whether loads at nodes or along rods do work on a motion of some nodes, or would as it goes on.
@@ -184,25 +167,39 @@ fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) ->
     })
 }
 
+fn rotation_at(motion: &[f64], at: usize) -> Vec3 {
+    Vec3::new(motion[at], motion[at + 1], motion[at + 2])
+}
+
 /// What the supports of a rod let pass of its motions.
 struct Supports {
     /// Indices of the unknowns that are held.
     held: Vec<usize>,
+    /// Indices of the first rotation component of nodes that cannot turn about one direction, and that direction.
+    axes: Vec<(usize, Vec3)>,
     /// What makes displacements as large as rotations \[1/L\].
     scale: f64,
 }
 
 impl Supports {
     /// Of some nodes, as motions of these list them.
-    fn of(engine: &Engine, nodes: &[usize]) -> Self {
+    fn of(engine: &Engine, state: &State, nodes: &[usize]) -> Self {
         let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| !engine.free[node][*i]).map(move |i| 6 * k + i);
-        Self { held: nodes.iter().enumerate().flat_map(held).collect(), scale: 1.0 / engine.scales.length }
+        let axes = Bases::at(&engine.swivels, state).held().collect::<Vec<_>>();
+        let axis = |(node, axis): &(usize, Vec3)| nodes.iter().position(|n| n == node).map(|k| (6 * k + 3, *axis));
+        Self {
+            held: nodes.iter().enumerate().flat_map(held).collect(),
+            axes: axes.iter().filter_map(axis).collect(),
+            scale: 1.0 / engine.scales.length,
+        }
     }
 
     /// Product of two motions where the rod is held.
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
         let weight = |i: usize| if i % 6 < 3 { self.scale * self.scale } else { 1.0 };
-        self.held.iter().map(|&i| weight(i) * a[i] * b[i]).sum()
+        let about = |motion: &[f64], (at, axis): &(usize, Vec3)| rotation_at(motion, *at).dot(axis);
+        let turned = |held: &(usize, Vec3)| about(a, held) * about(b, held);
+        self.held.iter().map(|&i| weight(i) * a[i] * b[i]).sum::<f64>() + self.axes.iter().map(turned).sum::<f64>()
     }
 
     /// Eigenvectors of the products of motions, with their eigenvalues.
@@ -225,6 +222,10 @@ impl Supports {
             return None;
         }
         self.held.iter().for_each(|&i| motion[i] = 0.0);
+        for (at, axis) in &self.axes {
+            let rotation = rotation_at(&motion, *at);
+            motion[*at..at + 3].copy_from_slice((rotation - axis * axis.dot(&rotation)).as_slice());
+        }
         Some(motion)
     }
 
@@ -282,18 +283,11 @@ impl Neutral {
         }
         let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
         if !free {
-            let supports = Supports::of(engine, &nodes);
+            let supports = Supports::of(engine, state, &nodes);
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             // a straight rod between coaxial clamps turns back as much as it turns
             let least = DEPENDENT * motions.last().map_or(0.0, |motion| neutral.dot(motion, motion)).sqrt();
-            let all = motions;
-            motions = supports.all_that_pass(&all);
-            if motions.is_empty() && is_round(engine, 0) && !holds_all(engine, 0) {
-                // supports that hold parts of rotations hold the roll by different shares at both ends
-                let rolls = all.into_iter().chain([roll_along(engine, state)]).collect::<Vec<_>>();
-                motions = supports.all_that_pass(&rolls);
-                motions.retain(|motion| hardly_twists(state, &nodes, motion));
-            }
+            motions = supports.all_that_pass(&motions);
             motions.retain(|motion| neutral.dot(motion, motion).sqrt() > least);
             motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
             sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
@@ -357,13 +351,19 @@ impl Neutral {
     }
 
     /// Adds the springs of all free rods, and of held ones, to the tangent.
-    pub(crate) fn add_pins(&self, engine: &Engine, state: &State, pattern: &Pattern, values: &mut [f64]) {
+    pub(crate) fn add_pins(
+        &self,
+        engine: &Engine,
+        state: &State,
+        (pattern, bases): (&Pattern, &Bases),
+        values: &mut [f64],
+    ) {
         if self.held {
             let pinned = &self.motions[..self.sliding.unwrap_or(self.motions.len())];
-            pin_held(engine, &engine.nodes(0).collect::<Vec<_>>(), pinned.to_vec(), pattern, values);
+            pin_held(engine, &engine.nodes(0).collect::<Vec<_>>(), pinned.to_vec(), (pattern, bases), values);
         }
         for (nodes, motions) in &self.several.held {
-            pin_held(engine, nodes, motions.clone(), pattern, values);
+            pin_held(engine, nodes, motions.clone(), (pattern, bases), values);
         }
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
             let alone = engine.model.rods.len() == 1 || self.several.anchors.binary_search(&index).is_ok();
@@ -387,7 +387,13 @@ impl Neutral {
 
 /// One spring for each motion of held rods (whose `nodes` these are) but sliding, along that motion at the node that it
 /// moves most and across those before: together they stop all of them and nothing else.
-fn pin_held(engine: &Engine, nodes: &[usize], mut rest: Vec<Vec<f64>>, pattern: &Pattern, values: &mut [f64]) {
+fn pin_held(
+    engine: &Engine,
+    nodes: &[usize],
+    mut rest: Vec<Vec<f64>>,
+    (pattern, bases): (&Pattern, &Bases),
+    values: &mut [f64],
+) {
     let Some(&first) = nodes.first() else { return };
     let rod = &engine.model.rods[engine.rod_of(first)];
     let spacing = rod.spacing();
@@ -400,7 +406,7 @@ fn pin_held(engine: &Engine, nodes: &[usize], mut rest: Vec<Vec<f64>>, pattern: 
         let Some(most) = (0..nodes.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
         let (along, node) = (at(&rest[index], most), nodes[most]);
         let square = dot(&along, &along);
-        pattern.add_block(values, node, node, |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
+        bases.add_block(pattern, values, (node, node), |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
         let (done, others) = rest.split_at_mut(index + 1);
         for other in others {
             let part = dot(&along, &at(other, most)) / square;

@@ -8,6 +8,7 @@ use crate::solve::interrupt::Interrupt;
 use crate::solve::neutral::Neutral;
 use crate::solve::predictor::{Lifted, lifted};
 use crate::solve::state::{Drive, State};
+use crate::solve::swivel::Bases;
 use crate::solve::timing::{Timings, timed};
 use crate::sparse::{Factor, Pattern};
 
@@ -83,6 +84,8 @@ pub(crate) struct Workspace {
     /// Shear forces and tension, per element and integration point, that the next search starts from instead of those
     /// of the state; empty: of the state.
     pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
+    /// Bases of the unknowns of the last linearisation.
+    bases: Bases,
     /// A search was given up because it was asked to.
     pub(crate) interrupted: bool,
 }
@@ -107,7 +110,8 @@ impl Workspace {
         options: &NewtonOptions,
         leaving: bool,
     ) -> Result<NewtonReport, SolveError> {
-        let Lifted { state: start, drive, .. } = lifted(engine, &engine.state, drive);
+        let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
+        engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
         let drive = &drive;
         let forces = std::mem::take(&mut self.start_forces);
         engine.state = start.clone();
@@ -266,7 +270,8 @@ impl Workspace {
         let mut residual =
             timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, pattern, tangent));
         self.neutral = Neutral::at(engine, state, &residual.meetings);
-        self.neutral.add_pins(engine, state, pattern, &mut self.tangent.values);
+        self.bases.clone_from(&residual.bases);
+        self.neutral.add_pins(engine, state, (pattern, &self.bases), &mut self.tangent.values);
         self.neutral.remove_sliding_force(&mut residual.gradient);
         residual
     }
@@ -358,14 +363,12 @@ impl Workspace {
     pub(crate) fn multiply(&self, engine: &Engine, values: &[f64], x: &[f64]) -> Vec<f64> {
         let Some(pattern) = &self.pattern else { return Vec::new() };
         let mut reduced = vec![0.0; pattern.num_equations()];
-        for node in 0..engine.num_nodes() {
-            for k in 0..6 {
-                if let Some(eq) = pattern.equation(node, k) {
-                    reduced[eq] = x[6 * node + k];
-                }
+        for (i, x) in self.bases.resolved(x).iter().enumerate() {
+            if let Some(eq) = pattern.equation(i / 6, i % 6) {
+                reduced[eq] = *x;
             }
         }
-        expand(engine, pattern, &pattern.multiply(values, &reduced))
+        self.expand(engine, pattern, &pattern.multiply(values, &reduced))
     }
 
     /// Solves with the last factorisation for all unknowns, without sliding of a uniform closed rod along itself.
@@ -383,15 +386,21 @@ impl Workspace {
     fn solve_unconstrained(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return Vec::new() };
         let mut rhs = vec![0.0; pattern.num_equations()];
-        for node in 0..engine.num_nodes() {
-            for k in 0..6 {
-                if let Some(eq) = pattern.equation(node, k) {
-                    rhs[eq] += rhs_nodes[6 * node + k];
-                }
+        for (i, x) in self.bases.resolved(rhs_nodes).iter().enumerate() {
+            if let Some(eq) = pattern.equation(i / 6, i % 6) {
+                rhs[eq] += x;
             }
         }
         timed(&mut self.timings.solve, || factor.solve(&mut rhs));
-        expand(engine, pattern, &rhs)
+        self.expand(engine, pattern, &rhs)
+    }
+
+    /// Six numbers a node from those of the equations.
+    fn expand(&self, engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
+        let number = |i: usize| pattern.equation(i / 6, i % 6).map_or(0.0, |eq| reduced[eq]);
+        let mut all: Vec<f64> = (0..6 * engine.num_nodes()).map(number).collect();
+        self.bases.compose(&mut all);
+        all
     }
 
     /// Linearises at the engine's state with its actual stresses and counts negative eigenvalues.
@@ -432,18 +441,6 @@ fn has_loose_motions(engine: &Engine) -> bool {
     pushed || rods.into_iter().any(|rod| engine.model.rods[rod].closed && engine.bears_loads(rod))
 }
 
-fn expand(engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
-    let mut all = vec![0.0; 6 * engine.num_nodes()];
-    for node in 0..engine.num_nodes() {
-        for k in 0..6 {
-            if let Some(eq) = pattern.equation(node, k) {
-                all[6 * node + k] = reduced[eq];
-            }
-        }
-    }
-    all
-}
-
 pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
     let lever = engine.scales.lever;
     step.iter().enumerate().map(|(i, x)| if i % 6 < 3 { x.abs() / lever } else { x.abs() }).fold(0.0, |a, b| {
@@ -456,12 +453,13 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
 /// spacing, so that pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
     let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
+    let unbalanced = residual.bases.without_reactions(&residual.gradient);
     let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);
     for node in 0..engine.num_nodes() {
         for k in 0..6 {
             magnitude = magnitude.max(residual.magnitude[6 * node + k] * scale(k));
             if engine.free[node][k] {
-                gradient = gradient.max(residual.gradient[6 * node + k].abs() * scale(k));
+                gradient = gradient.max(unbalanced[6 * node + k].abs() * scale(k));
             }
         }
     }

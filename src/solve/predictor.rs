@@ -267,7 +267,7 @@ pub(crate) fn lifted(engine: &Engine, state: &State, drive: &Drive) -> Lifted {
 /// evenly to zero at the next nodes on both sides whose rotation is held.
 fn spin_evenly(engine: &Engine, state: &mut State, node: usize, angle: f64) {
     let nodes = engine.nodes(engine.rod_of(node));
-    let held = |n: &usize| engine.free[*n][3..] != [true; 3];
+    let held = |n: &usize| engine.is_turning_held(*n);
     let before = (nodes.start..node).rev().find(held);
     let after = (node + 1..nodes.end).find(held);
     let share = |k: usize| match (k.cmp(&node), before, after) {

@@ -57,7 +57,7 @@ impl Engine {
 
     /// Segments between a node and the next on its rod whose rotation is held; all of the rod if there is none.
     fn segments_to_held(&self, rod: usize, node: usize) -> usize {
-        let held = |other: &usize| *other != node && self.free[*other][3..] != [true; 3];
+        let held = |other: &usize| *other != node && self.is_turning_held(*other);
         let distance = |other: usize| other.abs_diff(node);
         let nearest = self.nodes(rod).filter(held).map(distance).min();
         nearest.unwrap_or(self.model.rods[rod].num_segments())

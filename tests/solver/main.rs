@@ -38,3 +38,4 @@ mod planar;
 mod random_scenes;
 mod random_supercoiling;
 mod start_shapes;
+mod swivels;

@@ -139,7 +139,7 @@ fn loads_alone(engine: &Engine, state: &State, factor: f64, pressed: Option<usiz
     if let Some(rod) = pressed {
         unit.pressures[rod] = 1.0;
     }
-    let mut out = engine.start_residual();
+    let mut out = engine.start_residual(&engine.state);
     engine.add_loads(&unit, &mut out, None);
     out.gradient
 }

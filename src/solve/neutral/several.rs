@@ -51,7 +51,7 @@ impl Several {
                 let held = group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod));
                 let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
                 let motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
-                let mut passing = Supports::of(engine, &nodes).all_that_pass(&motions);
+                let mut passing = Supports::of(engine, state, &nodes).all_that_pass(&motions);
                 passing.retain(|motion| !is_loaded(engine, state, &nodes, motion));
                 passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
                 if !passing.is_empty() {
