@@ -208,6 +208,7 @@ impl Workspace {
         search.trust.accept(Outcome {
             extent: step.extent,
             fraction: trial.fraction,
+            rounds: trial.rounds,
             gain: (!unseen).then_some(gain(residual, &trial) / trial.expected),
         });
         if hardened {

@@ -8,6 +8,8 @@ const GROWTH: f64 = 3.0;
 /// Decrease of the potential over the expected one between which the model foresaw a step, and below which it did not.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
 const MISJUDGED: f64 = 0.25;
+/// Correction rounds up to which a step is no surprise.
+const FEW_ROUNDS: usize = 3;
 /// What is left of a step's extent after it was rejected.
 const REJECTED: f64 = 0.25;
 
@@ -19,6 +21,8 @@ pub(super) struct Outcome {
     pub(super) extent: f64,
     /// Fraction of it that was taken.
     pub(super) fraction: f64,
+    /// Correction rounds.
+    pub(super) rounds: usize,
     /// Decrease of the potential over the expected one; `None` where rounding hides it, which says nothing against a
     /// step.
     pub(super) gain: Option<f64>,
@@ -38,7 +42,7 @@ impl Trust {
     /// After an accepted step.
     pub(super) fn accept(&mut self, step: Outcome) {
         let taken = step.fraction * step.extent;
-        if step.gain.is_none_or(|gain| FORESEEN.contains(&gain)) {
+        if step.gain.is_none_or(|gain| step.rounds <= FEW_ROUNDS && FORESEEN.contains(&gain)) {
             self.radius = self.radius.max(GROWTH * taken).min(LARGEST);
         } else if step.gain.is_some_and(|gain| gain < MISJUDGED) {
             self.radius = 0.5 * taken;
@@ -57,7 +61,7 @@ impl Trust {
 mod tests {
     use super::*;
 
-    const STEP: Outcome = Outcome { extent: 0.1, fraction: 1.0, gain: Some(1.0) };
+    const STEP: Outcome = Outcome { extent: 0.1, fraction: 1.0, rounds: 1, gain: Some(1.0) };
 
     #[test]
     fn what_was_foreseen_makes_it_larger() {
@@ -81,6 +85,7 @@ mod tests {
         assert_eq!(after(Outcome { gain: Some(0.1), ..STEP }), 0.05);
         assert_eq!(after(Outcome { gain: Some(0.5), fraction: 0.2, ..STEP }), 0.2 * 0.1);
         assert_eq!(after(Outcome { gain: Some(0.5), ..STEP }), 0.5);
-        assert_eq!(after(Outcome { gain: None, ..STEP }), 0.5);
+        assert_eq!(after(Outcome { gain: Some(1.0), rounds: 9, fraction: 0.5, ..STEP }), 0.05);
+        assert_eq!(after(Outcome { gain: None, rounds: 9, ..STEP }), 0.5);
     }
 }
