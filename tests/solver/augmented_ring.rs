@@ -7,15 +7,15 @@
 //!   1 point     2 points      3 points       line + 2       line, under pressure
 //! ```
 //!
-//! * Twisted ring, D/L = .03, B = 1, C = 1.5, EA = GA = 1e9 B/L², 96 cubic elements, at the excess links 1.5, 2.1,
-//!   2.36, 2.6; κ from 1e8 to 1e14 B/L⁴. Reference with points: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`).
+//! * Twisted ring, D/L = .03, B = 1, C = 1.5, EA = GA = 1e9 B/L², 144 cubic elements, at the excess links 1.5,
+//!   2.1, 2.36, 2.6; κ from 1e8 to 1e14 B/L⁴. Reference with points: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`).
 //! * Ring under pressure p = 12 B/R³ (line contact begins at 10.3), D/R = .01, planar, EA = GA = 1e6 B/R², 64 cubic
 //!   elements; κ from 1e5 to 1e11 B/R⁴.
 //!
 //! At each κ the penalty of that stiffness is brought to rest first, then the augmented Lagrangian, to a penetration of
 //! 1e-9 D. What is left of κ in its resultants is the width over which it spreads a point, ∝ κ^(−1/3), of second order.
 //! The number of augmentations (outer) and of Newton iterations (inner) is printed, and bounded here by 15 and 250;
-//! most take 1 … 3 and 10 … 60. (Beyond κ = 1e12 the nodes, .0035 L apart, are too far from each other for a line: a
+//! most take 1 … 3 and 20 … 120. (Beyond κ = 1e12 the nodes, .0023 L apart, are too far from each other for a line: a
 //! law ten or a hundred times softer stays in force, and is reported.)
 //!
 //! Three points: at κ = 1e8 B/L⁴ the outer points are only four layers (B/κ)^¼ of the law from the middle one, which
@@ -92,7 +92,7 @@ fn twisted_ring() {
     let radius = 0.015f64;
     let section = Section::isotropic(1.0, 1.5, 1e9, 1e9, radius);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 96, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, true, section, 144, 3, Natural::Straight).unwrap();
     let soft = ContactLaw::Penalty { stiffness: 1e9 * radius.powi(4) };
     let model = Model { rods: vec![rod], contact: Contact { law: soft }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();

@@ -15,7 +15,7 @@ use crate::solve::timing::timed;
 /// it.
 const GENTLE: f64 = 0.1;
 /// Correction rounds per step.
-const MAX_ROUNDS: usize = 10;
+pub(super) const MAX_ROUNDS: usize = 10;
 /// A correction this small in energy, relative to the step, ends the rounds.
 const SMALL_CORRECTION: f64 = 1e-2;
 /// Each correction must be smaller than this times its predecessor (energies).

@@ -1,5 +1,7 @@
 //! The trust region of the guarded search: how far a step may go, by what the last ones came to.
 
+use super::trial::MAX_ROUNDS;
+
 /// Radius at the start and at most, rad.
 const FIRST: f64 = 0.5;
 const LARGEST: f64 = 2.0;
@@ -8,8 +10,10 @@ const GROWTH: f64 = 3.0;
 /// Decrease of the potential over the expected one between which the model foresaw a step, and below which it did not.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
 const MISJUDGED: f64 = 0.25;
-/// Correction rounds up to which a step is no surprise.
-const FEW_ROUNDS: usize = 3;
+/// Correction rounds up to which a step is no surprise: half of those that a trial may take. (With three, a knot that
+/// slides through itself goes on by the same small step for hundreds of iterations; without any bound a hard penalty
+/// rattles.)
+const FEW_ROUNDS: usize = MAX_ROUNDS / 2;
 /// What is left of a step's extent after it was rejected.
 const REJECTED: f64 = 0.25;
 
