@@ -71,7 +71,7 @@ fn elastic(seen: &Observation) -> f64 {
 }
 
 /// Neither way leaves a contact that is open but carries force, and both lead to nearly the same energy; the report's
-/// figure is what the sites tell. (At κ' = 1000 two points half a node spacing long, a third of one beside a line,
+/// figure is no less than what the sites tell. (At κ' = 1000 two points half a node spacing long, a third of one beside a line,
 /// cannot be told from it by offsets at the nodes: .28 pN each.)
 #[test]
 fn neighbours_do_not_hold_contacts_open() {
@@ -98,8 +98,9 @@ fn neighbours_do_not_hold_contacts_open() {
             let widest =
                 seen.sites.iter().filter(|site| site.force > 0.0).map(|site| site.gap / RADIUS).fold(0.0, f64::max);
             println!("  widest {widest:.1e}");
-            assert!(work < held, "{stiffness}: {work}");
-            assert!((report.held_open - work).abs() < 1e-2 * work + 1e-7, "{stiffness}: {work}, {}", report.held_open);
+            // the report's figure tells parts of a line apart that sites lump together
+            assert!(report.held_open < held, "{stiffness}: {}", report.held_open);
+            assert!(report.held_open > 0.99 * work - 1e-7, "{stiffness}: {work}, {}", report.held_open);
             elastic(&seen)
         });
         assert!((energies[0] / energies[1] - 1.0).abs() < WAYS_APART, "{stiffness}: {energies:?}");
