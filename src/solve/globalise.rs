@@ -100,12 +100,13 @@ impl Search {
 
 impl Workspace {
     /// The guarded search. `forces`, if there are any, are the shear forces and the tension of the first linearisation.
+    /// Below the potential `floor` the search ends, not converged.
     pub(crate) fn guarded(
         &mut self,
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
-        forces: &[[[f64; 3]; 3]],
+        (forces, floor): (&[[[f64; 3]; 3]], f64),
     ) -> Result<NewtonReport, SolveError> {
         let mut search = Search::new(engine, drive, forces, Rest::new(options.tol_increment, self.rough));
         self.shift = 0.0;
@@ -114,6 +115,9 @@ impl Workspace {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
+            if residual.potential.total() < floor {
+                break 'search;
+            }
             patience.see(&residual, search.remaining);
             let noise = noise(&residual);
             let unbalanced = relative_residual(engine, &residual);

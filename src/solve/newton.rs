@@ -99,7 +99,8 @@ impl Workspace {
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
     /// one step, passing tangents that are indefinite although both ends of the way are stable. If it does not
     /// converge, or if strands are near or would touch or pass each other, or when leaving an unstable state
-    /// (`leaving`), the guarded search does the work.
+    /// (`leaving`), the guarded search does the work. That ends, not converged, when the potential falls below the value
+    /// given: whoever only asks whether a motion is neutral need not follow it.
     ///
     /// # Errors
     /// Numbers that break down; not converging is in the report.
@@ -108,7 +109,7 @@ impl Workspace {
         engine: &mut Engine,
         drive: &Drive,
         options: &NewtonOptions,
-        leaving: bool,
+        leaving: Option<f64>,
     ) -> Result<NewtonReport, SolveError> {
         let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
         engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
@@ -118,14 +119,14 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
         let mut spent = Vec::new();
-        if engine.contact.is_some() && !(near_contact || leaving) {
+        if engine.contact.is_some() && !(near_contact || leaving.is_some()) {
             if let Some(report) = self.direct_apart(engine, drive, options, &mut spent)? {
                 return Ok(report);
             }
             engine.state = start.clone();
             self.refresh(engine, &start)?;
         }
-        if !options.stable_only || !(engine.contact.is_some() || leaving) {
+        if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
             let direct = NewtonOptions {
                 stable_only: false,
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
@@ -139,7 +140,7 @@ impl Workspace {
             }
             engine.state = start;
         }
-        let mut report = self.guarded(engine, drive, options, &forces)?;
+        let mut report = self.guarded(engine, drive, options, (&forces, leaving.unwrap_or(f64::NEG_INFINITY)))?;
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)

@@ -91,9 +91,12 @@ impl Solver {
     ) -> Result<bool, SolveError> {
         let before = self.snapshot();
         let patience = self.be_patient_for(iterations);
+        // a path that ends here is left by the descent from where it was stable last
+        let departures = std::mem::take(&mut self.options.max_departures);
         let outcome = self.search_predicted(drive, prediction, report);
         self.options.newton.max_iterations = patience;
-        if outcome.is_ok() && report.status == Status::Converged && report.departures == 0 {
+        self.options.max_departures = departures;
+        if outcome.is_ok() && report.status == Status::Converged {
             report.predicted = true;
             return Ok(true);
         }
@@ -311,26 +314,29 @@ impl Solver {
 
     /// One equilibrium search, leaving unstable equilibria: those from which the potential falls by more than rounding.
     fn search(&mut self, drive: &Drive, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut outcome = self.equilibrate(drive, false, report)?;
+        let mut outcome = self.equilibrate(drive, None, report)?;
         // without a potential the inertia of the symmetric part decides nothing
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
         while outcome.converged && outcome.num_unstable > 0 && leaves && !self.ended_roughly(&outcome) {
-            if report.departures >= self.options.max_departures {
-                break;
-            }
+            let may_leave = report.departures < self.options.max_departures;
             let (before, potential) = (self.engine.state.clone(), self.engine.residual(&self.engine.state));
             let direction = self.workspace.negative_direction(&mut self.engine)?;
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.departure).collect();
             let still = Drive::default();
             let fraction = self.engine.step_fraction(&before, &increment)?;
             self.engine.state = before.retract(&increment, fraction);
-            let left = self.equilibrate(&still, true, report)?;
+            let floor = potential.potential.total() - unseen(&potential);
+            let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
             let fall = potential.potential.total() - self.engine.residual(&self.engine.state).potential.total();
             if left.converged && fall.abs() <= unseen(&potential) {
                 // it costs nothing: the helix of a rod with two bending stiffnesses turning in a ring
                 self.engine.state = before;
                 self.engine.update_contact(&self.engine.state.clone())?;
                 outcome.num_unstable = 0;
+            } else if !may_leave {
+                self.engine.state = before;
+                self.engine.update_contact(&self.engine.state.clone())?;
+                break;
             } else {
                 report.departures += 1;
                 outcome = left;
@@ -355,7 +361,7 @@ impl Solver {
     fn equilibrate(
         &mut self,
         drive: &Drive,
-        leaving: bool,
+        leaving: Option<f64>,
         report: &mut StepReport,
     ) -> Result<NewtonReport, SolveError> {
         let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, leaving)?;
