@@ -99,7 +99,7 @@ impl fmt::Display for StepTable<'_> {
 }
 
 /// Writes the steps as CSV: step, stage, fraction, link numbers of each closed rod, energies, smallest gap (lower
-/// bound), sites, contact force, unstable directions, iterations (and those on shorter rods or coarser meshes),
+/// bound), sites, contact force, unstable directions, energy released by snaps, iterations (and those on shorter rods or coarser meshes),
 /// seconds, status. Units as in the scene, links in turns.
 ///
 /// `rods` are the names of all rods; where several are closed their columns carry the name.
@@ -119,7 +119,7 @@ pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Resul
     }
     let rest = ["stretch", "shear", "bend", "twist_energy", "contact", "total", "min_gap", "num_sites"];
     header.extend(rest.map(str::to_owned));
-    header.extend(["total_contact_force", "num_unstable", "iterations"].map(str::to_owned));
+    header.extend(["total_contact_force", "num_unstable", "energy_released", "iterations"].map(str::to_owned));
     header.extend(["iterations_elsewhere", "seconds", "status"].map(str::to_owned));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     write_table(path, &header, steps.iter().map(cells))
@@ -136,6 +136,7 @@ fn cells(step: &Observation) -> Vec<Cell> {
     cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.total].map(Cell::from));
     cells.push(step.min_gap.map_or_else(|| Cell::from(""), |gap| gap.lower.into()));
     cells.extend([step.num_sites.into(), step.total_contact_force.into(), step.num_unstable.into()]);
+    cells.push(step.energy_released.into());
     cells.extend([step.iterations.into(), step.iterations_elsewhere.into()]);
     cells.extend([step.seconds.into(), step.status.as_str().into()]);
     cells
@@ -218,6 +219,7 @@ pub(super) mod tests {
             total_contact_force: 0.0,
             reactions: Vec::new(),
             num_unstable: 2,
+            energy_released: 0.0,
             iterations: 7,
             iterations_elsewhere: 12,
             seconds: 0.25,

@@ -153,7 +153,7 @@ pub struct Observation {
     pub fraction: f64,
     /// "converged" or why not.
     pub status: String,
-    /// What to know of the state before believing it, in words. Overlaps that contact does not resist: it acts between
+    /// What to know of the state before believing it, in words. A snap on the way to it. Overlaps that contact does not resist: it acts between
     /// strands, not between neighbours along one, so a rod bent tighter than its contact radius overlaps itself. A
     /// contact law softer than asked for.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -174,6 +174,10 @@ pub struct Observation {
     pub reactions: Vec<Reaction>,
     /// Number of unstable directions of the accepted state.
     pub num_unstable: usize,
+    /// Energy set free by a snap of this step \[F·L\], see
+    /// [`StepReport::energy_released`](crate::solve::StepReport::energy_released); 0 where the rods followed a stable path.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub energy_released: f64,
     /// Newton iterations spent on this step (all outer loops).
     pub iterations: usize,
     /// Newton iterations on a shorter rod or a coarser mesh that prepared this step.

@@ -46,6 +46,7 @@ pub fn observe(progress: &Progress) -> Observation {
         reactions: reactions(engine, &residual),
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
+        energy_released: progress.report.energy_released,
         iterations_elsewhere: progress.report.iterations_elsewhere,
         seconds: progress.seconds,
     }
@@ -87,13 +88,17 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
     (0..rods.len()).filter(|&rod| rods[rod].closed).map(link_of).collect()
 }
 
-/// What a reader of the numbers should know of a state at rest: overlaps that contact does not resist, a law softer
-/// than asked for.
+/// What a reader of the numbers should know of a state at rest: a snap on the way to it, overlaps that contact does not
+/// resist, a law softer than asked for.
 fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
     let engine = progress.engine;
-    let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
+    if progress.report.status != Status::Converged {
         return Vec::new();
-    };
+    }
+    let released = progress.report.energy_released;
+    let snap =
+        (released > 0.0).then(|| format!("snap: the path was no longer stable; it set {released:.4} of energy free"));
+    let Some(side) = &engine.contact else { return snap.into_iter().collect() };
     let rods = &engine.model().rods;
     let too_tight = side.rods.iter().filter_map(|&rod| {
         let (name, radius) = (&rods[rod].name, rods[rod].section.contact_radius);
@@ -106,7 +111,7 @@ fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
             )
         })
     });
-    let mut notes: Vec<String> = too_tight.collect();
+    let mut notes: Vec<String> = snap.into_iter().chain(too_tight).collect();
     let softening = progress.report.softening;
     if softening > 1.0 {
         notes.push(format!(

@@ -90,6 +90,7 @@ impl Solver {
         let settled = self.settle_as_it_is(RESETTLING_ITERATIONS, report)?;
         if settled {
             report.departures += made.departures;
+            report.energy_released += made.energy_released;
         }
         Ok(settled)
     }

@@ -339,6 +339,7 @@ impl Solver {
                 break;
             } else {
                 report.departures += 1;
+                report.energy_released += fall;
                 outcome = left;
             }
         }

@@ -48,6 +48,9 @@ pub struct StepReport {
     pub augmentations: usize,
     /// How many times an unstable equilibrium was left.
     pub departures: usize,
+    /// Energy set free by snaps \[F·L\]: the potential of each unstable equilibrium that was left, less that of the state
+    /// that the descent from it came to under the same contact law; 0 where none was left.
+    pub energy_released: f64,
     /// Unstable directions of the final state.
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
@@ -78,6 +81,7 @@ impl StepReport {
             iterations: 0,
             augmentations: 0,
             departures: 0,
+            energy_released: 0.0,
             num_unstable: 0,
             penetration: 0.0,
             held_open: 0.0,
@@ -97,6 +101,6 @@ impl StepReport {
     /// Another attempt from where the last one began: iterations stay counted.
     pub(super) fn start_again(&mut self) {
         (self.status, self.num_unstable) = (Status::Converged, 0);
-        (self.augmentations, self.departures) = (0, 0);
+        (self.augmentations, self.departures, self.energy_released) = (0, 0, 0.0);
     }
 }

@@ -33,6 +33,7 @@ fn report() -> StepReport {
         iterations_elsewhere: 0,
         augmentations: 0,
         departures: 0,
+        energy_released: 0.0,
         num_unstable: 0,
         penetration: 0.0,
         held_open: 0.0,

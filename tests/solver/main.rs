@@ -37,5 +37,6 @@ mod long_plectonemes;
 mod planar;
 mod random_scenes;
 mod random_supercoiling;
+mod snaps;
 mod start_shapes;
 mod swivels;
