@@ -3,6 +3,7 @@
 mod build;
 mod memory;
 mod mesh;
+mod poses;
 mod set;
 mod shapes;
 mod text;
@@ -86,6 +87,12 @@ use text::{SceneText, StagesText};
 /// #        pressure = { to }, load = factor }; lists of tables where several nodes or rods move
 /// #      { rotation = { rod = ["a", "b"], at, axis, through = [x, y, z], turns } } carries nodes round together, about
 /// #        the axis through a point: a cable is twisted so
+/// #      { pose = { at, position = [x, y, z], quaternion = [w, x, y, z] | axis_angle = [x, y, z, turns] | matrix = rows,
+/// #        relative, path, extra_turns } } takes a clamped node to a pose; columns of the rotation are d1, d2, d3. What is
+/// #        not given stays. The frame turns by the shortest turn (of ±0.5 turns as axis_angle says).
+/// #        relative = true: position is a displacement, the rotation one about the global axes, both of the node as the
+/// #        run started; path = "straight" (default) or "screw": the position goes with the turn, on an arc or helix;
+/// #        extra_turns: whole turns about the rod's tangent since the start of the run, on top
 /// steps = 30
 ///
 /// [solver]                                     # all optional

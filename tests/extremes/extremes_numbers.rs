@@ -82,6 +82,7 @@ fn fields() -> Vec<Field> {
             | Ramp::ExcessLink { to, .. }
             | Ramp::Pressure { to, .. } => to,
             Ramp::Displacement { to, .. } => &mut to.x,
+            Ramp::Pose { pose, .. } => pose.turns.get_or_insert(0.0),
         }
     }
     let mut all: Vec<Field> = Vec::new();

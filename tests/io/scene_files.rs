@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use supercoil::math::Vec3;
+use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Plectoneme, Shape};
-use supercoil::scene::{ContactLaw, Fidelity, Joint, NodeRef, Ramp, Scene};
+use supercoil::scene::{ContactLaw, Fidelity, Joint, NodeRef, PosePath, Ramp, Scene};
 use supercoil::solve::{Options, Solver, Status};
 
 const RING: &str = r#"
@@ -97,8 +97,8 @@ fn beam_means_what_it_says() {
 
 #[test]
 fn the_examples_are_accepted() {
-    for name in ["minicircle", "elastica", "ring_pressure", "crossed_beams", "puc19", "pbr322", "lambda_phage", "cable"]
-    {
+    let plain = ["minicircle", "elastica", "ring_pressure", "crossed_beams", "puc19", "pbr322", "lambda_phage"];
+    for name in plain.into_iter().chain(["cable", "loop_between_poses"]) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(format!("{name}.toml"));
         Scene::read(&path).unwrap_or_else(|error| panic!("{error}"));
     }
@@ -469,4 +469,48 @@ fn meshes_foresee_loads_on_joined_rods() {
     let heavy = HALVES.replace("[0, 0.2, -1]", "[0, 0, -400]");
     let of = elements(&heavy);
     assert!(of[0] == of[1] && of[0] > elements(HALVES)[0], "{of:?}");
+}
+
+/// The pose of the only ramp of the only stage.
+fn posed(keys: &str) -> Result<supercoil::scene::Pose, String> {
+    let text = format!(
+        "{}\n[[supports]]\nat = \"end\"\nposition = true\nrotation = true\n[[stages]]\nsteps = 1\nramp = {{ pose = {{ at = \"end\", {keys} }} }}",
+        BEAM.split("[[supports]]").next().unwrap()
+    );
+    match read(&text).map_err(|error| error.to_string())?.stages[0].ramps[..] {
+        [Ramp::Pose { node: NodeRef { rod: 0, node: 8 }, pose }] => Ok(pose),
+        ref other => Err(format!("{other:?}")),
+    }
+}
+
+/// One rotation, written in three ways; relative to the start of the run, the frame there turned about the global axes.
+#[test]
+fn poses_mean_what_they_say() {
+    let turn = Quat::from_scaled_axis(Vec3::y() * std::f64::consts::FRAC_PI_2);
+    let frame = |keys: &str| posed(keys).unwrap().frame.unwrap();
+    assert!(frame("axis_angle = [0, 3, 0, 0.25]").angle_to(&turn) < 1e-15);
+    assert!(frame("quaternion = [0.7071068, 0, 0.7071068, 0]").angle_to(&turn) < 1e-15);
+    assert!(frame("matrix = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]").angle_to(&turn) < 1e-15);
+    let start = read(BEAM).unwrap().model.rods[0].frames[8];
+    assert!(frame("relative = true, axis_angle = [0, 3, 0, 0.25]").angle_to(&(turn * start)) < 1e-15);
+    let pose = posed("position = [1, 2, 3], path = \"screw\", extra_turns = -2").unwrap();
+    assert_eq!((pose.position, pose.frame, pose.turns), (Some(Vec3::new(1.0, 2.0, 3.0)), None, Some(-2.0)));
+    assert_eq!(pose.path, PosePath::Screw);
+    let pose = posed("position = [0, 0, 1], relative = true").unwrap();
+    assert_eq!((pose.position, pose.path), (Some(Vec3::new(2.0, 0.0, 1.0)), PosePath::Straight));
+    let half = posed("axis_angle = [0, 0, 2, -0.5]").unwrap();
+    assert!(half.half_turn.z < 0.0);
+    for (keys, parts) in [
+        ("axis_angle = [0, 0, 1, 0.75]", &["stages[0].ramp.pose.axis_angle = 0.75", "extra_turns"][..]),
+        ("axis_angle = [0, 0, 0, 0.25]", &["axis_angle", "not zero"]),
+        ("quaternion = [1, 1, 0, 0]", &["pose.quaternion", "length 1.414"]),
+        ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]", &["pose.matrix", "determinant -1"]),
+        ("matrix = [[1, 0], [0, 1, 0], [0, 0, -1]]", &["a list of 3"]),
+        ("quaternion = [1, 0, 0, 0], axis_angle = [0, 0, 1, 0.25]", &["one of quaternion, axis_angle, matrix"]),
+        ("relative = true", &["goes nowhere"]),
+        ("position = [0, 0, 1], path = \"line\"", &["unknown variant `line`", "`screw`"]),
+    ] {
+        let message = posed(keys).unwrap_err();
+        parts.iter().for_each(|part| assert!(message.contains(part), "\"{part}\" is not in: {message}"));
+    }
 }

@@ -35,6 +35,7 @@ mod held_motions;
 mod honest_endings;
 mod long_plectonemes;
 mod planar;
+mod poses;
 mod random_scenes;
 mod random_supercoiling;
 mod start_shapes;

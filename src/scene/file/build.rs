@@ -12,7 +12,7 @@ use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLo
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
 use super::values::{At, List, Names, NaturalText};
-use super::{memory, mesh};
+use super::{memory, mesh, poses};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -117,6 +117,12 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
     for ramp in &text.displacement.0 {
         let nodes = nodes(rods, &format!("{field}.displacement"), &ramp.rod, ramp.at)?;
         ramps.extend(nodes.into_iter().map(|node| Ramp::Displacement { node, to: ramp.to.into() }));
+    }
+    for ramp in &text.pose.0 {
+        let field = format!("{field}.pose");
+        for node in nodes(rods, &field, &ramp.rod, ramp.at)? {
+            ramps.push(Ramp::Pose { node, pose: poses::pose(&field, ramp, model, node)? });
+        }
     }
     ramps.extend(text.load.map(|to| Ramp::Load { to }));
     for ramp in &text.pressure.0 {

@@ -7,7 +7,7 @@ use crate::math::Vec3;
 use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
-use super::text::{LawText, RodText, SceneText};
+use super::text::{LawText, RampText, RodText, SceneText};
 use super::values::{List, Names};
 
 /// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
@@ -39,8 +39,11 @@ fn turns(
     );
     let wound = if rod.closed { 1.0 + link } else { 0.0 };
     let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
-    let rotation = largest(&mut rotations().map(|r| r.turns));
-    let is_moved = stages().any(|r| r.displacement.0.iter().any(|r| is_among(&r.rod)));
+    let extra_turns = || stages().flat_map(|r| &r.pose.0).filter(|r| is_among(&r.rod)).filter_map(|r| r.extra_turns);
+    let rotation = largest(&mut rotations().map(|r| r.turns).chain(extra_turns()));
+    let is_displaced = |r: &RampText| r.displacement.0.iter().any(|r| is_among(&r.rod));
+    let is_posed = |r: &RampText| r.pose.0.iter().any(|r| is_among(&r.rod));
+    let is_moved = stages().any(|r| is_displaced(r) || is_posed(r));
     let moved = if is_moved { MOVED } else { 0.0 };
     let factor = largest(&mut stages().filter_map(|r| r.load));
     let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;

@@ -248,6 +248,8 @@ pub(super) struct RampText {
     pub rotation: OneOrMany<RotationText>,
     #[serde(default)]
     pub displacement: OneOrMany<DisplacementText>,
+    #[serde(default)]
+    pub pose: OneOrMany<PoseText>,
     pub load: Option<f64>,
     #[serde(default)]
     pub pressure: OneOrMany<ScalarText>,
@@ -278,4 +280,29 @@ pub(super) struct DisplacementText {
     pub rod: Names,
     pub at: At,
     pub to: List<f64, 3>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PoseText {
+    #[serde(default)]
+    pub rod: Names,
+    pub at: At,
+    pub position: Option<List<f64, 3>>,
+    pub quaternion: Option<List<f64, 4>>,
+    pub axis_angle: Option<List<f64, 4>>,
+    pub matrix: Option<List<List<f64, 3>, 3>>,
+    #[serde(default)]
+    pub relative: bool,
+    #[serde(default)]
+    pub path: PathText,
+    pub extra_turns: Option<f64>,
+}
+
+#[derive(Deserialize, Clone, Copy, Default)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum PathText {
+    #[default]
+    Straight,
+    Screw,
 }

@@ -36,7 +36,7 @@ impl Parameter {
     /// The ramp seen from the solver's present state.
     ///
     /// # Errors
-    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`].
+    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`].
     pub(super) fn new(solver: &Solver, ramp: &Ramp) -> Result<Self, InputError> {
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
@@ -52,6 +52,10 @@ impl Parameter {
                 let reason =
                     "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
+            }
+            Ramp::Pose { .. } => {
+                let reason = "leads along a way of its own, which cannot be followed: go in steps (`step_to`, `run`)";
+                return Err(InputError::Inconsistent { field: "ramp.pose".to_owned(), reason: reason.to_owned() });
             }
             Ramp::Displacement { node, to } => {
                 let here = solver.moved.displaced.get(&index(node)).copied().unwrap_or_default();
