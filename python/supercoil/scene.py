@@ -29,7 +29,7 @@ class Rod:
 
     ``shape`` and ``section`` are tables such as ``{"kind": "circle", "length": 6.0}`` [L] and ``{"bending": 1.0,
     "twisting": 1.5, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.1}`` [F·L², F, L]. ``elements`` may be left
-    out where the scene has a fidelity; ``excess_link`` is in turns, for closed rods.
+    out where the scene has a fidelity; ``excess_link`` is in turns beyond the relaxed rod, for closed rods.
     """
 
     shape: Table

@@ -100,7 +100,8 @@ pub struct Reaction {
 
 /// Link numbers of one closed rod, in turns; `link = twist + writhe`.
 ///
-/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as
+/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link`, and the natural link of the
+/// rod ([`natural_link`](crate::rod::Rod::natural_link)) on top, to rounding for as long as
 /// no strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no
 /// link). Of its two parts the polygon would know each to second order in its edges only, so `twist` is the elements'
 /// own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
@@ -109,7 +110,7 @@ pub struct Reaction {
 pub struct RodLink {
     /// Rod index.
     pub rod: usize,
-    /// Prescribed: turns of the frame at s = L against that at s = 0, see [`crate::rod::Rod::start_excess_link`].
+    /// Prescribed: link beyond that of the relaxed rod, see [`crate::rod::Rod::natural_link`].
     pub excess_link: f64,
     /// Measured Tw + Wr.
     pub link: f64,

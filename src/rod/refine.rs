@@ -31,7 +31,7 @@ impl Rod {
             let field = format!("rods.{}.elements", self.name);
             return Err(InputError::Count { field, value: num_elements, allowed });
         }
-        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let seam = std::f64::consts::TAU * self.start_link();
         let (positions, frames) = self.interleave(&self.positions, &self.frames, seam, factor);
         let fine = Self { num_elements, positions, frames, ..self.clone() };
         fine.check().map(|()| fine)
@@ -39,7 +39,7 @@ impl Rod {
 
     /// The same rod on every `factor`-th node; `None` where elements cannot be counted off or turn too far.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
-        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let seam = std::f64::consts::TAU * self.start_link();
         let coarse = Self {
             num_elements: self.num_elements / factor,
             positions: self.positions.iter().step_by(factor).copied().collect(),

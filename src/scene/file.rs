@@ -54,8 +54,11 @@ use text::{SceneText, StagesText};
 /// #                                              (per length; rad per length): k1 bends about d1
 /// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of
 /// #                                              arcs, circles and other curves in the x-y plane, see Shape
-/// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;
-/// #                                              default: no twist, so that it is the writhe of the shape
+/// excess_link = 0.0                            # closed rods: link at the start beyond that of the relaxed rod, turns, the
+/// #                                              twist spread evenly (link = 32.0: the whole link, the natural one, K3 L/2π,
+/// #                                              included); default: the natural twist, so that it is the writhe of the shape
+/// twist = 0.0                                  # open rods: twist at the start beyond the natural one, turns, spread evenly:
+/// #                                              the frame at s = 0 stays. Rotations of stages count from there
 ///
 /// [[supports]]                                 # any number
 /// rod = "dna"                                  # here and below: not needed when there is one rod; of supports and
@@ -82,7 +85,7 @@ use text::{SceneText, StagesText};
 /// tol_penetration = 1e-8                       # relative to the contact radius
 ///
 /// [[stages]]                                   # in this order; all ramps of a stage move together
-/// ramp = { excess_link = { rod = "dna", to = -3.0 } }            # turns
+/// ramp = { excess_link = { rod = "dna", to = -3.0 } }            # turns, beyond the relaxed rod; link = { to }: in all
 /// #      { rotation = { at, axis, turns }, displacement = { at, to = [x, y, z] },
 /// #        pressure = { to }, load = factor }; lists of tables where several nodes or rods move
 /// #      { rotation = { rod = ["a", "b"], at, axis, through = [x, y, z], turns } } carries nodes round together, about

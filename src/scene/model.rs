@@ -199,7 +199,8 @@ impl Default for Contact {
 /// One quantity moved linearly from its present value to `to` during a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ramp {
-    /// Excess link of a closed rod, in turns (continuous: the seam of the rod is turned).
+    /// Excess link of a closed rod, its link beyond [`Rod::natural_link`], in turns (continuous: the seam of the rod is
+    /// turned).
     ExcessLink {
         /// The closed rod.
         rod: usize,

@@ -348,7 +348,8 @@ impl Solver {
                 Ramp::ExcessLink { rod, to } => {
                     let seams = &mut target.drive.seams;
                     seams.resize(self.engine.model.rods.len(), 0.0);
-                    seams[*rod] = (to * std::f64::consts::TAU - self.engine.state.seams[*rod]) * take;
+                    let link = to + self.engine.model.rods[*rod].natural_link();
+                    seams[*rod] = (link * std::f64::consts::TAU - self.engine.state.seams[*rod]) * take;
                 }
                 Ramp::Rotation { node, axis, to } => {
                     let node = node_of(node);

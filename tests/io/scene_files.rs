@@ -483,6 +483,15 @@ fn posed(keys: &str) -> Result<supercoil::scene::Pose, String> {
     }
 }
 
+#[test]
+fn link_is_said_once_and_twist_of_open_rods_only() {
+    let parts = ["rods.dna: excess_link, link and twist say one thing"];
+    refused(RING, "elements = 12", "elements = 12\nexcess_link = 1\nlink = 1", &parts);
+    refused(RING, "elements = 12", "elements = 12\ntwist = 1", &["rods.dna.twist: the rod is closed"]);
+    refused(BEAM, "order = 2", "order = 2\ntwist = 4", &["rods.beam.twist: 4 turns are more than 0.4"]);
+    refused(BEAM, "order = 2", "order = 2\nlink = 1", &["rods.beam.excess_link: the rod is open"]);
+}
+
 /// One rotation, written in three ways; relative to the start of the run, the frame there turned about the global axes.
 #[test]
 fn poses_mean_what_they_say() {

@@ -34,6 +34,7 @@ mod free_rods;
 mod held_motions;
 mod honest_endings;
 mod long_plectonemes;
+mod natural_twist;
 mod planar;
 mod poses;
 mod random_scenes;

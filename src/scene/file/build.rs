@@ -105,6 +105,10 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
         let rod = find_rod(rods, &format!("{field}.excess_link"), ramp.rod.as_deref())?;
         ramps.push(Ramp::ExcessLink { rod, to: ramp.to });
     }
+    for ramp in &text.link.0 {
+        let rod = find_rod(rods, &format!("{field}.link"), ramp.rod.as_deref())?;
+        ramps.push(Ramp::ExcessLink { rod, to: ramp.to - rods[rod].natural_link() });
+    }
     for ramp in &text.rotation.0 {
         let (axis, to) = (ramp.axis.into(), ramp.turns);
         let turn = |node| match ramp.through {
@@ -143,7 +147,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         NaturalText::AsShaped => Natural::AsShaped,
         NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
     };
-    let wound = Wound { section: &section, natural, excess_link: text.excess_link };
+    let wound = Wound { section: &section, excess_link: text.excess_link };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
     let elements = match (text.elements, scene.fidelity) {
         (Some(elements), _) => elements,
@@ -158,9 +162,16 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
     memory::check(format!("{path}.elements"), elements, nodes, scene.planar)?;
     let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
-    if let Some(turns) = text.excess_link {
-        rod = rod.with_excess_link(turns)?;
-    }
+    rod = match (text.excess_link, text.link, text.twist) {
+        (None, None, None) => rod,
+        (Some(turns), None, None) => rod.with_excess_link(turns)?,
+        (None, Some(link), None) => {
+            let turns = link - rod.natural_link();
+            rod.with_excess_link(turns)?
+        }
+        (None, None, Some(turns)) => rod.with_twist(turns)?,
+        _ => return Err(inconsistent(path, "excess_link, link and twist say one thing: give one of them")),
+    };
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
         rod.frames.iter_mut().for_each(|frame| *frame *= turn);

@@ -34,13 +34,17 @@ fn turns(
     let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
     let stages = || scene.stages.iter().map(|stage| &stage.ramp);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-    let link = largest(
-        &mut stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.excess_link),
-    );
+    let natural = match natural {
+        Natural::Uniform { kappa } => kappa[2] * length / TAU,
+        Natural::Straight | Natural::AsShaped => 0.0,
+    };
+    let beyond = stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+    let in_all = stages().flat_map(|r| &r.link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+    let link = largest(&mut beyond.chain(rod.excess_link).chain(in_all.chain(rod.link).map(|link| link - natural)));
     let wound = if rod.closed { 1.0 + link } else { 0.0 };
     let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
     let extra_turns = || stages().flat_map(|r| &r.pose.0).filter(|r| is_among(&r.rod)).filter_map(|r| r.extra_turns);
-    let rotation = largest(&mut rotations().map(|r| r.turns).chain(extra_turns()));
+    let rotation = largest(&mut rotations().map(|r| r.turns).chain(extra_turns()).chain(rod.twist));
     let is_displaced = |r: &RampText| r.displacement.0.iter().any(|r| is_among(&r.rod));
     let is_posed = |r: &RampText| r.pose.0.iter().any(|r| is_among(&r.rod));
     let is_moved = stages().any(|r| is_displaced(r) || is_posed(r));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::rod::{Axis, Natural, Plectoneme, Section, Shape, TorusKnot};
+use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::read_points;
 
 use super::build::inconsistent;
@@ -15,7 +15,6 @@ use super::values::List;
 /// What decides how a plectoneme is wound, besides its own keys.
 pub(super) struct Wound<'a> {
     pub section: &'a Section,
-    pub natural: Natural,
     pub excess_link: Option<f64>,
 }
 
@@ -77,14 +76,10 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         (Some(turns), None, _) => Plectoneme::of_turns(length, distance, turns)?,
         (None, Some(angle), _) => Plectoneme::of_angle(length, distance, TAU * angle)?,
         (None, None, Some(excess_link)) => {
-            let natural_twist = match wound.natural {
-                Natural::Uniform { kappa } => kappa[2] * length / TAU,
-                Natural::Straight | Natural::AsShaped => 0.0,
-            };
             // A section stiffer one way is bent both ways alike where it twists quickly: the harmonic mean.
             let [b1, b2] = wound.section.bending;
             let (bending, twisting) = (2.0 / (1.0 / b1 + 1.0 / b2), wound.section.twisting);
-            Plectoneme::of_link(length, distance, bending, twisting, excess_link - natural_twist)?
+            Plectoneme::of_link(length, distance, bending, twisting, excess_link)?
         }
         _ => {
             let reason =

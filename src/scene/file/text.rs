@@ -63,6 +63,8 @@ pub(super) struct RodText {
     #[serde(default)]
     pub roll: f64,
     pub excess_link: Option<f64>,
+    pub link: Option<f64>,
+    pub twist: Option<f64>,
 }
 
 fn half() -> f64 {
@@ -244,6 +246,8 @@ pub(super) struct StageText {
 pub(super) struct RampText {
     #[serde(default)]
     pub excess_link: OneOrMany<ScalarText>,
+    #[serde(default)]
+    pub link: OneOrMany<ScalarText>,
     #[serde(default)]
     pub rotation: OneOrMany<RotationText>,
     #[serde(default)]

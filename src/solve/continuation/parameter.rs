@@ -43,7 +43,10 @@ impl Parameter {
         let (quantity, start, target) = match ramp {
             Ramp::Load { to } => (Quantity::Load, state.load_factor, *to),
             Ramp::Pressure { rod, to } => (Quantity::Pressure(*rod), state.pressures[*rod], *to),
-            Ramp::ExcessLink { rod, to } => (Quantity::Link(*rod), state.seams[*rod] / TAU, *to),
+            Ramp::ExcessLink { rod, to } => {
+                let natural = solver.engine.model.rods[*rod].natural_link();
+                (Quantity::Link(*rod), state.seams[*rod] / TAU - natural, *to)
+            }
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.moved.turned.get(&index(node)).copied().unwrap_or(0.0);
                 (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
