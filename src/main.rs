@@ -218,7 +218,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     output.checkpoint_steps = choices.checkpoint_every.map(|n| n as usize).or(output.checkpoint_steps);
     output.error_estimate |= choices.error_estimate;
     output.checkpoint_seconds = choices.checkpoint_seconds.unwrap_or(output.checkpoint_seconds);
-    let units = scene.units.clone();
+    let (units, thermal) = (scene.units.clone(), scene.thermal());
     let bar = Bar::new(&scene.stages, from, choices.quiet);
     let dir = run.dir.clone();
     let (interrupt, shown) = (run.interrupt.clone(), bar.clone());
@@ -245,7 +245,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let result = if from.is_some() { run.resume(&mut watch) } else { run.start(&mut watch) };
     bar.clear();
     match result {
-        Ok(outcome) => Ok(report(&outcome, &units, &dir, choices.quiet, interrupt.is_raised())),
+        Ok(outcome) => Ok(report(&outcome, &units, thermal, &dir, choices.quiet, interrupt.is_raised())),
         Err(RunError::Input(error)) => Err(error),
         Err(error) => {
             eprintln!("error: {error}; what was reached is in {}", dir.display());
@@ -254,9 +254,20 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     }
 }
 
-fn report(outcome: &Outcome, units: &Units, dir: &Path, quiet: bool, interrupted: bool) -> u8 {
+fn report(
+    outcome: &Outcome,
+    units: &Units,
+    thermal: Option<(f64, f64)>,
+    dir: &Path,
+    quiet: bool,
+    interrupted: bool,
+) -> u8 {
     if !quiet {
         say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+        if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
+            let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
+            say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
+        }
         for note in outcome.steps.last().iter().flat_map(|step| &step.notes) {
             say(format_args!("note: {note}"));
         }

@@ -18,6 +18,21 @@ pub struct Energies {
     pub total: f64,
 }
 
+impl Energies {
+    /// All of them over a unit of energy \[F·L\].
+    #[must_use]
+    pub fn over(&self, unit: f64) -> Self {
+        Self {
+            stretch: self.stretch / unit,
+            shear: self.shear / unit,
+            bend: self.bend / unit,
+            twist: self.twist / unit,
+            contact: self.contact / unit,
+            total: self.total / unit,
+        }
+    }
+}
+
 /// Whether a contact is isolated; compares with its name, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,6 +1,7 @@
 //! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
 
 mod build;
+mod dna;
 mod memory;
 mod mesh;
 mod poses;
@@ -26,6 +27,7 @@ use text::{SceneText, StagesText};
 /// ```toml
 /// title = "336 bp minicircle, excess link to -3"   # one line, as all names
 /// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
+/// temperature = 300.0                          # K, for energies in kT, with nm and pN only; default 300
 /// planar = false                               # true: all in the x-y plane, z is no unknown
 /// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are
 /// #                                              not given below, see Fidelity; default: none, elements must be given
@@ -47,6 +49,11 @@ use text::{SceneText, StagesText};
 /// #         bending and shearing may be pairs [about/along d1, d2]
 /// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
 /// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
+/// #         or, in place of section and of the shape's length (which must agree within 1 % if it is given), nm and pN,
+/// #         dna = { base_pairs = 336, salt_mM = 150 (10 to 1000) | diameter, helical_repeat = 10.5, rise = 0.34,
+/// #           bending_persistence = 50, twist_persistence = 75, stretch_modulus = 1100 }, the values shown being defaults but
+/// #         for base_pairs; stiffnesses are those at 298 K. Then sigma may stand for excess_link, here and in ramps: ΔLk
+/// #         = sigma × base_pairs/helical_repeat
 /// elements = 48                                # may be left out where there is a fidelity
 /// order = 3                                    # 1, 2 or 3 (default)
 /// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put
@@ -126,6 +133,10 @@ pub struct Scene {
     pub title: String,
     /// Names of the units, for reports.
     pub units: Units,
+    /// Temperature at which energies are told in kT, K; none where the file has none.
+    pub temperature: Option<f64>,
+    /// Link of the relaxed molecule, turns, of each rod that is DNA.
+    pub relaxed_links: Vec<Option<f64>>,
     /// Preset that set what the file leaves open.
     pub fidelity: Option<Fidelity>,
     /// The problem.
@@ -202,6 +213,15 @@ impl Default for OutputChoice {
 }
 
 impl Scene {
+    /// Temperature, K, at which energies are told in kT where the file says none.
+    pub const DEFAULT_TEMPERATURE: f64 = 300.0;
+
+    /// Temperature, K, and thermal energy kT at it, pN·nm; `None` where units are not nm and pN.
+    pub fn thermal(&self) -> Option<(f64, f64)> {
+        let temperature = self.temperature.unwrap_or(Self::DEFAULT_TEMPERATURE);
+        self.units.are_molecular().then_some((temperature, temperature * crate::dna::BOLTZMANN))
+    }
+
     /// Reads a scene file; files named in it are found relative to it.
     ///
     /// # Errors
@@ -238,7 +258,7 @@ impl Scene {
     pub fn stages_from_toml(&self, text: &str) -> Result<Vec<Stage>, InputError> {
         let refuse = |e: toml::de::Error| InputError::Parse { file: "stages".to_owned(), reason: with_suggestion(&e) };
         let text: StagesText = toml::from_str(text).map_err(refuse)?;
-        build::further_stages(&text.stages, &self.model)
+        build::further_stages(&text.stages, &self.model, &self.relaxed_links)
     }
 
     fn parse(text: &str, set: &[String], file: &str, base_dir: &Path) -> Result<Self, InputError> {
@@ -254,11 +274,26 @@ impl Scene {
         build::name_rods(&mut text.rods)?;
         check_words(&text)?;
         check_choices(&text.solver, &text.output)?;
+        let units = dna::units(&text)?;
         let model = build::model(&text, base_dir)?;
-        let stages = build::stages(&text.stages, &model)?;
-        let SceneText { title, units, fidelity, mut solver, output, .. } = text;
+        let relaxed = |rod: &text::RodText| rod.dna.as_ref().map(dna::Dna::new).transpose();
+        let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
+        let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
+        let stages = build::stages(&text.stages, &model, &relaxed_links)?;
+        let SceneText { title, temperature, fidelity, mut solver, output, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
-        Ok(Self { title, units, fidelity, model, stages, solver, output, ..Self::default() })
+        Ok(Self {
+            title,
+            units,
+            temperature,
+            relaxed_links,
+            fidelity,
+            model,
+            stages,
+            solver,
+            output,
+            ..Self::default()
+        })
     }
 }
 

@@ -14,7 +14,7 @@ const MAY_USE: [(&str, &[&str]); 10] = [
     ("contact", &["error", "math"]),
     ("rod", &["error", "math"]),
     ("sparse", &["error", "math"]),
-    ("scene", &["error", "math", "rod"]),
+    ("scene", &["error", "math", "rod", "dna"]),
     ("solve", &["error", "math", "contact", "rod", "sparse", "scene"]),
     ("observe", &["error", "math", "contact", "rod", "scene", "solve"]),
     ("io", &["error", "math", "rod", "scene", "solve", "observe"]),

@@ -27,7 +27,9 @@ fn problem() -> Problem {
     let section = Section { bending: [1.0, 1.2], ..Section::isotropic(1.0, 0.8, 1e3, 1e3, 0.03) };
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let natural = Natural::Uniform { kappa: [0.1, 0.2, 0.3] };
-    let beam = Rod::new("beam", &line, false, section, 4, 2, natural).unwrap();
+    // far from relaxed: frames that do not turn
+    let beam = Rod::new("beam", &line, false, section, 4, 2, Natural::Straight).unwrap();
+    let beam = Rod { natural, ..beam };
     let circle = Shape::Circle { length: 1.0, center: Vec3::new(0.5, 0.0, 0.25), normal: Vec3::y() };
     let ring = Rod::new("ring", &circle, true, section, 6, 2, Natural::Straight).unwrap();
     let tip = NodeRef { rod: 0, node: 8 };
@@ -221,8 +223,9 @@ fn expected(name: &str) -> [End; 6] {
         }
         // a ring that has next to no twisting stiffness takes its link without effort
         "rods.ring.section.twisting" => [Refused, Like(1e-30), Refused, Fails, Fails, Refused],
-        // is also thicker than curvature allows, that of the ring or of the beam, whose twisted frames have some by rounding
-        "rods.beam.section.contact_radius" | "rods.ring.section.contact_radius" => [ZERO, ZERO, Refused, Refused, Refused, Refused],
+        // touches everything; is also thicker than the ring's curvature allows
+        "rods.beam.section.contact_radius" => [ZERO, ZERO, Refused, Fails, Fails, Refused],
+        "rods.ring.section.contact_radius" => [ZERO, ZERO, Refused, Refused, Refused, Refused],
         // stiffness ratios beyond 1e8 are lost in rounding
         _ if name.contains(".section.") => [Refused, Fails, Refused, Fails, Fails, Refused],
         // a node on a far one folds the rod onto itself; one far away is known too coarsely

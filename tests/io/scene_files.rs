@@ -485,7 +485,7 @@ fn posed(keys: &str) -> Result<supercoil::scene::Pose, String> {
 
 #[test]
 fn link_is_said_once_and_twist_of_open_rods_only() {
-    let parts = ["rods.dna: excess_link, link and twist say one thing"];
+    let parts = ["rods.dna: excess_link, sigma, link and twist say one thing"];
     refused(RING, "elements = 12", "elements = 12\nexcess_link = 1\nlink = 1", &parts);
     refused(RING, "elements = 12", "elements = 12\ntwist = 1", &["rods.dna.twist: the rod is closed"]);
     refused(BEAM, "order = 2", "order = 2\ntwist = 4", &["rods.beam.twist: 4 turns are more than 0.4"]);
@@ -522,4 +522,69 @@ fn poses_mean_what_they_say() {
         let message = posed(keys).unwrap_err();
         parts.iter().for_each(|part| assert!(message.contains(part), "\"{part}\" is not in: {message}"));
     }
+}
+
+/// The ring of 336 base pairs in the words of those who work with it.
+const DNA: &str = r#"
+[[rods]]
+name = "dna"
+closed = true
+shape = { kind = "circle" }
+dna = { base_pairs = 336, salt_mM = 150, helical_repeat = 10.5 }
+elements = 12
+[[stages]]
+ramp = { sigma = { to = -0.09375 } }
+steps = 30
+"#;
+
+#[test]
+fn dna_stands_for_length_section_and_radius() {
+    let (scene, plain) = (read(DNA).unwrap(), read(RING).unwrap());
+    let (dna, rod) = (&scene.model.rods[0], &plain.model.rods[0]);
+    assert_eq!((scene.units.length.as_str(), scene.units.force.as_str()), ("nm", "pN"));
+    assert!((dna.length - rod.length).abs() < 1e-12 && dna.section.contact_radius == 2.5);
+    assert!((dna.section.bending[0] - 205.7).abs() < 1e-9 && (dna.section.twisting - 308.55).abs() < 1e-9);
+    assert_eq!((dna.section.stretching, dna.section.shearing), (1100.0, [1100.0; 2]));
+    // 336 base pairs, 32 turns
+    assert_eq!(scene.stages[0].ramps, [Ramp::ExcessLink { rod: 0, to: -3.0 }]);
+    assert_eq!(scene.relaxed_links, [Some(32.0)]);
+    assert_eq!(
+        scene.stages_from_toml("[[stages]]\nramp = { sigma = { to = 0.0625 } }\nsteps = 1").unwrap()[0].ramps,
+        [Ramp::ExcessLink { rod: 0, to: 2.0 }]
+    );
+    let started = read(&DNA.replace("elements", "sigma = -0.03125\nelements")).unwrap();
+    assert_eq!(started.model.rods[0].start_excess_link, -1.0);
+    let softer =
+        DNA.replace("salt_mM = 150", "diameter = 2.0, bending_persistence = 45, twist_persistence = 110, rise = 0.33");
+    let rod = read(&softer).unwrap().model.rods.remove(0);
+    assert!(
+        (rod.section.bending[0] - 45.0 * 4.114).abs() < 1e-9 && (rod.section.twisting - 110.0 * 4.114).abs() < 1e-9
+    );
+    assert!(rod.section.contact_radius == 1.0 && (rod.length - 336.0 * 0.33).abs() < 1e-9);
+    let (temperature, unit) = scene.thermal().unwrap();
+    assert!(temperature == 300.0 && (unit - 4.141947).abs() < 1e-6);
+    assert!(
+        (read(&DNA.replacen("[[rods]]", "temperature = 310\n[[rods]]", 1)).unwrap().thermal().unwrap().1 - 4.280012)
+            .abs()
+            < 1e-6
+    );
+    assert!(read(BEAM).unwrap().thermal().is_none());
+    for (from, to, parts) in [
+        ("base_pairs = 336", "base_pairs = 0", &["rods.dna.dna.base_pairs = 0"][..]),
+        ("salt_mM = 150", "salt_mM = 2", &["rods.dna.dna.salt_mM = 2", "10 and 1000 mmol/l"]),
+        ("salt_mM = 150", "salt_mM = 150, diameter = 2", &["dna.diameter", "one of them"]),
+        ("salt_mM = 150", "bending_persistence = -50", &["dna.bending_persistence = -50"]),
+        ("\"circle\"", "\"circle\", length = 120", &["dna.base_pairs", "114.24", "120", "1 %"]),
+        ("elements", "section = { bending = 1 }\nelements", &["rods.dna.section: follows from dna"]),
+        ("elements", "sigma = 0.1\nexcess_link = 1\nelements", &["say one thing"]),
+        ("[[rods]]", "units = { length = \"um\", force = \"pN\" }\n[[rods]]", &["rods.dna", "nm and pN", "um"]),
+        ("salt_mM", "salt", &["unknown field `salt`", "did you mean `salt_mM`?"]),
+    ] {
+        refused(DNA, from, to, parts);
+    }
+    refused(RING, "{ excess_link", "{ sigma", &["stages[0].ramp.sigma", "the rod has no dna"]);
+    refused(RING, "contact_radius = 2.5 }", "contact_radius = 2.5 }\nsigma = 1", &["rods.dna.sigma", "has no dna"]);
+    refused(RING, "section =", "#", &["rods.dna.section: missing"]);
+    refused(RING, "length = 114.24", "", &["a circle is given by its length"]);
+    refused(BEAM, "[[rods]]", "temperature = 300\n[[rods]]", &["temperature", "nm and pN"]);
 }

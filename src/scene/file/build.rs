@@ -9,6 +9,7 @@ use crate::rod::within;
 use crate::rod::{CrossSection, Natural, Rod, Section};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
+use super::dna::Dna;
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
 use super::values::{At, List, Names, NaturalText};
@@ -78,8 +79,12 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     model.check().map(|()| model)
 }
 
-pub(super) fn stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
-    let stages = further_stages(text, model)?;
+pub(super) fn stages(
+    text: &[StageText],
+    model: &Model,
+    relaxed_links: &[Option<f64>],
+) -> Result<Vec<Stage>, InputError> {
+    let stages = further_stages(text, model, relaxed_links)?;
     let loaded = !model.loads.is_empty() || !model.line_loads.is_empty();
     if loaded && !stages.iter().flat_map(|stage| &stage.ramps).any(|ramp| matches!(ramp, Ramp::Load { .. })) {
         let reason = "loads or line_loads are given but no stage ramps their factor from 0: add ramp = { load = 1.0 }";
@@ -88,22 +93,34 @@ pub(super) fn stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, In
     Ok(stages)
 }
 
-/// Stages after others, which may have ramped the loads.
-pub(super) fn further_stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
+/// Stages after others, which may have ramped the loads; the link of relaxed DNA by rod, turns.
+pub(super) fn further_stages(
+    text: &[StageText],
+    model: &Model,
+    relaxed_links: &[Option<f64>],
+) -> Result<Vec<Stage>, InputError> {
     let stage = |(i, stage): (usize, &StageText)| {
-        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model).map(|ramps| Stage { ramps, steps: stage.steps })
+        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)
+            .map(|ramps| Stage { ramps, steps: stage.steps })
     };
     let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
     model.check_stages(&stages)?;
     Ok(stages)
 }
 
-fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, InputError> {
+fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f64>]) -> Result<Vec<Ramp>, InputError> {
     let rods = &model.rods;
     let mut ramps = Vec::new();
     for ramp in &text.excess_link.0 {
         let rod = find_rod(rods, &format!("{field}.excess_link"), ramp.rod.as_deref())?;
         ramps.push(Ramp::ExcessLink { rod, to: ramp.to });
+    }
+    for ramp in &text.sigma.0 {
+        let field = format!("{field}.sigma");
+        let rod = find_rod(rods, &field, ramp.rod.as_deref())?;
+        InputError::check(&format!("{field}.to"), ramp.to, true, "a finite number")?;
+        let relaxed = relaxed_links.get(rod).copied().flatten().ok_or_else(|| inconsistent(field, NEEDS_DNA))?;
+        ramps.push(Ramp::ExcessLink { rod, to: ramp.to * relaxed });
     }
     for ramp in &text.link.0 {
         let rod = find_rod(rods, &format!("{field}.link"), ramp.rod.as_deref())?;
@@ -140,20 +157,38 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
 fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
-    let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
+    let inside = |error| within(&path, error);
+    let dna = text.dna.as_ref().map(Dna::new).transpose().map_err(inside)?;
+    let section = match (&text.section, &dna) {
+        (Some(text), None) => section(text, contact).map_err(inside)?,
+        (None, Some(dna)) => dna.section,
+        (Some(_), Some(_)) => {
+            let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
+            return Err(inconsistent(format!("{path}.section"), reason));
+        }
+        (None, None) => return Err(inconsistent(format!("{path}.section"), "missing: give a section, or dna")),
+    };
+    let excess_link = match (text.excess_link, text.sigma, &dna) {
+        (excess_link, None, _) => excess_link,
+        (None, Some(sigma), Some(dna)) => {
+            InputError::check(&format!("{path}.sigma"), sigma, true, "a finite number")?;
+            Some(sigma * dna.relaxed_link)
+        }
+        (None, Some(_), None) => return Err(inconsistent(format!("{path}.sigma"), NEEDS_DNA)),
+        (Some(_), Some(_), _) => return Err(inconsistent(path, LINK_TWICE)),
+    };
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = match text.natural {
         NaturalText::Straight => Natural::Straight,
         NaturalText::AsShaped => Natural::AsShaped,
         NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
     };
-    let wound = Wound { section: &section, excess_link: text.excess_link };
+    let wound = Wound { section: &section, excess_link, length: dna.map(|dna| dna.length) };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
     let elements = match (text.elements, scene.fidelity) {
         (Some(elements), _) => elements,
-        (None, Some(fidelity)) => {
-            mesh::elements(fidelity, scene, text, &shape, &section, natural).map_err(|error| within(&path, error))?
-        }
+        (None, Some(fidelity)) => mesh::elements(fidelity, scene, text, &shape, &section, natural, dna.as_ref())
+            .map_err(|error| within(&path, error))?,
         (None, None) => {
             let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
             return Err(inconsistent(format!("{path}.elements"), reason));
@@ -162,7 +197,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
     memory::check(format!("{path}.elements"), elements, nodes, scene.planar)?;
     let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
-    rod = match (text.excess_link, text.link, text.twist) {
+    rod = match (excess_link, text.link, text.twist) {
         (None, None, None) => rod,
         (Some(turns), None, None) => rod.with_excess_link(turns)?,
         (None, Some(link), None) => {
@@ -170,8 +205,11 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
             rod.with_excess_link(turns)?
         }
         (None, None, Some(turns)) => rod.with_twist(turns)?,
-        _ => return Err(inconsistent(path, "excess_link, link and twist say one thing: give one of them")),
+        _ => return Err(inconsistent(path, LINK_TWICE)),
     };
+    if let Some(dna) = &dna {
+        dna.check_length(rod.length).map_err(inside)?;
+    }
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
         rod.frames.iter_mut().for_each(|frame| *frame *= turn);
@@ -182,6 +220,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     }
     Ok(rod)
 }
+
+const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give one of them";
+const NEEDS_DNA: &str =
+    "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 
 const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), or by young, \
     poisson or shear_modulus, and circle = radius or rectangle = [width, height]";

@@ -7,6 +7,7 @@ use crate::math::Vec3;
 use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
+use super::dna::Dna;
 use super::text::{LawText, RampText, RodText, SceneText};
 use super::values::{List, Names};
 
@@ -24,6 +25,7 @@ fn turns(
     shape: &Shape,
     section: &Section,
     natural: Natural,
+    dna: Option<&Dna>,
 ) -> Result<(f64, f64), InputError> {
     let (length, tangent_turns) = measure(shape, rod.closed)?;
     let by_nature = match natural {
@@ -40,6 +42,8 @@ fn turns(
     };
     let beyond = stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
     let in_all = stages().flat_map(|r| &r.link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+    let density = stages().flat_map(|r| &r.sigma.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.sigma);
+    let beyond = beyond.chain(density.map(|sigma| sigma * dna.map_or(0.0, |dna| dna.relaxed_link)));
     let link = largest(&mut beyond.chain(rod.excess_link).chain(in_all.chain(rod.link).map(|link| link - natural)));
     let wound = if rod.closed { 1.0 + link } else { 0.0 };
     let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
@@ -120,8 +124,9 @@ pub(super) fn elements(
     shape: &Shape,
     section: &Section,
     natural: Natural,
+    dna: Option<&Dna>,
 ) -> Result<usize, InputError> {
-    let (length, turns) = turns(scene, rod, shape, section, natural)?;
+    let (length, turns) = turns(scene, rod, shape, section, natural, dna)?;
     let touches = !matches!(scene.contact.law, LawText::None);
     let cubic = fidelity.elements(length, turns, if touches { section.contact_radius } else { 0.0 });
     Ok(cubic.saturating_mul(Fidelity::ORDER).div_ceil(rod.order.max(1)))

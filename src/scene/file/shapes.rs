@@ -16,17 +16,28 @@ use super::values::List;
 pub(super) struct Wound<'a> {
     pub section: &'a Section,
     pub excess_link: Option<f64>,
+    /// Length of shapes that do not say theirs \[L\].
+    pub length: Option<f64>,
+}
+
+impl Wound<'_> {
+    fn length(&self, given: Option<f64>) -> Result<f64, InputError> {
+        let missing =
+            || inconsistent("shape.length".into(), "missing: the length of the rod, unless dna has base_pairs");
+        given.or(self.length).ok_or_else(missing)
+    }
 }
 
 pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape, InputError> {
     Ok(match *text {
         ShapeText::Line { start, direction, length } => {
-            Shape::Line { start: start.into(), direction: direction.into(), length }
+            Shape::Line { start: start.into(), direction: direction.into(), length: wound.length(length)? }
         }
         ShapeText::Circle { length, radius, center, normal } => {
             let length = match (length, radius) {
                 (Some(length), None) => length,
                 (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius)?,
+                (None, None) if wound.length.is_some() => wound.length(None)?,
                 _ => return Err(inconsistent("shape".into(), "a circle is given by its length or by its radius")),
             };
             Shape::Circle { length, center: center.into(), normal: normal.into() }
@@ -53,7 +64,8 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
-            let (phase, center, normal) = (TAU * phase, center.into(), normal.into());
+            let (length, phase) = (wound.length(length)?, TAU * phase);
+            let (center, normal) = (center.into(), normal.into());
             TorusKnot { length, windings, aspect, phase, center, normal }.into()
         }
     })
@@ -63,6 +75,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
     let ShapeText::Plectoneme { length, distance, turns, angle, center, direction, ref axis } = *text else {
         return Err(inconsistent("shape".into(), "is no plectoneme"));
     };
+    let length = wound.length(length)?;
     let distance = match distance {
         Some(distance) => distance,
         None if wound.section.contact_radius > 0.0 => 2.0 * wound.section.contact_radius,
@@ -88,7 +101,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         }
     };
     let axis = match (axis, center, direction) {
-        (Some(axis), None, None) => Axis::Along(Box::new(shape(axis, base_dir, wound)?)),
+        (Some(axis), None, None) => Axis::Along(Box::new(shape(axis, base_dir, &Wound { length: None, ..*wound })?)),
         (Some(_), _, _) => {
             return Err(inconsistent("shape.axis".into(), "has its own place: remove center and direction"));
         }

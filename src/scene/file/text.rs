@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, table, tables};
+use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
 use super::{OutputChoice, SolverChoice};
 
 #[derive(Deserialize)]
@@ -19,6 +19,7 @@ pub(super) struct SceneText {
     pub units: Units,
     #[serde(default)]
     pub planar: bool,
+    pub temperature: Option<f64>,
     pub fidelity: Option<Fidelity>,
     #[serde(deserialize_with = "tables")]
     pub rods: Vec<RodText>,
@@ -53,8 +54,10 @@ pub(super) struct RodText {
     pub closed: bool,
     #[serde(deserialize_with = "table")]
     pub shape: ShapeText,
-    #[serde(deserialize_with = "table")]
-    pub section: SectionText,
+    #[serde(default, deserialize_with = "some_table")]
+    pub section: Option<SectionText>,
+    #[serde(default, deserialize_with = "some_table")]
+    pub dna: Option<DnaText>,
     pub elements: Option<usize>,
     #[serde(default = "default_order")]
     pub order: usize,
@@ -64,7 +67,22 @@ pub(super) struct RodText {
     pub roll: f64,
     pub excess_link: Option<f64>,
     pub link: Option<f64>,
+    pub sigma: Option<f64>,
     pub twist: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DnaText {
+    pub base_pairs: usize,
+    #[serde(rename = "salt_mM")]
+    pub salt: Option<f64>,
+    pub diameter: Option<f64>,
+    pub helical_repeat: Option<f64>,
+    pub rise: Option<f64>,
+    pub bending_persistence: Option<f64>,
+    pub twist_persistence: Option<f64>,
+    pub stretch_modulus: Option<f64>,
 }
 
 fn half() -> f64 {
@@ -91,7 +109,7 @@ pub(super) enum ShapeText {
         start: List<f64, 3>,
         #[serde(default = "axis_x")]
         direction: List<f64, 3>,
-        length: f64,
+        length: Option<f64>,
     },
     Circle {
         length: Option<f64>,
@@ -124,7 +142,7 @@ pub(super) enum ShapeText {
         file: PathBuf,
     },
     Plectoneme {
-        length: f64,
+        length: Option<f64>,
         distance: Option<f64>,
         turns: Option<f64>,
         angle: Option<f64>,
@@ -133,7 +151,7 @@ pub(super) enum ShapeText {
         axis: Option<Box<ShapeText>>,
     },
     TorusKnot {
-        length: f64,
+        length: Option<f64>,
         windings: List<i32, 2>,
         #[serde(default = "half")]
         aspect: f64,
@@ -248,6 +266,8 @@ pub(super) struct RampText {
     pub excess_link: OneOrMany<ScalarText>,
     #[serde(default)]
     pub link: OneOrMany<ScalarText>,
+    #[serde(default)]
+    pub sigma: OneOrMany<ScalarText>,
     #[serde(default)]
     pub rotation: OneOrMany<RotationText>,
     #[serde(default)]
