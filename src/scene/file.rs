@@ -2,11 +2,13 @@
 
 mod build;
 mod dna;
+mod help;
 mod memory;
 mod mesh;
 mod poses;
 mod set;
 mod shapes;
+mod templates;
 mod text;
 mod values;
 
@@ -22,106 +24,31 @@ use super::{Fidelity, Units};
 
 use text::{SceneText, StagesText};
 
+pub use help::{Key, REFERENCE, help, keys};
+pub use templates::{TEMPLATES, Template};
+
 /// A scene: what is to be computed and what is to be written.
 ///
 /// ```toml
-/// title = "336 bp minicircle, excess link to -3"   # one line, as all names
-/// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
-/// temperature = 300.0                          # K, for energies in kT, with nm and pN only; default 300
-/// planar = false                               # true: all in the x-y plane, z is no unknown
-/// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are
-/// #                                              not given below, see Fidelity; default: none, elements must be given
+/// title = "336 bp minicircle, excess link to -3"
+/// units = { length = "nm", force = "pN" }
 ///
 /// [[rods]]
-/// name = "dna"                                 # not needed when there is one rod
-/// closed = true                                # default false
-/// shape = { kind = "circle", length = 114.24 } # or radius; center, normal
-/// #       { kind = "line", length, start, direction }
-/// #       { kind = "arc", radius, turns, start, tangent, towards }
-/// #       { kind = "helix", radius, pitch, turns, center, axis }
-/// #       { kind = "points", file = "curve.csv" }      CSV or XYZ, relative to the scene file
-/// #       { kind = "torus_knot", length, windings = [p, q], aspect, phase, center, normal }    closed
-/// #       { kind = "plectoneme", length, distance, turns | angle, center, direction | axis }   closed
-/// #         distance: between the strands, default twice the contact radius; turns of the superhelix or angle of the
-/// #         strands to its axis (turns, up to 0.125), right-handed positive; by default that of least energy at the
-/// #         rod's excess_link; axis: an open shape (a table like this one) to coil the plectoneme up along
+/// name = "dna"
+/// closed = true
+/// shape = { kind = "circle", length = 114.24 }
 /// section = { bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }
-/// #         bending and shearing may be pairs [about/along d1, d2]
-/// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
-/// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
-/// #         or, in place of section and of the shape's length (which must agree within 1 % if it is given), nm and pN,
-/// #         dna = { base_pairs = 336, salt_mM = 150 (10 to 1000) | diameter, helical_repeat = 10.5, rise = 0.34,
-/// #           bending_persistence = 50, twist_persistence = 75, stretch_modulus = 1100 }, the values shown being defaults but
-/// #         for base_pairs; stiffnesses are those at 298 K. Then sigma may stand for excess_link, here and in ramps: ΔLk
-/// #         = sigma × base_pairs/helical_repeat
-/// elements = 48                                # may be left out where there is a fidelity
-/// order = 3                                    # 1, 2 or 3 (default)
-/// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put
-/// #                                              in), or, in the section's axes, { curvature = [k1, k2], twist = k3 }
-/// #                                              (per length; rad per length): k1 bends about d1
-/// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of
-/// #                                              arcs, circles and other curves in the x-y plane, see Shape
-/// excess_link = 0.0                            # closed rods: link at the start beyond that of the relaxed rod, turns, the
-/// #                                              twist spread evenly (link = 32.0: the whole link, the natural one, K3 L/2π,
-/// #                                              included); default: the natural twist, so that it is the writhe of the shape
-/// twist = 0.0                                  # open rods: twist at the start beyond the natural one, turns, spread evenly:
-/// #                                              the frame at s = 0 stays. Rotations of stages count from there
+/// elements = 48
 ///
-/// [[supports]]                                 # any number
-/// rod = "dna"                                  # here and below: not needed when there is one rod; of supports and
-/// #                                              stages also a list, ["a", "b"], for the same node of several rods
-/// at = "start"                                 # or "end", a node index, { arc = s } (nearest node)
-/// position = true                              # or ["x", "y"]
-/// rotation = ["z"]                             # or true
-///
-/// [[joints]]                                   # two nodes at one place, of two rods or of one, joined rigidly for
-/// a = { rod = "column", at = "end" }           # good, see Joint
-/// b = { rod = "beam", at = "start" }
-///
-/// [[loads]]                                    # dead, times the load factor
-/// at = { arc = 57.0 }
-/// force = [0.0, 0.0, 1.0]
-/// moment = [0.0, 0.0, 0.0]
-///
-/// [[line_loads]]                               # force per reference length
-/// force = [0.0, -0.1, 0.0]
-///
-/// [contact]
-/// law = "augmented-lagrangian"                 # default; or "penalty", "none"
-/// stiffness = 100.0                            # dimensionless, see ContactLaw; by the mesh if not given
-/// tol_penetration = 1e-8                       # relative to the contact radius
-///
-/// [[stages]]                                   # in this order; all ramps of a stage move together
-/// ramp = { excess_link = { rod = "dna", to = -3.0 } }            # turns, beyond the relaxed rod; link = { to }: in all
-/// #      { rotation = { at, axis, turns }, displacement = { at, to = [x, y, z] },
-/// #        pressure = { to }, load = factor }; lists of tables where several nodes or rods move
-/// #      { rotation = { rod = ["a", "b"], at, axis, through = [x, y, z], turns } } carries nodes round together, about
-/// #        the axis through a point: a cable is twisted so
-/// #      { pose = { at, position = [x, y, z], quaternion = [w, x, y, z] | axis_angle = [x, y, z, turns] | matrix = rows,
-/// #        relative, path, extra_turns } } takes a clamped node to a pose; columns of the rotation are d1, d2, d3. What is
-/// #        not given stays. The frame turns by the shortest turn (of ±0.5 turns as axis_angle says).
-/// #        relative = true: position is a displacement, the rotation one about the global axes, both of the node as the
-/// #        run started; path = "straight" (default) or "screw": the position goes with the turn, on an arc or helix;
-/// #        extra_turns: whole turns about the rod's tangent since the start of the run, on top
+/// [[stages]]
+/// ramp = { excess_link = { rod = "dna", to = -3.0 } }
 /// steps = 30
-///
-/// [solver]                                     # all optional
-/// tol_increment = 1e-8                         # of the node spacing
-/// max_iterations = 50
-/// threads = 2                                  # 1 to 1024
-///
-/// [output]
-/// every = 1                                    # write VTK every so many accepted steps
-/// vtk = true
-/// node_every = 1                               # VTK: every so many nodes
-/// node_tolerance = 0.5                         # VTK: instead, leave out nodes within this distance of the line drawn
-/// picture = true
-/// checkpoint_steps = 20                        # a checkpoint every so many accepted steps (default: by time only)
-/// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0: every step
-/// error_estimate = false                       # estimate the error of the final state (two more searches on twice the
-/// #                                              elements)
-/// dir = "out/minicircle"                       # relative to where the program runs
 /// ```
+///
+/// [`TEMPLATES`] are scenes to begin with (`supercoil new`), [`help`] tells what follows for a single key (`supercoil help
+/// scene KEY`).
+///
+#[doc = include_str!("reference.md")]
 ///
 /// Every unknown key is refused with its line, the keys that are allowed there and the one that was probably meant,
 /// every bad value with its key, the value and what is allowed; so is a mesh that takes more memory than there is (as
