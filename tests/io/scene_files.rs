@@ -218,6 +218,65 @@ fn points_come_from_files_beside_the_scene() {
     refused(RING, "kind = \"circle\", length = 114.24", absent, &["nowhere.csv", "No such file"]);
 }
 
+/// The unit circle as the file `name` holds it, closed; the text after the shape's `file`.
+fn imported(name: &str, text: &str, keys: &str) -> Result<supercoil::rod::Rod, String> {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&file, text).unwrap();
+    let points = format!("kind = \"points\", file = {file:?}{keys}");
+    let scene = read(&RING.replace("kind = \"circle\", length = 114.24", &points).replace("= 2.5", "= 0.1"));
+    scene.map(|mut scene| scene.model.rods.remove(0)).map_err(|error| error.to_string())
+}
+
+/// What people have centrelines in, all the same circle; the closing point repeated or not.
+#[test]
+fn centrelines_come_in_many_formats() {
+    let circle: Vec<[f64; 2]> =
+        (0..=40).map(|k| f64::from(k) * std::f64::consts::TAU / 40.0).map(|t| [t.cos(), t.sin()]).collect();
+    let rows = |points: &[[f64; 2]], row: &dyn Fn(usize, f64, f64) -> String| -> String {
+        points.iter().enumerate().map(|(i, [x, y])| row(i, *x, *y)).collect()
+    };
+    let open = &circle[..40];
+    let csv = |points: &[[f64; 2]]| format!("x,y,z\n{}", rows(points, &|_, x, y| format!("{x},{y},0\n")));
+    let reference = imported("circle.csv", &csv(open), "").unwrap();
+    assert!((reference.length - std::f64::consts::TAU).abs() < 1e-4);
+    let pandas = format!(",force,x,z,y\n{}", rows(open, &|i, x, y| format!("{i},1e3,{x},0.0,{y}\n")));
+    let named = format!("X (A),Y (A),t,n\n{}", rows(open, &|_, x, y| format!("{},{},{},0\n", 10.0 * x, 10.0 * y, 7)));
+    let line = |_: usize, x: f64, y: f64| format!("P {x} {y} 0\n");
+    let frames = format!("3\nold\nC 1 2 3\nC 2 3 4\nC 9 9 9\n40\nnew\n{}", rows(open, &line));
+    let vertex = |_: usize, x: f64, y: f64| format!("{x} {y} 0\n");
+    let vect = format!("VECT\n1 40 1\n-40\n1\n{}0 0 1 1\n", rows(open, &vertex));
+    let atom = |i: usize, x: f64, y: f64| {
+        format!("ATOM  {i:>5}  P    DA B{i:>4}    {:>8.3}{:>8.3}{:>8.3}  1.00\n", 100.0 * x, 100.0 * y, 0.0)
+    };
+    let pdb = rows(open, &atom) + "TER\nATOM      1  P    DT C   1       0.000   0.000   9.000  1.00\n";
+    for (name, text, keys, tolerance) in [
+        ("repeated.csv", csv(&circle), "", 1e-12),
+        ("pandas.csv", pandas, "", 1e-12),
+        ("named.csv", named, ", columns = [\"X (A)\", \"Y (A)\", \"n\"], scale = 0.1", 1e-12),
+        ("twice.csv", csv(&circle), ", every = 2", 1e-4),
+        ("frames.xyz", frames.clone(), ", frame = -1", 1e-12),
+        ("frames.xyz", frames.clone(), ", frame = 1", 1e-12),
+        ("circle.vect", vect, "", 1e-12),
+        ("circle.pdb", pdb.clone(), ", chain = \"B\", scale = 0.01", 1e-4),
+    ] {
+        let rod = imported(name, &text, keys).unwrap();
+        let apart = rod.positions.iter().zip(&reference.positions).map(|(a, b)| (a - b).norm());
+        let most = apart.fold(0.0, f64::max);
+        assert!(rod.num_nodes() == reference.num_nodes() && most < tolerance, "{name}{keys}: {most:e}");
+    }
+    for (name, text, keys, part) in [
+        ("frames.xyz", frames, "", "holds 2 frames: say which by frame"),
+        ("chains.pdb", pdb, "", "has chains B, C: say which by chain"),
+        ("columns.csv", csv(open), ", columns = [\"x\", \"y\"]", "rods.dna.shape.columns: takes three names"),
+        ("columns.csv", csv(open), ", columns = [\"x\", \"y\", \"w\"]", "no column \"w\"; the head line has x, y, z"),
+        ("every.csv", csv(open), ", every = 0", "rods.dna.shape.every = 0"),
+        ("scale.csv", csv(open), ", scale = -1", "rods.dna.shape.scale = -1"),
+    ] {
+        let message = imported(name, &text, keys).unwrap_err();
+        assert!(message.contains(part), "{part} is not in: {message}");
+    }
+}
+
 /// The ring as a plectoneme, with `keys` more on the shape and `link` on the rod.
 fn plectoneme(keys: &str, link: &str) -> String {
     let shape = format!("kind = \"plectoneme\", length = 114.24{keys}");

@@ -183,7 +183,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         NaturalText::AsShaped => Natural::AsShaped,
         NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
     };
-    let wound = Wound { section: &section, excess_link, length: dna.map(|dna| dna.length) };
+    let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
     let elements = match (text.elements, scene.fidelity) {
         (Some(elements), _) => elements,

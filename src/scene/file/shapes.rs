@@ -5,17 +5,22 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
+use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
-use crate::scene::read_points;
+use crate::scene::{Import, read_points_with};
 
 use super::build::inconsistent;
 use super::text::ShapeText;
 use super::values::List;
 
+/// A last point within this of the first, relative to the mean distance of points, is the first again.
+const TOL_CLOSING: f64 = 1e-3;
+
 /// What decides how a plectoneme is wound, besides its own keys.
 pub(super) struct Wound<'a> {
     pub section: &'a Section,
     pub excess_link: Option<f64>,
+    pub closed: bool,
     /// Length of shapes that do not say theirs \[L\].
     pub length: Option<f64>,
 }
@@ -51,9 +56,19 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Helix { center, axis, radius, pitch, turns } => {
             Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
         }
-        ShapeText::Points { ref file } => {
+        ShapeText::Points { ref file, ref columns, frame, ref chain, every, scale } => {
             let path = base_dir.join(file);
-            let points = read_points(&path)?;
+            let three = |names: Vec<String>| {
+                let refuse =
+                    |_| inconsistent("shape.columns".into(), "takes three names: of the columns of x, y and z");
+                <[String; 3]>::try_from(names).map_err(refuse)
+            };
+            let columns = columns.clone().map(three).transpose()?;
+            let import = Import { columns, frame, chain: chain.clone(), every, scale };
+            let mut points = read_points_with(&path, &import).map_err(|error| within("shape", error))?;
+            if wound.closed {
+                drop_closing_point(&mut points);
+            }
             if points.is_empty() {
                 return Err(InputError::Parse {
                     file: path.display().to_string(),
@@ -69,6 +84,16 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             TorusKnot { length, windings, aspect, phase, center, normal }.into()
         }
     })
+}
+
+/// Takes away the last point where it is the first again: a closed spline goes on from the last to the first.
+fn drop_closing_point(points: &mut Vec<Vec3>) {
+    let way: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    if let [first, .., last] = points[..]
+        && (last - first).norm() <= TOL_CLOSING * way / points.len() as f64
+    {
+        points.pop();
+    }
 }
 
 fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape, InputError> {
@@ -101,7 +126,9 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         }
     };
     let axis = match (axis, center, direction) {
-        (Some(axis), None, None) => Axis::Along(Box::new(shape(axis, base_dir, &Wound { length: None, ..*wound })?)),
+        (Some(axis), None, None) => {
+            Axis::Along(Box::new(shape(axis, base_dir, &Wound { length: None, closed: false, ..*wound })?))
+        }
         (Some(_), _, _) => {
             return Err(inconsistent("shape.axis".into(), "has its own place: remove center and direction"));
         }

@@ -85,6 +85,14 @@ pub(super) struct DnaText {
     pub stretch_modulus: Option<f64>,
 }
 
+fn one() -> usize {
+    1
+}
+
+fn unit_scale() -> f64 {
+    1.0
+}
+
 fn half() -> f64 {
     0.5
 }
@@ -140,6 +148,13 @@ pub(super) enum ShapeText {
     },
     Points {
         file: PathBuf,
+        columns: Option<Vec<String>>,
+        frame: Option<i64>,
+        chain: Option<String>,
+        #[serde(default = "one")]
+        every: usize,
+        #[serde(default = "unit_scale")]
+        scale: f64,
     },
     Plectoneme {
         length: Option<f64>,
