@@ -8,6 +8,7 @@ mod mesh;
 mod poses;
 mod set;
 mod shapes;
+mod state;
 mod templates;
 mod text;
 mod values;

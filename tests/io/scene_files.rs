@@ -3,8 +3,10 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
+use supercoil::io::run::run_scene;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Plectoneme, Shape};
 use supercoil::scene::{ContactLaw, Fidelity, Joint, NodeRef, PosePath, Ramp, Scene};
@@ -646,4 +648,39 @@ fn dna_stands_for_length_section_and_radius() {
     refused(RING, "section =", "#", &["rods.dna.section: missing"]);
     refused(RING, "length = 114.24", "", &["a circle is given by its length"]);
     refused(BEAM, "[[rods]]", "temperature = 300\n[[rods]]", &["temperature", "nm and pN"]);
+}
+
+/// A run ends; its final state starts another, on the same elements (at rest at once) and on others (nearly).
+#[test]
+fn a_final_state_starts_another_run() {
+    let ring = RING.replace("to = -3.0", "to = -1.6").replace("elements = 12", "elements = 24");
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene_state");
+    let run = |scene: Scene, name: &str| {
+        let outcome = run_scene(scene, &dir.join(name), &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+        outcome.steps
+    };
+    let first = run(read(&ring.replace("steps = 30", "steps = 4")).unwrap(), "first");
+    let end = first.last().unwrap();
+    let file = dir.join("first/final_state.csv");
+    let state = format!("kind = \"state\", file = {file:?}");
+    let again = ring.split("[[stages]]").next().unwrap().replace("kind = \"circle\", length = 114.24", &state);
+    let scene = read(&again.replace("elements = 24", "excess_link = -1.6")).unwrap();
+    let rod = &scene.model.rods[0];
+    assert_eq!((rod.num_elements, rod.num_nodes()), (24, 72));
+    assert!((rod.length - 114.24).abs() < 1e-9);
+    let same = run(scene, "again").remove(0);
+    assert!((same.energies.total / end.energies.total - 1.0).abs() < 1e-6, "{:?} {:?}", same.energies, end.energies);
+    assert!(same.iterations < 40, "{} iterations from a state at rest", same.iterations);
+    let finer = read(&again.replace("elements = 24", "elements = 32\nexcess_link = -1.6")).unwrap();
+    assert_eq!(finer.model.rods[0].num_nodes(), 96);
+    let finer = run(finer, "finer").remove(0);
+    assert!((finer.energies.total / end.energies.total - 1.0).abs() < 1e-2, "{:?} {:?}", finer.energies, end.energies);
+    assert!((finer.links[0].link + 1.6).abs() < 1e-9, "{:?}", finer.links);
+    // without it the link is that of the nodes: right to a part of a turn
+    let measured = read(&again.replace("elements = 24", "")).unwrap().model.rods[0].start_excess_link;
+    assert!((measured + 1.6).abs() < 1e-2, "{measured}");
+    let refused = |from: &str, to: &str| read(&again.replace(from, to)).unwrap_err().to_string();
+    assert!(refused("kind = \"state\"", "kind = \"state\", rod = 1").contains("has no rod 1"));
+    std::fs::remove_dir_all(&dir).unwrap();
 }

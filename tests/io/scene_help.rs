@@ -47,7 +47,7 @@ fn accepted(text: &str) -> BTreeSet<String> {
 #[test]
 fn the_reference_has_all_keys_and_no_more() {
     let rods = |keys: &str| format!("[[rods]]\n{keys}");
-    let kinds = ["line", "circle", "arc", "helix", "points", "torus_knot", "plectoneme"];
+    let kinds = ["line", "circle", "arc", "helix", "points", "state", "torus_knot", "plectoneme"];
     let shapes: BTreeSet<String> = kinds
         .iter()
         .flat_map(|kind| accepted(&rods(&format!("shape = {{ kind = \"{kind}\", zzz = 1 }}"))))

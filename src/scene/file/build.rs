@@ -11,9 +11,9 @@ use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLo
 
 use super::dna::Dna;
 use super::shapes::{Wound, shape};
-use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
+use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, ShapeText, StageText};
 use super::values::{At, List, Names, NaturalText};
-use super::{memory, mesh, poses};
+use super::{memory, mesh, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -159,44 +159,37 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let contact = !matches!(scene.contact.law, LawText::None);
     let inside = |error| within(&path, error);
     let dna = text.dna.as_ref().map(Dna::new).transpose().map_err(inside)?;
-    let section = match (&text.section, &dna) {
-        (Some(text), None) => section(text, contact).map_err(inside)?,
-        (None, Some(dna)) => dna.section,
-        (Some(_), Some(_)) => {
-            let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
-            return Err(inconsistent(format!("{path}.section"), reason));
-        }
-        (None, None) => return Err(inconsistent(format!("{path}.section"), "missing: give a section, or dna")),
-    };
-    let excess_link = match (text.excess_link, text.sigma, &dna) {
-        (excess_link, None, _) => excess_link,
-        (None, Some(sigma), Some(dna)) => {
-            InputError::check(&format!("{path}.sigma"), sigma, true, "a finite number")?;
-            Some(sigma * dna.relaxed_link)
-        }
-        (None, Some(_), None) => return Err(inconsistent(format!("{path}.sigma"), NEEDS_DNA)),
-        (Some(_), Some(_), _) => return Err(inconsistent(path, LINK_TWICE)),
-    };
+    let section = section_or_dna(&path, text, dna.as_ref(), contact)?;
+    let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = match text.natural {
         NaturalText::Straight => Natural::Straight,
         NaturalText::AsShaped => Natural::AsShaped,
         NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
     };
-    let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
-    let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
-    let elements = match (text.elements, scene.fidelity) {
-        (Some(elements), _) => elements,
-        (None, Some(fidelity)) => mesh::elements(fidelity, scene, text, &shape, &section, natural, dna.as_ref())
-            .map_err(|error| within(&path, error))?,
-        (None, None) => {
-            let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
-            return Err(inconsistent(format!("{path}.elements"), reason));
-        }
+    let check_memory = |elements: usize| {
+        let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
+        memory::check(format!("{path}.elements"), elements, nodes, scene.planar)
     };
-    let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
-    memory::check(format!("{path}.elements"), elements, nodes, scene.planar)?;
-    let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
+    let mut rod = if let ShapeText::State { file, rod } = &text.shape {
+        text.elements.map_or(Ok(()), check_memory)?;
+        state::rod(text, &base_dir.join(file), *rod, section, natural)?
+    } else {
+        let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
+        let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
+        let elements = match (text.elements, scene.fidelity) {
+            (Some(elements), _) => elements,
+            (None, Some(fidelity)) => {
+                mesh::elements(fidelity, scene, text, &shape, &section, natural, dna.as_ref()).map_err(inside)?
+            }
+            (None, None) => {
+                let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
+                return Err(inconsistent(format!("{path}.elements"), reason));
+            }
+        };
+        check_memory(elements)?;
+        Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?
+    };
     rod = match (excess_link, text.link, text.twist) {
         (None, None, None) => rod,
         (Some(turns), None, None) => rod.with_excess_link(turns)?,
@@ -219,6 +212,31 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         }
     }
     Ok(rod)
+}
+
+fn section_or_dna(path: &str, text: &RodText, dna: Option<&Dna>, contact: bool) -> Result<Section, InputError> {
+    match (&text.section, dna) {
+        (Some(text), None) => section(text, contact).map_err(|error| within(path, error)),
+        (None, Some(dna)) => Ok(dna.section),
+        (Some(_), Some(_)) => {
+            let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
+            Err(inconsistent(format!("{path}.section"), reason))
+        }
+        (None, None) => Err(inconsistent(format!("{path}.section"), "missing: give a section, or dna")),
+    }
+}
+
+/// Excess link at the start, turns, as far as it is given.
+fn excess_link(path: &str, text: &RodText, dna: Option<&Dna>) -> Result<Option<f64>, InputError> {
+    match (text.excess_link, text.sigma, dna) {
+        (excess_link, None, _) => Ok(excess_link),
+        (None, Some(sigma), Some(dna)) => {
+            InputError::check(&format!("{path}.sigma"), sigma, true, "a finite number")?;
+            Ok(Some(sigma * dna.relaxed_link))
+        }
+        (None, Some(_), None) => Err(inconsistent(format!("{path}.sigma"), NEEDS_DNA)),
+        (Some(_), Some(_), _) => Err(inconsistent(path.to_owned(), LINK_TWICE)),
+    }
 }
 
 const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give one of them";

@@ -156,6 +156,11 @@ pub(super) enum ShapeText {
         #[serde(default = "unit_scale")]
         scale: f64,
     },
+    State {
+        file: PathBuf,
+        #[serde(default)]
+        rod: usize,
+    },
     Plectoneme {
         length: Option<f64>,
         distance: Option<f64>,
