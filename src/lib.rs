@@ -81,7 +81,7 @@
 //! math ──┬── contact ───────────┐
 //!        ├── rod ───── scene ───┼── solve ── observe ── io ── the command line
 //!        └── sparse ────────────┘
-//! error  open to all            dna  on its own
+//! error  open to all            dna  known to scene files
 //! ```
 //!
 //! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves
