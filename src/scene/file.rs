@@ -228,6 +228,16 @@ impl Scene {
 /// Likeness (Jaro, 0 to 1) from which a key is taken for a slip of another; that of clap's own suggestions.
 const LIKE: f64 = 0.7;
 
+/// Types as serde calls them, and as a user does.
+const TYPES: [(&str, &str); 6] = [
+    ("usize", "a whole number of at least 0"),
+    ("i64", "a whole number"),
+    ("i32", "a whole number"),
+    ("f64", "a number"),
+    ("a boolean", "true or false"),
+    ("a string", "text in quotes"),
+];
+
 /// What an error says, with the allowed word that is most like an unknown one.
 fn with_suggestion(error: &toml::de::Error) -> String {
     let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
@@ -240,7 +250,15 @@ fn with_suggestion(error: &toml::de::Error) -> String {
         _ => None,
     };
     let hint = likest.map(|(_, word)| format!("did you mean `{word}`?"));
-    format!("{}{}", error, hint.unwrap_or_default()).trim_end().to_owned()
+    let text = error.to_string();
+    let text = match text.trim_end().rsplit_once("expected ") {
+        Some((before, found)) => match TYPES.iter().find(|(name, _)| *name == found) {
+            Some((_, said)) => format!("{before}expected {said}\n"),
+            None => text,
+        },
+        None => text,
+    };
+    format!("{text}{}", hint.unwrap_or_default()).trim_end().to_owned()
 }
 
 /// Refuses words that would put control characters into tables and terminals.

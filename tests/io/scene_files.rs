@@ -123,8 +123,15 @@ fn unknown_keys_are_named_with_line_and_allowed_keys() {
 #[test]
 fn missing_and_ill_typed_values_are_named() {
     refused(RING, "elements = 12", "", &["rods.dna.elements", "missing", "fidelity"]);
-    refused(RING, "elements = 12", "elements = -3", &["elements = -3", "invalid value", "usize"]);
-    refused(RING, "length = 114.24", "length = \"long\"", &["string \"long\"", "expected f64"]);
+    refused(
+        RING,
+        "elements = 12",
+        "elements = -3",
+        &["elements = -3", "invalid value", "expected a whole number of at least 0"],
+    );
+    refused(RING, "length = 114.24", "length = \"long\"", &["string \"long\"", "expected a number"]);
+    refused(RING, "closed = true", "closed = 1", &["integer `1`", "expected true or false"]);
+    refused(RING, "\"ring\"", "7", &["integer `7`", "expected text in quotes"]);
     refused(RING, "twisting = 308.6,", "", &["rods.dna.section.twisting: missing", "bending, twisting"]);
     refused(RING, ", contact_radius = 2.5", "", &["rods.dna.section.contact_radius: missing"]);
     refused(RING, "kind = \"circle\"", "kind = \"square\"", &["unknown variant `square`", "`circle`", "`helix`"]);
