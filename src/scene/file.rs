@@ -251,13 +251,13 @@ fn with_suggestion(error: &toml::de::Error) -> String {
     };
     let hint = likest.map(|(_, word)| format!("did you mean `{word}`?"));
     let text = error.to_string();
-    let text = match text.trim_end().rsplit_once("expected ") {
-        Some((before, found)) => match TYPES.iter().find(|(name, _)| *name == found) {
-            Some((_, said)) => format!("{before}expected {said}\n"),
-            None => text,
-        },
-        None => text,
+    // a key may follow on a line of its own
+    let in_a_users_words = |(before, after): (&str, &str)| {
+        let (found, rest) = after.split_at(after.find('\n').unwrap_or(after.len()));
+        let (_, said) = TYPES.iter().find(|(name, _)| *name == found)?;
+        Some(format!("{before}expected {said}{rest}"))
     };
+    let text = text.rsplit_once("expected ").and_then(in_a_users_words).unwrap_or(text);
     format!("{text}{}", hint.unwrap_or_default()).trim_end().to_owned()
 }
 
