@@ -7,6 +7,7 @@ mod pose;
 use crate::math::Vec3;
 use crate::rod::Rod;
 
+#[cfg(feature = "solver")]
 pub(crate) use pose::Way;
 pub use pose::{Pose, PosePath};
 
