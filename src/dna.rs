@@ -5,6 +5,9 @@
 
 use crate::error::InputError;
 
+/// Boltzmann's constant, pN·nm/K.
+pub const BOLTZMANN: f64 = 0.013_806_49;
+
 /// Thermal energy kT at 298 K, pN·nm.
 pub const THERMAL_ENERGY: f64 = 4.114;
 

@@ -68,7 +68,7 @@
 //! | c | `offset` | augmented Lagrangian: pressure is κ⟨c − g⟩ | L |
 //! | p | `pressure` | contact force per length; also load pressure | F/L |
 //! | Lk, Tw, Wr | `link`, `twist`, `writhe` | Lk = Tw + Wr | turns |
-//! | ΔLk | `excess_link` | link of a closed rod's material line with its centreline, seam included; that put in, if straight by nature | turns |
+//! | ΔLk | `excess_link` | link of a closed rod's material line with its centreline, seam included, beyond that of the relaxed rod (`natural_link`) | turns |
 //! | θ | rotation part of an increment | q ← exp(θ/2) q | rad |
 //! | ∂Π/∂x | `gradient`, `residual` | of the potential; at supports the reaction | F, F·L |
 //! | ∂²Π/∂x² | `tangent` | | |
@@ -81,7 +81,7 @@
 //! math ──┬── contact ───────────┐
 //!        ├── rod ───── scene ───┼── solve ── observe ── io ── the command line
 //!        └── sparse ────────────┘
-//! error  open to all            dna  on its own
+//! error  open to all            dna  known to scene files
 //! ```
 //!
 //! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves

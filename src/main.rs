@@ -1,4 +1,5 @@
-//! The command line: `supercoil run FILE --out DIR`, `supercoil resume DIR` and `supercoil check FILE`.
+//! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check FILE` and
+//! `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
 //! read-only, folder in use), 130 stopped by Ctrl-C or `--time-limit`.
@@ -11,13 +12,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use supercoil::InputError;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
 use supercoil::observe::{StartOverlap, start_overlaps};
-use supercoil::scene::file::MOST_THREADS;
+use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Options, RunError, Solver, Status};
 
@@ -36,6 +37,7 @@ const MOST_WARNINGS: usize = 10;
 #[derive(Parser)]
 #[command(
     version,
+    disable_help_subcommand = true,
     after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
     full, read-only, folder in use), 130 stopped by Ctrl-C or --time-limit."
 )]
@@ -79,6 +81,25 @@ enum Command {
         #[command(flatten)]
         set: Replacements,
     },
+    /// Write a commented scene to begin with.
+    New {
+        /// Which.
+        #[arg(value_parser = kinds())]
+        kind: String,
+        /// File to write; must not be there yet [default: KIND.toml].
+        file: Option<PathBuf>,
+    },
+    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command.
+    Help {
+        /// "scene", or a command.
+        topic: Option<String>,
+        /// A key of scene files, for example excess_link, rods.shape or stages.ramp.pose.
+        key: Option<String>,
+    },
+}
+
+fn kinds() -> clap::builder::PossibleValuesParser {
+    TEMPLATES.map(|template| clap::builder::PossibleValue::new(template.name).help(template.about)).into()
 }
 
 #[derive(Args)]
@@ -124,6 +145,8 @@ fn main() -> ExitCode {
         Command::Check { file, set } => check(&file, &set.set),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
+        Command::New { kind, file } => new(&kind, file),
+        Command::Help { topic, key } => explain(topic.as_deref(), key.as_deref()),
     };
     ExitCode::from(code.unwrap_or_else(|error| {
         eprintln!("error: {error}");
@@ -142,6 +165,33 @@ fn warn(overlaps: &[StartOverlap]) {
     if let more @ 1.. = overlaps.len().saturating_sub(MOST_WARNINGS) {
         eprintln!("warning: {more} more overlaps, less deep");
     }
+}
+
+fn new(kind: &str, file: Option<PathBuf>) -> Result<u8, InputError> {
+    let file = file.unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
+    let text = TEMPLATES.iter().find(|template| template.name == kind).map_or("", |template| template.text);
+    let refuse = |e: std::io::Error| InputError::Write { path: file.clone(), reason: e.to_string() };
+    let mut made = std::fs::File::create_new(&file).map_err(refuse)?;
+    made.write_all(text.as_bytes()).map_err(refuse)?;
+    say(format_args!("wrote {0}; to run it: supercoil run {0}", file.display()));
+    Ok(CONVERGED)
+}
+
+fn explain(topic: Option<&str>, key: Option<&str>) -> Result<u8, InputError> {
+    let mut program = Arguments::command();
+    program.build();
+    match topic {
+        Some("scene") => say(format_args!("{}", help(key)?.trim_end())),
+        None => say(format_args!("{}", program.render_help())),
+        Some(topic) => match program.find_subcommand_mut(topic) {
+            Some(command) => say(format_args!("{}", command.render_long_help())),
+            None => {
+                let allowed = "\"scene\" or a command".to_owned();
+                return Err(InputError::Name { field: "topic".to_owned(), name: topic.to_owned(), allowed });
+            }
+        },
+    }
+    Ok(CONVERGED)
 }
 
 fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
@@ -218,7 +268,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     output.checkpoint_steps = choices.checkpoint_every.map(|n| n as usize).or(output.checkpoint_steps);
     output.error_estimate |= choices.error_estimate;
     output.checkpoint_seconds = choices.checkpoint_seconds.unwrap_or(output.checkpoint_seconds);
-    let units = scene.units.clone();
+    let (units, thermal) = (scene.units.clone(), scene.thermal());
     let bar = Bar::new(&scene.stages, from, choices.quiet);
     let dir = run.dir.clone();
     let (interrupt, shown) = (run.interrupt.clone(), bar.clone());
@@ -245,7 +295,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let result = if from.is_some() { run.resume(&mut watch) } else { run.start(&mut watch) };
     bar.clear();
     match result {
-        Ok(outcome) => Ok(report(&outcome, &units, &dir, choices.quiet, interrupt.is_raised())),
+        Ok(outcome) => Ok(report(&outcome, &units, thermal, &dir, choices.quiet, interrupt.is_raised())),
         Err(RunError::Input(error)) => Err(error),
         Err(error) => {
             eprintln!("error: {error}; what was reached is in {}", dir.display());
@@ -254,9 +304,20 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     }
 }
 
-fn report(outcome: &Outcome, units: &Units, dir: &Path, quiet: bool, interrupted: bool) -> u8 {
+fn report(
+    outcome: &Outcome,
+    units: &Units,
+    thermal: Option<(f64, f64)>,
+    dir: &Path,
+    quiet: bool,
+    interrupted: bool,
+) -> u8 {
     if !quiet {
         say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+        if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
+            let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
+            say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
+        }
         for note in outcome.steps.last().iter().flat_map(|step| &step.notes) {
             say(format_args!("note: {note}"));
         }

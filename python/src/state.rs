@@ -43,7 +43,7 @@ impl State {
     pub fn of(engine: &Engine, observation: Observation) -> Self {
         let rods = engine.all_nodal_fields().into_iter().enumerate().map(|(index, fields)| {
             let (rod, frames) = (&engine.model().rods[index], engine.frames(index));
-            let seam_turns = observation.links.iter().find(|link| link.rod == index).map_or(0.0, |l| l.excess_link);
+            let seam_turns = observation.links.iter().find(|link| link.rod == index).map_or(0.0, |l| l.link);
             Rod {
                 name: rod.name.clone(),
                 closed: rod.closed,

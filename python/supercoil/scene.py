@@ -29,11 +29,13 @@ class Rod:
 
     ``shape`` and ``section`` are tables such as ``{"kind": "circle", "length": 6.0}`` [L] and ``{"bending": 1.0,
     "twisting": 1.5, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.1}`` [F·L², F, L]. ``elements`` may be left
-    out where the scene has a fidelity; ``excess_link`` is in turns, for closed rods.
+    out where the scene has a fidelity. Closed rods have an ``excess_link`` [turns beyond the relaxed rod], or in its place
+    ``sigma`` or the whole ``link``; open ones a ``twist`` [turns]. ``dna``, such as ``{"base_pairs": 336, "salt_mM": 150}``,
+    stands for the section and the shape's length, in nm and pN.
     """
 
     shape: Table
-    section: Table
+    section: Table | None = None
     elements: int | None = None
     name: str | None = None
     closed: bool = False
@@ -41,6 +43,10 @@ class Rod:
     natural: str | Table | None = None
     roll: float | None = None
     excess_link: float | None = None
+    dna: Table | None = None
+    sigma: float | None = None
+    link: float | None = None
+    twist: float | None = None
 
 
 @dataclass(kw_only=True)
@@ -76,7 +82,8 @@ class LineLoad:
 class Stage:
     """What moves, in so many ``steps``. All targets are absolute and all ramps of a stage move together.
 
-    ``excess_link``: turns, or ``{"rod": …, "to": turns}``. ``rotation``: ``{"at": …, "axis": […], "turns": …}``.
+    ``excess_link``: turns, or ``{"rod": …, "to": turns}``; so ``link`` [turns] and ``sigma``. ``pose``: ``{"at": …,
+    "position": [x, y, z], "quaternion": [w, x, y, z]}`` and what else the key takes in scene files. ``rotation``: ``{"at": …, "axis": […], "turns": …}``.
     ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``load``: the factor. ``pressure``: [F/L], or a table. Lists of
     tables move several nodes or rods.
     """
@@ -87,11 +94,14 @@ class Stage:
     displacement: Table | list[Table] | None = None
     load: float | None = None
     pressure: float | Table | list[Table] | None = None
+    pose: Table | list[Table] | None = None
+    sigma: float | Table | list[Table] | None = None
+    link: float | Table | list[Table] | None = None
 
     def _table(self) -> Table:
         ramp = _plain(self)
         steps = ramp.pop("steps")
-        for key in ("excess_link", "pressure"):
+        for key in ("excess_link", "sigma", "link", "pressure"):
             if key in ramp and not isinstance(ramp[key], (dict, list)):
                 ramp[key] = {"to": ramp[key]}
         return {"ramp": ramp, "steps": steps}
@@ -393,13 +403,23 @@ class Solver:
         displacement: Table | list[Table] | None = None,
         load: float | None = None,
         pressure: float | Table | list[Table] | None = None,
+        pose: Table | list[Table] | None = None,
+        sigma: float | Table | list[Table] | None = None,
+        link: float | Table | list[Table] | None = None,
     ) -> StepReport:
         """Moves all that is given to its target in one step, without cut-back; targets as in :class:`Stage`.
 
         A step that does not converge leaves the solver where the attempt ended.
         """
         stage = Stage(
-            excess_link=excess_link, rotation=rotation, displacement=displacement, load=load, pressure=pressure
+            excess_link=excess_link,
+            rotation=rotation,
+            displacement=displacement,
+            load=load,
+            pressure=pressure,
+            pose=pose,
+            sigma=sigma,
+            link=link,
         )
         return StepReport(*self._native.step_to(tomli_w.dumps({"stages": [stage._table()]})))
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
-use crate::observe::report::{Observation, SiteReport};
+use crate::observe::report::{Energies, Observation, SiteReport};
 use crate::scene::file::OutputChoice;
 use crate::scene::{Scene, Units};
 
@@ -64,7 +64,21 @@ struct Summary<'a> {
     last: Option<&'a Observation>,
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<&'a ErrorEstimate>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thermal: Option<Thermal>,
     steps: &'a [Observation],
+}
+
+/// Energies in units of kT, where units are nm and pN.
+#[derive(Debug, Clone, Serialize)]
+struct Thermal {
+    /// K
+    temperature: f64,
+    /// pN·nm
+    #[serde(rename = "kT")]
+    thermal_energy: f64,
+    /// Of every step, in kT.
+    energies: Vec<Energies>,
 }
 
 /// Frames kept for the film strip; when full, every other one is dropped.
@@ -100,7 +114,7 @@ pub struct RecordState {
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
-/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for); of contact sites the [`MAX_SITES`] strongest |
+/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
 #[derive(Debug)]
@@ -108,6 +122,8 @@ pub struct Record {
     dir: PathBuf,
     title: String,
     units: Units,
+    /// Temperature, K, and kT at it, pN·nm, where units are nm and pN.
+    thermal: Option<(f64, f64)>,
     output: OutputChoice,
     planar: bool,
     rods: Vec<RodHead>,
@@ -149,6 +165,7 @@ impl Record {
             dir: dir.to_owned(),
             title: scene.title.clone(),
             units: scene.units.clone(),
+            thermal: scene.thermal(),
             output: scene.output.clone(),
             planar: scene.model.planar,
             rods: scene.model.rods.iter().map(head).collect(),
@@ -258,8 +275,24 @@ impl Record {
         let (last, error_estimate) = (steps.last(), self.error_estimate.as_ref());
         let failure = self.failure.as_deref();
         let program = env!("CARGO_PKG_VERSION");
-        let summary =
-            Summary { program, title, units, rods, converged, status, failure, seconds, last, error_estimate, steps };
+        let thermal = self.thermal.map(|(temperature, thermal_energy)| {
+            let energies = steps.iter().map(|step| step.energies.over(thermal_energy)).collect();
+            Thermal { temperature, thermal_energy, energies }
+        });
+        let summary = Summary {
+            program,
+            title,
+            units,
+            rods,
+            converged,
+            status,
+            failure,
+            seconds,
+            last,
+            error_estimate,
+            thermal,
+            steps,
+        };
         let refuse = |reason: String| InputError::Write { path: path.clone(), reason };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| refuse(e.to_string()))?;
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))

@@ -18,6 +18,21 @@ pub struct Energies {
     pub total: f64,
 }
 
+impl Energies {
+    /// All of them over a unit of energy \[F·L\].
+    #[must_use]
+    pub fn over(&self, unit: f64) -> Self {
+        Self {
+            stretch: self.stretch / unit,
+            shear: self.shear / unit,
+            bend: self.bend / unit,
+            twist: self.twist / unit,
+            contact: self.contact / unit,
+            total: self.total / unit,
+        }
+    }
+}
+
 /// Whether a contact is isolated; compares with its name, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -100,7 +115,8 @@ pub struct Reaction {
 
 /// Link numbers of one closed rod, in turns; `link = twist + writhe`.
 ///
-/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link` to rounding for as long as
+/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link`, and the natural link of the
+/// rod ([`natural_link`](crate::rod::Rod::natural_link)) on top, to rounding for as long as
 /// no strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no
 /// link). Of its two parts the polygon would know each to second order in its edges only, so `twist` is the elements'
 /// own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
@@ -109,7 +125,7 @@ pub struct Reaction {
 pub struct RodLink {
     /// Rod index.
     pub rod: usize,
-    /// Prescribed: turns of the frame at s = L against that at s = 0, see [`crate::rod::Rod::start_excess_link`].
+    /// Prescribed: link beyond that of the relaxed rod, see [`crate::rod::Rod::natural_link`].
     pub excess_link: f64,
     /// Measured Tw + Wr.
     pub link: f64,

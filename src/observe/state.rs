@@ -78,9 +78,10 @@ fn energies(potential: &Potential) -> Energies {
 fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
     let rods = &engine.model().rods;
     let link_of = |rod: usize| {
-        let excess_link = engine.state().seams[rod] / TAU;
+        let prescribed = engine.state().seams[rod] / TAU;
+        let excess_link = prescribed - rods[rod].natural_link();
         let (points, d1) = engine.centerline(rod, POINTS_PER_SEGMENT);
-        let link = link_numbers(&points, &d1, excess_link).link;
+        let link = link_numbers(&points, &d1, prescribed).link;
         let (twist, excess_twist) = engine.twist(rod);
         let seam_moment = residual.seam_moments[rod];
         RodLink { rod, excess_link, link, twist, excess_twist, writhe: link - twist, seam_moment }

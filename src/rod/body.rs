@@ -1,6 +1,7 @@
 //! A rod: section, elements, nodes and the natural (stress-free) state.
 
 use crate::error::InputError;
+use crate::math::quaternion::spin;
 use crate::math::{LARGEST, Quat, Vec3};
 use crate::rod::{Section, Shape};
 
@@ -53,12 +54,8 @@ pub struct Rod {
     pub frames: Vec<Quat>,
     /// Stress-free state.
     pub natural: Natural,
-    /// Closed rods: excess link of the start state, turns: Tw + Wr, the link of the centreline with the material line
-    /// d1. The frame at s = L is the frame at 0 turned by it about d3, so its fraction is the turn of the seam. Open
-    /// rods: 0.
-    ///
-    /// Of a rod that is straight by nature (or curved but not twisted) this is its link beyond that of the relaxed rod,
-    /// Lk − Lk₀; where it has a natural twist K3, the relaxed rod has K3 L/2π turns of it.
+    /// Closed rods: excess link of the start state, turns: the link Tw + Wr of the centreline with the material line d1
+    /// beyond that of the relaxed rod, Lk − Lk₀, see [`Rod::start_link`] and [`Rod::natural_link`]. Open rods: 0.
     ///
     /// Its whole turns are exact. Its fraction is a matter of where the frames at s = 0 and s = L are taken to be: it
     /// is exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean
@@ -68,10 +65,14 @@ pub struct Rod {
     /// Turns by which [`Rod::with_excess_link`] has twisted the frames, evenly along the rod: no part of the natural
     /// state where that is [`Natural::AsShaped`].
     pub twist_put_in: f64,
+    /// Closed rods: link Tw + Wr of the frames that the rod was made with, turns, which is its natural one where it is
+    /// [`Natural::AsShaped`].
+    pub shape_link: f64,
 }
 
 impl Rod {
     /// Places `shape` and checks everything. [`Natural::AsShaped`] becomes [`Natural::Uniform`] on arcs and circles.
+    /// Frames turn about d3 by the natural twist: a rod starts without twisting moment.
     ///
     /// # Errors
     /// See [`Section::check`], [`Shape::place`] and [`Rod::check`].
@@ -87,12 +88,18 @@ impl Rod {
         let path = format!("rods.{name}");
         check_order(&path, order)?;
         section.check(&format!("{path}.section"))?;
-        let placement =
+        let mut placement =
             shape.place(closed, num_elements.saturating_mul(order)).map_err(|error| within(&path, error))?;
         let natural = match (natural, shape.uniform_curvature()) {
             (Natural::AsShaped, Some(kappa)) => Natural::Uniform { kappa },
             _ => natural,
         };
+        if let Natural::Uniform { kappa: [_, _, twist] } = natural
+            && twist != 0.0
+        {
+            let each = twist * placement.length / (num_elements * order) as f64;
+            placement.frames.iter_mut().enumerate().for_each(|(i, frame)| *frame *= spin(each * i as f64));
+        }
         Self::from_nodes(name, placement.length, placement.positions, placement.frames, closed, section, order, natural)
     }
 
@@ -128,10 +135,12 @@ impl Rod {
             natural,
             start_excess_link: 0.0,
             twist_put_in: 0.0,
+            shape_link: 0.0,
         };
         rod.check()?;
         if closed {
-            rod.start_excess_link = rod.excess_link_of_nodes();
+            rod.shape_link = rod.link_of_nodes();
+            rod.start_excess_link = rod.shape_link - rod.natural_link();
         }
         Ok(rod)
     }

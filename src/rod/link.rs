@@ -1,9 +1,9 @@
-//! Excess link of closed rods: measured when a rod is built, and laid into its frames on demand.
+//! Link of closed rods, measured when a rod is built and laid into its frames on demand; twist of open ones.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::{MAX_TURN, Rod};
+use super::{MAX_TURN, Natural, Rod};
 use crate::error::InputError;
 use crate::math::link::link_numbers;
 use crate::math::quaternion::spin;
@@ -19,9 +19,8 @@ impl Rod {
     /// the rod, its centreline stays.
     ///
     /// The excess link of a closed rod is the link of its centreline with its material line d1, Tw + Wr, seam included,
-    /// see [`Rod::start_excess_link`]. Twist-free frames, as all shapes have, carry no twist, so the link of a rod just
-    /// placed is the writhe of its shape; this adds the twist that is missing. It holds to rounding, whatever the
-    /// number of nodes. The natural state stays what it was, also where that is the shape
+    /// beyond [`Rod::natural_link`]. A rod just placed has its natural twist, so its excess link is the writhe of its
+    /// shape; this adds the twist that is missing. It holds to rounding, whatever the number of nodes. The natural state stays what it was, also where that is the shape
     /// ([`Natural::AsShaped`](super::Natural)).
     ///
     /// # Errors
@@ -52,12 +51,55 @@ impl Rod {
         Ok(self)
     }
 
+    /// The same open rod twisted by so many turns more than it is by nature, evenly: the frame at s = 0 stays, that at
+    /// s = L is turned about d3. The natural state stays what it was.
+    ///
+    /// # Errors
+    /// A closed rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
+    pub fn with_twist(mut self, turns: f64) -> Result<Self, InputError> {
+        let field = format!("rods.{}.twist", self.name);
+        InputError::check(&field, turns, true, "a finite number of turns")?;
+        if self.closed {
+            let reason = "the rod is closed: give its excess_link".to_owned();
+            return Err(InputError::Inconsistent { field, reason });
+        }
+        let segments = self.num_segments() as f64;
+        if (turns / segments).abs() > MAX_TURN {
+            let reason = format!(
+                "{turns} turns are more than {MAX_TURN} turns between neighbouring nodes ({} nodes): use more elements",
+                self.num_nodes()
+            );
+            return Err(InputError::Inconsistent { field, reason });
+        }
+        parallel::each(&mut self.frames, GRAIN, &|i, frame| {
+            *frame = Quat::new_normalize((*frame * spin(TAU * turns * (i as f64 / segments))).into_inner());
+        });
+        self.twist_put_in += turns;
+        self.check().map(|()| self)
+    }
+
+    /// Link Lk₀ of the relaxed closed rod, turns: K3 L/2π where it has a natural twist K3, that of the start shape where
+    /// this is free of stress, else 0.
+    pub fn natural_link(&self) -> f64 {
+        match self.natural {
+            Natural::Straight => 0.0,
+            Natural::Uniform { kappa } => kappa[2] * self.length / TAU,
+            Natural::AsShaped => self.shape_link,
+        }
+    }
+
+    /// Closed rods: link Tw + Wr of the start state, turns. The frame at s = L is the frame at 0 turned by it about d3, so
+    /// its fraction is the turn of the seam.
+    pub fn start_link(&self) -> f64 {
+        self.start_excess_link + self.natural_link()
+    }
+
     /// Tw + Wr of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane
     /// curves whose frames do not turn.
     ///
     /// The frames decide the fraction of a turn: what the closing segment lacks is put into the seam. The whole turns
     /// are those of the ribbon's linking number, exact on a polygon along the rod's contact centreline.
-    pub(super) fn excess_link_of_nodes(&self) -> f64 {
+    pub(super) fn link_of_nodes(&self) -> f64 {
         let last = self.num_nodes() - 1;
         let twists: f64 = (0..last).map(|i| self.segment_twist(i, i + 1)).sum();
         let mean = twists / last as f64;

@@ -31,7 +31,7 @@ impl Rod {
             let field = format!("rods.{}.elements", self.name);
             return Err(InputError::Count { field, value: num_elements, allowed });
         }
-        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let seam = std::f64::consts::TAU * self.start_link();
         let (positions, frames) = self.interleave(&self.positions, &self.frames, seam, factor);
         let fine = Self { num_elements, positions, frames, ..self.clone() };
         fine.check().map(|()| fine)
@@ -39,7 +39,7 @@ impl Rod {
 
     /// The same rod on every `factor`-th node; `None` where elements cannot be counted off or turn too far.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
-        let seam = std::f64::consts::TAU * self.start_excess_link;
+        let seam = std::f64::consts::TAU * self.start_link();
         let coarse = Self {
             num_elements: self.num_elements / factor,
             positions: self.positions.iter().step_by(factor).copied().collect(),
@@ -47,6 +47,26 @@ impl Rod {
             ..self.clone()
         };
         (self.can_be_coarsened(&self.frames, seam, factor) && coarse.check().is_ok()).then_some(coarse)
+    }
+
+    /// Nodes and frames at other equal distances along the rod, so many segments of them, interpolated between the eight
+    /// next ones.
+    ///
+    /// # Errors
+    /// No segments, or more than a rod may have.
+    pub fn resampled(&self, num_segments: usize) -> Result<(Vec<Vec3>, Vec<Quat>), InputError> {
+        if num_segments == 0 || num_segments > super::shape::MAX_SEGMENTS {
+            let allowed = "at least 1 element, and at most ten million nodes";
+            return Err(InputError::Count { field: "elements".to_owned(), value: num_segments, allowed });
+        }
+        let seam = std::f64::consts::TAU * self.start_link();
+        let last = self.num_segments() - 1;
+        let node = |k: usize| {
+            let at = k as f64 * self.num_segments() as f64 / num_segments as f64;
+            let segment = (at as usize).min(last);
+            self.between(&self.positions, &self.frames, seam, segment, at - segment as f64)
+        };
+        Ok((0..num_segments + usize::from(!self.closed)).map(node).unzip())
     }
 
     /// Whether every `factor`-th node of a state of this rod tells how frames turn between them: a whole turn would not
@@ -71,32 +91,14 @@ impl Rod {
         factor: usize,
     ) -> (Vec<Vec3>, Vec<Quat>) {
         let count = positions.len();
-        let stencil = STENCIL.min(count);
         let (mut r, mut q) = (Vec::with_capacity(factor * count), Vec::with_capacity(factor * count));
         for segment in 0..self.num_segments() {
             r.push(positions[segment]);
             q.push(frames[segment]);
-            // the first of the nodes interpolated from; beyond the seam on closed rods
-            let centred = segment as isize + 1 - (stencil as isize + 1) / 2;
-            let first = if self.closed { centred } else { centred.clamp(0, (count - stencil) as isize) };
             for part in 1..factor {
-                let at = (segment as isize - first) as f64 + part as f64 / factor as f64;
-                let (mut point, mut sum) = (Vec3::zeros(), nalgebra::Vector4::zeros());
-                let mut before = frames[segment].coords;
-                for k in 0..stencil {
-                    let index = first + k as isize;
-                    let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
-                    let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
-                    // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half
-                    // round
-                    let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
-                    let weight = lagrange_weight(stencil, |j| j as f64, k, at);
-                    point += (positions[node] - positions[segment]) * weight;
-                    sum += aligned * weight;
-                    before = aligned;
-                }
-                r.push(positions[segment] + point);
-                q.push(Quat::new_normalize(nalgebra::Quaternion::from(sum)));
+                let (point, frame) = self.between(positions, frames, seam, segment, part as f64 / factor as f64);
+                r.push(point);
+                q.push(frame);
             }
         }
         if !self.closed {
@@ -104,6 +106,30 @@ impl Rod {
             q.push(frames[count - 1]);
         }
         (r, q)
+    }
+
+    /// Position and frame at a part of a segment.
+    fn between(&self, positions: &[Vec3], frames: &[Quat], seam: f64, segment: usize, part: f64) -> (Vec3, Quat) {
+        let count = positions.len();
+        let stencil = STENCIL.min(count);
+        // the first of the nodes interpolated from; beyond the seam on closed rods
+        let centred = segment as isize + 1 - (stencil as isize + 1) / 2;
+        let first = if self.closed { centred } else { centred.clamp(0, (count - stencil) as isize) };
+        let at = (segment as isize - first) as f64 + part;
+        let (mut point, mut sum) = (Vec3::zeros(), nalgebra::Vector4::zeros());
+        let mut before = frames[segment].coords;
+        for k in 0..stencil {
+            let index = first + k as isize;
+            let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
+            let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
+            // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
+            let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
+            let weight = lagrange_weight(stencil, |j| j as f64, k, at);
+            point += (positions[node] - positions[segment]) * weight;
+            sum += aligned * weight;
+            before = aligned;
+        }
+        (positions[segment] + point, Quat::new_normalize(nalgebra::Quaternion::from(sum)))
     }
 }
 

@@ -1,10 +1,15 @@
 //! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
 
 mod build;
+mod dna;
+mod help;
 mod memory;
 mod mesh;
+mod poses;
 mod set;
 mod shapes;
+mod state;
+mod templates;
 mod text;
 mod values;
 
@@ -20,91 +25,31 @@ use super::{Fidelity, Units};
 
 use text::{SceneText, StagesText};
 
+pub use help::{Key, REFERENCE, help, keys};
+pub use templates::{TEMPLATES, Template};
+
 /// A scene: what is to be computed and what is to be written.
 ///
 /// ```toml
-/// title = "336 bp minicircle, excess link to -3"   # one line, as all names
-/// units = { length = "nm", force = "pN" }      # a note for the reader; any consistent units
-/// planar = false                               # true: all in the x-y plane, z is no unknown
-/// fidelity = "balanced"                        # or "draft", "reference": elements, contact law and tolerances that are
-/// #                                              not given below, see Fidelity; default: none, elements must be given
+/// title = "336 bp minicircle, excess link to -3"
+/// units = { length = "nm", force = "pN" }
 ///
 /// [[rods]]
-/// name = "dna"                                 # not needed when there is one rod
-/// closed = true                                # default false
-/// shape = { kind = "circle", length = 114.24 } # or radius; center, normal
-/// #       { kind = "line", length, start, direction }
-/// #       { kind = "arc", radius, turns, start, tangent, towards }
-/// #       { kind = "helix", radius, pitch, turns, center, axis }
-/// #       { kind = "points", file = "curve.csv" }      CSV or XYZ, relative to the scene file
-/// #       { kind = "torus_knot", length, windings = [p, q], aspect, phase, center, normal }    closed
-/// #       { kind = "plectoneme", length, distance, turns | angle, center, direction | axis }   closed
-/// #         distance: between the strands, default twice the contact radius; turns of the superhelix or angle of the
-/// #         strands to its axis (turns, up to 0.125), right-handed positive; by default that of least energy at the
-/// #         rod's excess_link; axis: an open shape (a table like this one) to coil the plectoneme up along
+/// name = "dna"
+/// closed = true
+/// shape = { kind = "circle", length = 114.24 }
 /// section = { bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }
-/// #         bending and shearing may be pairs [about/along d1, d2]
-/// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
-/// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
-/// elements = 48                                # may be left out where there is a fidelity
-/// order = 3                                    # 1, 2 or 3 (default)
-/// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put
-/// #                                              in), or, in the section's axes, { curvature = [k1, k2], twist = k3 }
-/// #                                              (per length; rad per length): k1 bends about d1
-/// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of
-/// #                                              arcs, circles and other curves in the x-y plane, see Shape
-/// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;
-/// #                                              default: no twist, so that it is the writhe of the shape
+/// elements = 48
 ///
-/// [[supports]]                                 # any number
-/// rod = "dna"                                  # here and below: not needed when there is one rod; of supports and
-/// #                                              stages also a list, ["a", "b"], for the same node of several rods
-/// at = "start"                                 # or "end", a node index, { arc = s } (nearest node)
-/// position = true                              # or ["x", "y"]
-/// rotation = ["z"]                             # or true
-///
-/// [[joints]]                                   # two nodes at one place, of two rods or of one, joined rigidly for
-/// a = { rod = "column", at = "end" }           # good, see Joint
-/// b = { rod = "beam", at = "start" }
-///
-/// [[loads]]                                    # dead, times the load factor
-/// at = { arc = 57.0 }
-/// force = [0.0, 0.0, 1.0]
-/// moment = [0.0, 0.0, 0.0]
-///
-/// [[line_loads]]                               # force per reference length
-/// force = [0.0, -0.1, 0.0]
-///
-/// [contact]
-/// law = "augmented-lagrangian"                 # default; or "penalty", "none"
-/// stiffness = 100.0                            # dimensionless, see ContactLaw; by the mesh if not given
-/// tol_penetration = 1e-8                       # relative to the contact radius
-///
-/// [[stages]]                                   # in this order; all ramps of a stage move together
-/// ramp = { excess_link = { rod = "dna", to = -3.0 } }            # turns
-/// #      { rotation = { at, axis, turns }, displacement = { at, to = [x, y, z] },
-/// #        pressure = { to }, load = factor }; lists of tables where several nodes or rods move
-/// #      { rotation = { rod = ["a", "b"], at, axis, through = [x, y, z], turns } } carries nodes round together, about
-/// #        the axis through a point: a cable is twisted so
+/// [[stages]]
+/// ramp = { excess_link = { rod = "dna", to = -3.0 } }
 /// steps = 30
-///
-/// [solver]                                     # all optional
-/// tol_increment = 1e-8                         # of the node spacing
-/// max_iterations = 50
-/// threads = 2                                  # 1 to 1024
-///
-/// [output]
-/// every = 1                                    # write VTK every so many accepted steps
-/// vtk = true
-/// node_every = 1                               # VTK: every so many nodes
-/// node_tolerance = 0.5                         # VTK: instead, leave out nodes within this distance of the line drawn
-/// picture = true
-/// checkpoint_steps = 20                        # a checkpoint every so many accepted steps (default: by time only)
-/// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0: every step
-/// error_estimate = false                       # estimate the error of the final state (two more searches on twice the
-/// #                                              elements)
-/// dir = "out/minicircle"                       # relative to where the program runs
 /// ```
+///
+/// [`TEMPLATES`] are scenes to begin with (`supercoil new`), [`help`] tells what follows for a single key (`supercoil help
+/// scene KEY`).
+///
+#[doc = include_str!("reference.md")]
 ///
 /// Every unknown key is refused with its line, the keys that are allowed there and the one that was probably meant,
 /// every bad value with its key, the value and what is allowed; so is a mesh that takes more memory than there is (as
@@ -116,6 +61,10 @@ pub struct Scene {
     pub title: String,
     /// Names of the units, for reports.
     pub units: Units,
+    /// Temperature at which energies are told in kT, K; none where the file has none.
+    pub temperature: Option<f64>,
+    /// Link of the relaxed molecule, turns, of each rod that is DNA.
+    pub relaxed_links: Vec<Option<f64>>,
     /// Preset that set what the file leaves open.
     pub fidelity: Option<Fidelity>,
     /// The problem.
@@ -192,6 +141,15 @@ impl Default for OutputChoice {
 }
 
 impl Scene {
+    /// Temperature, K, at which energies are told in kT where the file says none.
+    pub const DEFAULT_TEMPERATURE: f64 = 300.0;
+
+    /// Temperature, K, and thermal energy kT at it, pN·nm; `None` where units are not nm and pN.
+    pub fn thermal(&self) -> Option<(f64, f64)> {
+        let temperature = self.temperature.unwrap_or(Self::DEFAULT_TEMPERATURE);
+        self.units.are_molecular().then_some((temperature, temperature * crate::dna::BOLTZMANN))
+    }
+
     /// Reads a scene file; files named in it are found relative to it.
     ///
     /// # Errors
@@ -228,7 +186,7 @@ impl Scene {
     pub fn stages_from_toml(&self, text: &str) -> Result<Vec<Stage>, InputError> {
         let refuse = |e: toml::de::Error| InputError::Parse { file: "stages".to_owned(), reason: with_suggestion(&e) };
         let text: StagesText = toml::from_str(text).map_err(refuse)?;
-        build::further_stages(&text.stages, &self.model)
+        build::further_stages(&text.stages, &self.model, &self.relaxed_links)
     }
 
     fn parse(text: &str, set: &[String], file: &str, base_dir: &Path) -> Result<Self, InputError> {
@@ -244,16 +202,41 @@ impl Scene {
         build::name_rods(&mut text.rods)?;
         check_words(&text)?;
         check_choices(&text.solver, &text.output)?;
+        let units = dna::units(&text)?;
         let model = build::model(&text, base_dir)?;
-        let stages = build::stages(&text.stages, &model)?;
-        let SceneText { title, units, fidelity, mut solver, output, .. } = text;
+        let relaxed = |rod: &text::RodText| rod.dna.as_ref().map(dna::Dna::new).transpose();
+        let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
+        let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
+        let stages = build::stages(&text.stages, &model, &relaxed_links)?;
+        let SceneText { title, temperature, fidelity, mut solver, output, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
-        Ok(Self { title, units, fidelity, model, stages, solver, output, ..Self::default() })
+        Ok(Self {
+            title,
+            units,
+            temperature,
+            relaxed_links,
+            fidelity,
+            model,
+            stages,
+            solver,
+            output,
+            ..Self::default()
+        })
     }
 }
 
 /// Likeness (Jaro, 0 to 1) from which a key is taken for a slip of another; that of clap's own suggestions.
 const LIKE: f64 = 0.7;
+
+/// Types as serde calls them, and as a user does.
+const TYPES: [(&str, &str); 6] = [
+    ("usize", "a whole number of at least 0"),
+    ("i64", "a whole number"),
+    ("i32", "a whole number"),
+    ("f64", "a number"),
+    ("a boolean", "true or false"),
+    ("a string", "text in quotes"),
+];
 
 /// What an error says, with the allowed word that is most like an unknown one.
 fn with_suggestion(error: &toml::de::Error) -> String {
@@ -267,7 +250,15 @@ fn with_suggestion(error: &toml::de::Error) -> String {
         _ => None,
     };
     let hint = likest.map(|(_, word)| format!("did you mean `{word}`?"));
-    format!("{}{}", error, hint.unwrap_or_default()).trim_end().to_owned()
+    let text = error.to_string();
+    // a key may follow on a line of its own
+    let in_a_users_words = |(before, after): (&str, &str)| {
+        let (found, rest) = after.split_at(after.find('\n').unwrap_or(after.len()));
+        let (_, said) = TYPES.iter().find(|(name, _)| *name == found)?;
+        Some(format!("{before}expected {said}{rest}"))
+    };
+    let text = text.rsplit_once("expected ").and_then(in_a_users_words).unwrap_or(text);
+    format!("{text}{}", hint.unwrap_or_default()).trim_end().to_owned()
 }
 
 /// Refuses words that would put control characters into tables and terminals.

@@ -12,8 +12,8 @@ mod units;
 pub use fidelity::{Accuracy, Fidelity};
 #[cfg(feature = "scenes")]
 pub use file::Scene;
-pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage, Support};
 #[cfg(feature = "tables")]
 pub(crate) use points::finite;
-pub use points::read_points;
+pub use points::{Import, read_points, read_points_with};
 pub use units::Units;

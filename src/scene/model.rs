@@ -2,9 +2,14 @@
 //! [`Model::check_stages`], which the solver calls at its door.
 
 mod check;
+mod pose;
 
 use crate::math::Vec3;
 use crate::rod::Rod;
+
+#[cfg(feature = "solver")]
+pub(crate) use pose::Way;
+pub use pose::{Pose, PosePath};
 
 /// A node of a rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -195,7 +200,8 @@ impl Default for Contact {
 /// One quantity moved linearly from its present value to `to` during a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ramp {
-    /// Excess link of a closed rod, in turns (continuous: the seam of the rod is turned).
+    /// Excess link of a closed rod, its link beyond [`Rod::natural_link`], in turns (continuous: the seam of the rod is
+    /// turned).
     ExcessLink {
         /// The closed rod.
         rod: usize,
@@ -232,6 +238,15 @@ pub enum Ramp {
         /// Total displacement at the end of the stage since the start of the run \[L\].
         to: Vec3,
     },
+    /// Takes a node (whose position and rotation are all fixed by supports) to a pose. It goes in steps that turn it by
+    /// at most [`Ramp::MAX_ROUND`] (turns about the tangent of an open rod apart). Rotations and displacements of other
+    /// stages do not count poses in, nor poses them: a pose says where the node is in the end.
+    Pose {
+        /// The supported node.
+        node: NodeRef,
+        /// Where it is at the end of the stage.
+        pose: Pose,
+    },
     /// The factor on all [`NodeLoad`]s and [`LineLoad`]s (0 at the start of a run; dimensionless).
     Load {
         /// Factor at the end of the stage.
@@ -247,8 +262,8 @@ pub enum Ramp {
 }
 
 impl Ramp {
-    /// Turns that a [`Ramp::RotationAbout`] takes a node round in one step at most: on the chord it comes nearer to the
-    /// axis by 3 %.
+    /// Turns that a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] takes a node round in one step at most: on the chord it comes
+    /// nearer to the axis by 3 %.
     pub const MAX_ROUND: f64 = 1.0 / 12.0;
 }
 

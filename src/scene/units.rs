@@ -11,6 +11,13 @@ pub struct Units {
     pub force: String,
 }
 
+impl Units {
+    /// Whether they are nm and pN, in which thermal energy is known.
+    pub fn are_molecular(&self) -> bool {
+        (self.length.as_str(), self.force.as_str()) == ("nm", "pN")
+    }
+}
+
 impl Default for Units {
     fn default() -> Self {
         Self { length: "L".into(), force: "F".into() }

@@ -124,7 +124,7 @@ impl Engine {
             remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
             frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
-            seams: model.rods.iter().map(|r| TAU * r.start_excess_link).collect(),
+            seams: model.rods.iter().map(|r| TAU * r.start_link()).collect(),
             load_factor: 0.0,
             pressures: vec![0.0; model.rods.len()],
         };

@@ -7,8 +7,8 @@ use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::math::parallel::in_pool;
 use crate::math::quaternion::exp;
-use crate::scene::model::unit;
-use crate::scene::{Model, Ramp, Stage};
+use crate::scene::model::{Way, unit};
+use crate::scene::{Model, Pose, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
 use crate::solve::failure::Failure;
@@ -194,7 +194,7 @@ impl Solver {
     /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
     ///
     /// # Errors
-    /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] by more than [`Ramp::MAX_ROUND`].
+    /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
         if !ramps.is_empty() {
             self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
@@ -317,11 +317,22 @@ impl Solver {
         to - self.moved.turned.get(&node).copied().unwrap_or(0.0)
     }
 
-    /// Turns by which the ramps will carry a node round an axis, at most.
+    /// The way from where a node is to a pose.
+    fn way_left(&self, node: usize, pose: &Pose) -> Way {
+        let state = &self.engine.state;
+        let turned = self.moved.turned.get(&node).copied().unwrap_or(0.0);
+        pose.way(&state.positions[node], &state.remainders[node], &state.frames[node], turned)
+    }
+
+    /// Turns by which the ramps will carry a node round an axis or to a pose, at most.
     fn largest_round(&self, ramps: &[Ramp]) -> f64 {
         let round = |ramp: &Ramp| match ramp {
             Ramp::RotationAbout { node, to, .. } => {
                 self.turns_left(self.engine.first_node[node.rod] + node.node, *to).abs()
+            }
+            Ramp::Pose { node, pose } => {
+                let way = self.way_left(self.engine.first_node[node.rod] + node.node, pose);
+                way.rotation.norm() / std::f64::consts::TAU
             }
             _ => 0.0,
         };
@@ -337,7 +348,8 @@ impl Solver {
                 Ramp::ExcessLink { rod, to } => {
                     let seams = &mut target.drive.seams;
                     seams.resize(self.engine.model.rods.len(), 0.0);
-                    seams[*rod] = (to * std::f64::consts::TAU - self.engine.state.seams[*rod]) * take;
+                    let link = to + self.engine.model.rods[*rod].natural_link();
+                    seams[*rod] = (link * std::f64::consts::TAU - self.engine.state.seams[*rod]) * take;
                 }
                 Ramp::Rotation { node, axis, to } => {
                     let node = node_of(node);
@@ -361,6 +373,19 @@ impl Solver {
                     let change = (to - self.moved.displaced.get(&node).copied().unwrap_or_default()) * take;
                     target.drive.nodes.push((node, change, Vec3::zeros()));
                     target.displaced.push((node, change));
+                }
+                Ramp::Pose { node, pose } => {
+                    let node = node_of(node);
+                    let (position, way) = (self.engine.state.positions[node], self.way_left(node, pose));
+                    target.drive.nodes.push((node, way.displacement(take), way.rotation * take));
+                    if way.turns != 0.0 {
+                        // a second motion of the node: the rod takes it by itself, being about its tangent
+                        let angle = way.turns * take * std::f64::consts::TAU;
+                        let tangent = self.engine.state.frames[node] * Vec3::z();
+                        target.drive.nodes.push((node, Vec3::zeros(), tangent * angle));
+                        target.turned.push((node, way.turns * take));
+                    }
+                    target.posed.push((node, way.controls(&position).map(|v| v * take)));
                 }
                 Ramp::Load { to } => {
                     let now = self.engine.state.load_factor;

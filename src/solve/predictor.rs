@@ -3,7 +3,7 @@
 //!
 //! A polynomial through the last two or three states, for positions and for quaternions (as vectors of ℝ⁴ with aligned
 //! signs, normalised afterwards). Its parameter is what is prescribed: states count as long as their controls (seams,
-//! turns and displacements of supports, load factor, pressures) lie on one line that the target goes on. So a path has
+//! turns, displacements and poses of supports, load factor, pressures) lie on one line that the target goes on. So a path has
 //! no memory of stages, and single steps are predicted as those of a run. Turns are brought to their target in all
 //! states first, so that only the rods' answer is extrapolated.
 //!
@@ -54,6 +54,8 @@ impl Visited {
         all.extend(moved.turned.iter().map(|(node, turns)| ((1, *node, 0), *turns)));
         let displaced = moved.displaced.iter();
         all.extend(displaced.flat_map(|(node, by)| (0..3).map(|k| ((2, *node, k), by[k])).collect::<Vec<_>>()));
+        let posed = moved.posed.iter();
+        all.extend(posed.flat_map(|(node, by)| (0..6).map(|k| ((5, *node, k), by[k / 3][k % 3])).collect::<Vec<_>>()));
         all.insert((3, 0, 0), state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| ((4, rod, 0), *pressure)));
         all

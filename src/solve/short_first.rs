@@ -237,7 +237,7 @@ impl Solver {
             let link = state.seams[0] / TAU;
             let longer = |by: usize| -> Option<State> {
                 let mut longer = changed(state, p, at, by as isize, &screw);
-                let whole = self.rod_of_state(&longer, rod).ok()?.start_excess_link;
+                let whole = self.rod_of_state(&longer, rod).ok()?.start_link();
                 longer.seams[0] += TAU * (whole - longer.seams[0] / TAU).round();
                 Some(longer)
             };
@@ -326,9 +326,9 @@ mod tests {
                 assert!((ours - theirs).abs() < 1e-8, "{i} {j} {ours} {theirs}");
             }
             let rod = from.rod_of_state(&made, &from.engine.model.rods[0]).unwrap();
-            let turned = made.seams[0] / TAU - rod.start_excess_link;
+            let turned = made.seams[0] / TAU - rod.start_link();
             assert!((turned - turned.round()).abs() < 1e-7, "{turned}");
-            made.seams[0] = TAU * rod.start_excess_link;
+            made.seams[0] = TAU * rod.start_link();
             // frames without twist: the link is the writhe
             assert!((made.seams[0] - exact.seams[0]).abs() < 1e-4, "{} {}", made.seams[0], exact.seams[0]);
         }

@@ -48,6 +48,8 @@ pub(crate) struct Target {
     pub(crate) turned: Vec<(usize, f64)>,
     /// Displacements that supports make, by node \[L\].
     pub(crate) displaced: Vec<(usize, Vec3)>,
+    /// What poses make of nodes: velocity \[L\] and rotation vector, rad, see `Way::controls`.
+    pub(crate) posed: Vec<(usize, [Vec3; 2])>,
 }
 
 impl Target {
@@ -72,6 +74,8 @@ pub(crate) struct Moved {
     pub(crate) displaced: BTreeMap<usize, Vec3>,
     /// Angles by which rods were spun about their own tangents, rad.
     pub(crate) spun: BTreeMap<usize, f64>,
+    /// Sums of what grows evenly on the way to each pose: velocity \[L\] and rotation vector, rad.
+    pub(crate) posed: BTreeMap<usize, [Vec3; 2]>,
 }
 
 impl Moved {
@@ -82,6 +86,10 @@ impl Moved {
         }
         for &(node, by) in &target.displaced {
             *self.displaced.entry(node).or_default() += by;
+        }
+        for &(node, by) in &target.posed {
+            let sums = self.posed.entry(node).or_default();
+            sums.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
         }
         for &(node, angle) in spun {
             *self.spun.entry(node).or_insert(0.0) += angle;
@@ -94,12 +102,13 @@ impl Moved {
             turned: self.turned.iter().map(|(&node, &turns)| (number(node), turns)).collect(),
             displaced: self.displaced.iter().map(|(&node, &by)| (number(node), by)).collect(),
             spun: self.spun.iter().map(|(&node, &angle)| (number(node), angle)).collect(),
+            posed: self.posed.iter().map(|(&node, &by)| (number(node), by)).collect(),
         }
     }
 
     /// All nodes that supports have moved.
     pub(crate) fn nodes(&self) -> impl Iterator<Item = usize> {
-        self.turned.keys().chain(self.displaced.keys()).chain(self.spun.keys()).copied()
+        self.turned.keys().chain(self.displaced.keys()).chain(self.spun.keys()).chain(self.posed.keys()).copied()
     }
 }
 

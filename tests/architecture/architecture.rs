@@ -1,6 +1,6 @@
 //! Layers: lower ones know nothing of higher ones.
 //!
-//! math → {contact, rod, sparse} → scene → solve → observe → io → main, and dna apart; `error` is open to all. Scans
+//! math → {contact, rod, sparse} → scene → solve → observe → io → main, dna below scene; `error` is open to all. Scans
 //! every `crate::` path in the sources outside comments.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
@@ -14,7 +14,7 @@ const MAY_USE: [(&str, &[&str]); 10] = [
     ("contact", &["error", "math"]),
     ("rod", &["error", "math"]),
     ("sparse", &["error", "math"]),
-    ("scene", &["error", "math", "rod"]),
+    ("scene", &["error", "math", "rod", "dna"]),
     ("solve", &["error", "math", "contact", "rod", "sparse", "scene"]),
     ("observe", &["error", "math", "contact", "rod", "scene", "solve"]),
     ("io", &["error", "math", "rod", "scene", "solve", "observe"]),

@@ -325,7 +325,8 @@ fn judge(
     let due = |rod: usize, prescribed: f64| {
         if converged { targets.get(&rod).copied().unwrap_or(prescribed) } else { prescribed }
     };
-    let off = seen.links.iter().map(|link| (link.link - due(link.rod, link.excess_link)).abs());
+    let natural = |rod: usize| engine.model().rods[rod].natural_link();
+    let off = seen.links.iter().map(|link| (link.link - natural(link.rod) - due(link.rod, link.excess_link)).abs());
     row.link_error = off.reduce(f64::max);
     row.topology_kept = before.map(|before| before.is_kept_in(&Topology::of(engine)));
     if out_of_time && solution.status == Status::Stopped {

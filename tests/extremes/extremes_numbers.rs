@@ -27,7 +27,9 @@ fn problem() -> Problem {
     let section = Section { bending: [1.0, 1.2], ..Section::isotropic(1.0, 0.8, 1e3, 1e3, 0.03) };
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let natural = Natural::Uniform { kappa: [0.1, 0.2, 0.3] };
-    let beam = Rod::new("beam", &line, false, section, 4, 2, natural).unwrap();
+    // far from relaxed: frames that do not turn
+    let beam = Rod::new("beam", &line, false, section, 4, 2, Natural::Straight).unwrap();
+    let beam = Rod { natural, ..beam };
     let circle = Shape::Circle { length: 1.0, center: Vec3::new(0.5, 0.0, 0.25), normal: Vec3::y() };
     let ring = Rod::new("ring", &circle, true, section, 6, 2, Natural::Straight).unwrap();
     let tip = NodeRef { rod: 0, node: 8 };
@@ -82,6 +84,7 @@ fn fields() -> Vec<Field> {
             | Ramp::ExcessLink { to, .. }
             | Ramp::Pressure { to, .. } => to,
             Ramp::Displacement { to, .. } => &mut to.x,
+            Ramp::Pose { pose, .. } => pose.turns.get_or_insert(0.0),
         }
     }
     let mut all: Vec<Field> = Vec::new();

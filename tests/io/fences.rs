@@ -288,7 +288,7 @@ fn values_of_a_scene_can_be_replaced() {
         ("rods.7.elements=3", "there is no entry \"7\""),
         ("title.x=3", "what \"x\" is to be in is no table"),
         ("rods.beam.elemnts=3", "did you mean `elements`?"),
-        ("rods.beam.elements=many", "expected usize"),
+        ("rods.beam.elements=many", "expected a whole number"),
     ] {
         let error = read(&[set]).unwrap_err().to_string();
         assert!(error.contains(reason), "{error}");

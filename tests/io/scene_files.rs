@@ -3,11 +3,13 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use supercoil::math::Vec3;
+use supercoil::io::run::run_scene;
+use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Plectoneme, Shape};
-use supercoil::scene::{ContactLaw, Fidelity, Joint, NodeRef, Ramp, Scene};
+use supercoil::scene::{ContactLaw, Fidelity, Joint, NodeRef, PosePath, Ramp, Scene};
 use supercoil::solve::{Options, Solver, Status};
 
 const RING: &str = r#"
@@ -97,8 +99,8 @@ fn beam_means_what_it_says() {
 
 #[test]
 fn the_examples_are_accepted() {
-    for name in ["minicircle", "elastica", "ring_pressure", "crossed_beams", "puc19", "pbr322", "lambda_phage", "cable"]
-    {
+    let plain = ["minicircle", "elastica", "ring_pressure", "crossed_beams", "puc19", "pbr322", "lambda_phage"];
+    for name in plain.into_iter().chain(["cable", "loop_between_poses"]) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(format!("{name}.toml"));
         Scene::read(&path).unwrap_or_else(|error| panic!("{error}"));
     }
@@ -121,8 +123,15 @@ fn unknown_keys_are_named_with_line_and_allowed_keys() {
 #[test]
 fn missing_and_ill_typed_values_are_named() {
     refused(RING, "elements = 12", "", &["rods.dna.elements", "missing", "fidelity"]);
-    refused(RING, "elements = 12", "elements = -3", &["elements = -3", "invalid value", "usize"]);
-    refused(RING, "length = 114.24", "length = \"long\"", &["string \"long\"", "expected f64"]);
+    refused(
+        RING,
+        "elements = 12",
+        "elements = -3",
+        &["elements = -3", "invalid value", "expected a whole number of at least 0"],
+    );
+    refused(RING, "length = 114.24", "length = \"long\"", &["string \"long\"", "expected a number"]);
+    refused(RING, "closed = true", "closed = 1", &["integer `1`", "expected true or false"]);
+    refused(RING, "\"ring\"", "7", &["integer `7`", "expected text in quotes"]);
     refused(RING, "twisting = 308.6,", "", &["rods.dna.section.twisting: missing", "bending, twisting"]);
     refused(RING, ", contact_radius = 2.5", "", &["rods.dna.section.contact_radius: missing"]);
     refused(RING, "kind = \"circle\"", "kind = \"square\"", &["unknown variant `square`", "`circle`", "`helix`"]);
@@ -216,6 +225,65 @@ fn points_come_from_files_beside_the_scene() {
     refused(RING, "kind = \"circle\", length = 114.24", &empty, &["no_points.csv: holds no points"]);
     let absent = "kind = \"points\", file = \"nowhere.csv\"";
     refused(RING, "kind = \"circle\", length = 114.24", absent, &["nowhere.csv", "No such file"]);
+}
+
+/// The unit circle as the file `name` holds it, closed; the text after the shape's `file`.
+fn imported(name: &str, text: &str, keys: &str) -> Result<supercoil::rod::Rod, String> {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&file, text).unwrap();
+    let points = format!("kind = \"points\", file = {file:?}{keys}");
+    let scene = read(&RING.replace("kind = \"circle\", length = 114.24", &points).replace("= 2.5", "= 0.1"));
+    scene.map(|mut scene| scene.model.rods.remove(0)).map_err(|error| error.to_string())
+}
+
+/// What people have centrelines in, all the same circle; the closing point repeated or not.
+#[test]
+fn centrelines_come_in_many_formats() {
+    let circle: Vec<[f64; 2]> =
+        (0..=40).map(|k| f64::from(k) * std::f64::consts::TAU / 40.0).map(|t| [t.cos(), t.sin()]).collect();
+    let rows = |points: &[[f64; 2]], row: &dyn Fn(usize, f64, f64) -> String| -> String {
+        points.iter().enumerate().map(|(i, [x, y])| row(i, *x, *y)).collect()
+    };
+    let open = &circle[..40];
+    let csv = |points: &[[f64; 2]]| format!("x,y,z\n{}", rows(points, &|_, x, y| format!("{x},{y},0\n")));
+    let reference = imported("circle.csv", &csv(open), "").unwrap();
+    assert!((reference.length - std::f64::consts::TAU).abs() < 1e-4);
+    let pandas = format!(",force,x,z,y\n{}", rows(open, &|i, x, y| format!("{i},1e3,{x},0.0,{y}\n")));
+    let named = format!("X (A),Y (A),t,n\n{}", rows(open, &|_, x, y| format!("{},{},{},0\n", 10.0 * x, 10.0 * y, 7)));
+    let line = |_: usize, x: f64, y: f64| format!("P {x} {y} 0\n");
+    let frames = format!("3\nold\nC 1 2 3\nC 2 3 4\nC 9 9 9\n40\nnew\n{}", rows(open, &line));
+    let vertex = |_: usize, x: f64, y: f64| format!("{x} {y} 0\n");
+    let vect = format!("VECT\n1 40 1\n-40\n1\n{}0 0 1 1\n", rows(open, &vertex));
+    let atom = |i: usize, x: f64, y: f64| {
+        format!("ATOM  {i:>5}  P    DA B{i:>4}    {:>8.3}{:>8.3}{:>8.3}  1.00\n", 100.0 * x, 100.0 * y, 0.0)
+    };
+    let pdb = rows(open, &atom) + "TER\nATOM      1  P    DT C   1       0.000   0.000   9.000  1.00\n";
+    for (name, text, keys, tolerance) in [
+        ("repeated.csv", csv(&circle), "", 1e-12),
+        ("pandas.csv", pandas, "", 1e-12),
+        ("named.csv", named, ", columns = [\"X (A)\", \"Y (A)\", \"n\"], scale = 0.1", 1e-12),
+        ("twice.csv", csv(&circle), ", every = 2", 1e-4),
+        ("frames.xyz", frames.clone(), ", frame = -1", 1e-12),
+        ("frames.xyz", frames.clone(), ", frame = 1", 1e-12),
+        ("circle.vect", vect, "", 1e-12),
+        ("circle.pdb", pdb.clone(), ", chain = \"B\", scale = 0.01", 1e-4),
+    ] {
+        let rod = imported(name, &text, keys).unwrap();
+        let apart = rod.positions.iter().zip(&reference.positions).map(|(a, b)| (a - b).norm());
+        let most = apart.fold(0.0, f64::max);
+        assert!(rod.num_nodes() == reference.num_nodes() && most < tolerance, "{name}{keys}: {most:e}");
+    }
+    for (name, text, keys, part) in [
+        ("frames.xyz", frames, "", "holds 2 frames: say which by frame"),
+        ("chains.pdb", pdb, "", "has chains B, C: say which by chain"),
+        ("columns.csv", csv(open), ", columns = [\"x\", \"y\"]", "rods.dna.shape.columns: takes three names"),
+        ("columns.csv", csv(open), ", columns = [\"x\", \"y\", \"w\"]", "no column \"w\"; the head line has x, y, z"),
+        ("every.csv", csv(open), ", every = 0", "rods.dna.shape.every = 0"),
+        ("scale.csv", csv(open), ", scale = -1", "rods.dna.shape.scale = -1"),
+    ] {
+        let message = imported(name, &text, keys).unwrap_err();
+        assert!(message.contains(part), "{part} is not in: {message}");
+    }
 }
 
 /// The ring as a plectoneme, with `keys` more on the shape and `link` on the rod.
@@ -469,4 +537,157 @@ fn meshes_foresee_loads_on_joined_rods() {
     let heavy = HALVES.replace("[0, 0.2, -1]", "[0, 0, -400]");
     let of = elements(&heavy);
     assert!(of[0] == of[1] && of[0] > elements(HALVES)[0], "{of:?}");
+}
+
+/// The pose of the only ramp of the only stage.
+fn posed(keys: &str) -> Result<supercoil::scene::Pose, String> {
+    let text = format!(
+        "{}\n[[supports]]\nat = \"end\"\nposition = true\nrotation = true\n[[stages]]\nsteps = 1\nramp = {{ pose = {{ at = \"end\", {keys} }} }}",
+        BEAM.split("[[supports]]").next().unwrap()
+    );
+    match read(&text).map_err(|error| error.to_string())?.stages[0].ramps[..] {
+        [Ramp::Pose { node: NodeRef { rod: 0, node: 8 }, pose }] => Ok(pose),
+        ref other => Err(format!("{other:?}")),
+    }
+}
+
+#[test]
+fn link_is_said_once_and_twist_of_open_rods_only() {
+    let parts = ["rods.dna: excess_link, sigma, link and twist say one thing"];
+    refused(RING, "elements = 12", "elements = 12\nexcess_link = 1\nlink = 1", &parts);
+    refused(RING, "elements = 12", "elements = 12\ntwist = 1", &["rods.dna.twist: the rod is closed"]);
+    refused(BEAM, "order = 2", "order = 2\ntwist = 4", &["rods.beam.twist: 4 turns are more than 0.4"]);
+    refused(BEAM, "order = 2", "order = 2\nlink = 1", &["rods.beam.excess_link: the rod is open"]);
+}
+
+/// One rotation, written in three ways; relative to the start of the run, the frame there turned about the global axes.
+#[test]
+fn poses_mean_what_they_say() {
+    let turn = Quat::from_scaled_axis(Vec3::y() * std::f64::consts::FRAC_PI_2);
+    let frame = |keys: &str| posed(keys).unwrap().frame.unwrap();
+    assert!(frame("axis_angle = [0, 3, 0, 0.25]").angle_to(&turn) < 1e-15);
+    assert!(frame("quaternion = [0.7071068, 0, 0.7071068, 0]").angle_to(&turn) < 1e-15);
+    assert!(frame("matrix = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]").angle_to(&turn) < 1e-15);
+    let start = read(BEAM).unwrap().model.rods[0].frames[8];
+    assert!(frame("relative = true, axis_angle = [0, 3, 0, 0.25]").angle_to(&(turn * start)) < 1e-15);
+    let pose = posed("position = [1, 2, 3], path = \"screw\", extra_turns = -2").unwrap();
+    assert_eq!((pose.position, pose.frame, pose.turns), (Some(Vec3::new(1.0, 2.0, 3.0)), None, Some(-2.0)));
+    assert_eq!(pose.path, PosePath::Screw);
+    let pose = posed("position = [0, 0, 1], relative = true").unwrap();
+    assert_eq!((pose.position, pose.path), (Some(Vec3::new(2.0, 0.0, 1.0)), PosePath::Straight));
+    let half = posed("axis_angle = [0, 0, 2, -0.5]").unwrap();
+    assert!(half.half_turn.z < 0.0);
+    for (keys, parts) in [
+        ("axis_angle = [0, 0, 1, 0.75]", &["stages[0].ramp.pose.axis_angle = 0.75", "extra_turns"][..]),
+        ("axis_angle = [0, 0, 0, 0.25]", &["axis_angle", "not zero"]),
+        ("quaternion = [1, 1, 0, 0]", &["pose.quaternion", "length 1.414"]),
+        ("matrix = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]", &["pose.matrix", "determinant -1"]),
+        ("matrix = [[1, 0], [0, 1, 0], [0, 0, -1]]", &["a list of 3"]),
+        ("quaternion = [1, 0, 0, 0], axis_angle = [0, 0, 1, 0.25]", &["one of quaternion, axis_angle, matrix"]),
+        ("relative = true", &["goes nowhere"]),
+        ("position = [0, 0, 1], path = \"line\"", &["unknown variant `line`", "`screw`"]),
+    ] {
+        let message = posed(keys).unwrap_err();
+        parts.iter().for_each(|part| assert!(message.contains(part), "\"{part}\" is not in: {message}"));
+    }
+}
+
+/// The ring of 336 base pairs in the words of those who work with it.
+const DNA: &str = r#"
+[[rods]]
+name = "dna"
+closed = true
+shape = { kind = "circle" }
+dna = { base_pairs = 336, salt_mM = 150, helical_repeat = 10.5 }
+elements = 12
+[[stages]]
+ramp = { sigma = { to = -0.09375 } }
+steps = 30
+"#;
+
+#[test]
+fn dna_stands_for_length_section_and_radius() {
+    let (scene, plain) = (read(DNA).unwrap(), read(RING).unwrap());
+    let (dna, rod) = (&scene.model.rods[0], &plain.model.rods[0]);
+    assert_eq!((scene.units.length.as_str(), scene.units.force.as_str()), ("nm", "pN"));
+    assert!((dna.length - rod.length).abs() < 1e-12 && dna.section.contact_radius == 2.5);
+    assert!((dna.section.bending[0] - 205.7).abs() < 1e-9 && (dna.section.twisting - 308.55).abs() < 1e-9);
+    assert_eq!((dna.section.stretching, dna.section.shearing), (1100.0, [1100.0; 2]));
+    // 336 base pairs, 32 turns
+    assert_eq!(scene.stages[0].ramps, [Ramp::ExcessLink { rod: 0, to: -3.0 }]);
+    assert_eq!(scene.relaxed_links, [Some(32.0)]);
+    assert_eq!(
+        scene.stages_from_toml("[[stages]]\nramp = { sigma = { to = 0.0625 } }\nsteps = 1").unwrap()[0].ramps,
+        [Ramp::ExcessLink { rod: 0, to: 2.0 }]
+    );
+    let started = read(&DNA.replace("elements", "sigma = -0.03125\nelements")).unwrap();
+    assert_eq!(started.model.rods[0].start_excess_link, -1.0);
+    let softer =
+        DNA.replace("salt_mM = 150", "diameter = 2.0, bending_persistence = 45, twist_persistence = 110, rise = 0.33");
+    let rod = read(&softer).unwrap().model.rods.remove(0);
+    assert!(
+        (rod.section.bending[0] - 45.0 * 4.114).abs() < 1e-9 && (rod.section.twisting - 110.0 * 4.114).abs() < 1e-9
+    );
+    assert!(rod.section.contact_radius == 1.0 && (rod.length - 336.0 * 0.33).abs() < 1e-9);
+    let (temperature, unit) = scene.thermal().unwrap();
+    assert!(temperature == 300.0 && (unit - 4.141947).abs() < 1e-6);
+    assert!(
+        (read(&DNA.replacen("[[rods]]", "temperature = 310\n[[rods]]", 1)).unwrap().thermal().unwrap().1 - 4.280012)
+            .abs()
+            < 1e-6
+    );
+    assert!(read(BEAM).unwrap().thermal().is_none());
+    for (from, to, parts) in [
+        ("base_pairs = 336", "base_pairs = 0", &["rods.dna.dna.base_pairs = 0"][..]),
+        ("salt_mM = 150", "salt_mM = 2", &["rods.dna.dna.salt_mM = 2", "10 and 1000 mmol/l"]),
+        ("salt_mM = 150", "salt_mM = 150, diameter = 2", &["dna.diameter", "one of them"]),
+        ("salt_mM = 150", "bending_persistence = -50", &["dna.bending_persistence = -50"]),
+        ("\"circle\"", "\"circle\", length = 120", &["dna.base_pairs", "114.24", "120", "1 %"]),
+        ("elements", "section = { bending = 1 }\nelements", &["rods.dna.section: follows from dna"]),
+        ("elements", "sigma = 0.1\nexcess_link = 1\nelements", &["say one thing"]),
+        ("[[rods]]", "units = { length = \"um\", force = \"pN\" }\n[[rods]]", &["rods.dna", "nm and pN", "um"]),
+        ("salt_mM", "salt", &["unknown field `salt`", "did you mean `salt_mM`?"]),
+    ] {
+        refused(DNA, from, to, parts);
+    }
+    refused(RING, "{ excess_link", "{ sigma", &["stages[0].ramp.sigma", "the rod has no dna"]);
+    refused(RING, "contact_radius = 2.5 }", "contact_radius = 2.5 }\nsigma = 1", &["rods.dna.sigma", "has no dna"]);
+    refused(RING, "section =", "#", &["rods.dna.section: missing"]);
+    refused(RING, "length = 114.24", "", &["a circle is given by its length"]);
+    refused(BEAM, "[[rods]]", "temperature = 300\n[[rods]]", &["temperature", "nm and pN"]);
+}
+
+/// A run ends; its final state starts another, on the same elements (at rest at once) and on others (nearly).
+#[test]
+fn a_final_state_starts_another_run() {
+    let ring = RING.replace("to = -3.0", "to = -1.6").replace("elements = 12", "elements = 24");
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene_state");
+    let run = |scene: Scene, name: &str| {
+        let outcome = run_scene(scene, &dir.join(name), &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+        outcome.steps
+    };
+    let first = run(read(&ring.replace("steps = 30", "steps = 4")).unwrap(), "first");
+    let end = first.last().unwrap();
+    let file = dir.join("first/final_state.csv");
+    let state = format!("kind = \"state\", file = {file:?}");
+    let again = ring.split("[[stages]]").next().unwrap().replace("kind = \"circle\", length = 114.24", &state);
+    let scene = read(&again.replace("elements = 24", "excess_link = -1.6")).unwrap();
+    let rod = &scene.model.rods[0];
+    assert_eq!((rod.num_elements, rod.num_nodes()), (24, 72));
+    assert!((rod.length - 114.24).abs() < 1e-9);
+    let same = run(scene, "again").remove(0);
+    assert!((same.energies.total / end.energies.total - 1.0).abs() < 1e-6, "{:?} {:?}", same.energies, end.energies);
+    assert!(same.iterations < 40, "{} iterations from a state at rest", same.iterations);
+    let finer = read(&again.replace("elements = 24", "elements = 32\nexcess_link = -1.6")).unwrap();
+    assert_eq!(finer.model.rods[0].num_nodes(), 96);
+    let finer = run(finer, "finer").remove(0);
+    assert!((finer.energies.total / end.energies.total - 1.0).abs() < 1e-2, "{:?} {:?}", finer.energies, end.energies);
+    assert!((finer.links[0].link + 1.6).abs() < 1e-9, "{:?}", finer.links);
+    // without it the link is that of the nodes: right to a part of a turn
+    let measured = read(&again.replace("elements = 24", "")).unwrap().model.rods[0].start_excess_link;
+    assert!((measured + 1.6).abs() < 1e-2, "{measured}");
+    let refused = |from: &str, to: &str| read(&again.replace(from, to)).unwrap_err().to_string();
+    assert!(refused("kind = \"state\"", "kind = \"state\", rod = 1").contains("has no rod 1"));
+    std::fs::remove_dir_all(&dir).unwrap();
 }

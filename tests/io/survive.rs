@@ -129,7 +129,7 @@ fn from_any_step_the_same_end() {
 /// Moved supports, loads, planar scenes: what was turned and displaced before the cut counts after it.
 #[test]
 fn examples_go_on_as_they_began() {
-    for (name, cut) in [("crossed_beams", 3), ("elastica", 9), ("ring_pressure", 7)] {
+    for (name, cut) in [("crossed_beams", 3), ("elastica", 9), ("ring_pressure", 7), ("loop_between_poses", 25)] {
         let dir = folder(name);
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
         let (whole, parts) = (dir.join("whole"), dir.join("parts"));

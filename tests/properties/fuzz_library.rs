@@ -239,7 +239,7 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
                         if soft * rod.length.powi(2) < 1e3 * stiff {
                             return false;
                         }
-                        let passes = (link.link - link.excess_link) / 2.0;
+                        let passes = (link.link - rod.natural_link() - link.excess_link) / 2.0;
                         let touches = guarded && rod.section.contact_radius > 0.0;
                         let slip = if touches { passes } else { passes - passes.round() };
                         slip.is_nan() || slip.abs() > 1e-6

@@ -64,16 +64,18 @@ fn shear_does_not_count_as_writhe() {
     assert!((link.excess_twist - link.twist).abs() > 1e-3 && link.writhe.abs() < 1e-4, "{link:?}");
 }
 
-/// A ring with natural twist k3: its frames closed without a turn, it is undertwisted by k3 L/2π turns.
+/// A ring with natural twist k3 starts relaxed; link is counted from there.
 #[test]
 fn natural_twist_is_told_apart() {
     let natural = Natural::Uniform { kappa: [0.0, 0.0, 0.2 * TAU] };
     let options = Options { leave_unstable: false, ..Options::default() };
-    let steps = observations(ring(natural, 2e4), Ramp::ExcessLink { rod: 0, to: 0.2 }, 1, &options);
+    let steps = observations(ring(natural, 2e4), Ramp::ExcessLink { rod: 0, to: -0.2 }, 1, &options);
     let [before, after] = [steps[0].links[0], steps[1].links[0]];
-    assert!(before.twist.abs() < 1e-9 && (before.excess_twist + 0.2).abs() < 1e-3, "{before:?}");
-    assert!((after.twist - 0.2).abs() < 1e-9 && after.excess_twist.abs() < 1e-9, "{after:?}");
-    assert!(after.seam_moment.abs() < 1e-6 && steps[1].energies.twist < 1e-12, "{after:?}");
+    assert!((before.twist - 0.2).abs() < 1e-9 && before.excess_twist.abs() < 1e-9, "{before:?}");
+    assert!(before.excess_link.abs() < 1e-12 && (before.link - 0.2).abs() < 1e-12, "{before:?}");
+    assert!(before.seam_moment.abs() < 1e-6 && steps[0].energies.twist < 1e-12, "{before:?}");
+    assert!(after.twist.abs() < 1e-9 && (after.excess_twist + 0.2).abs() < 1e-3, "{after:?}");
+    assert!((after.excess_link + 0.2).abs() < 1e-12 && after.link.abs() < 1e-12, "{after:?}");
 }
 
 /// The clamp of a cantilever carries the tip's load: force −F, moment −(r_tip × F), whatever the deflection.

@@ -76,7 +76,7 @@ impl Record {
         let observation = &self.steps[frame.step];
         let tube = |(index, (head, rod)): (usize, (&RodHead, &StillRod))| {
             let link = observation.links.iter().find(|link| link.rod == index);
-            let seam_turns = link.map_or(0.0, |link| link.excess_link);
+            let seam_turns = link.map_or(0.0, |link| link.link);
             let stripe =
                 (!rod.directions.is_empty()).then(|| Stripe { seam_turns, ..Stripe::along(rod.directions.clone()) });
             // A rod without a contact radius is drawn as a thin line.

@@ -9,10 +9,11 @@ use crate::rod::within;
 use crate::rod::{CrossSection, Natural, Rod, Section};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
+use super::dna::Dna;
 use super::shapes::{Wound, shape};
-use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
+use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, ShapeText, StageText};
 use super::values::{At, List, Names, NaturalText};
-use super::{memory, mesh};
+use super::{memory, mesh, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -78,8 +79,12 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     model.check().map(|()| model)
 }
 
-pub(super) fn stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
-    let stages = further_stages(text, model)?;
+pub(super) fn stages(
+    text: &[StageText],
+    model: &Model,
+    relaxed_links: &[Option<f64>],
+) -> Result<Vec<Stage>, InputError> {
+    let stages = further_stages(text, model, relaxed_links)?;
     let loaded = !model.loads.is_empty() || !model.line_loads.is_empty();
     if loaded && !stages.iter().flat_map(|stage| &stage.ramps).any(|ramp| matches!(ramp, Ramp::Load { .. })) {
         let reason = "loads or line_loads are given but no stage ramps their factor from 0: add ramp = { load = 1.0 }";
@@ -88,22 +93,38 @@ pub(super) fn stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, In
     Ok(stages)
 }
 
-/// Stages after others, which may have ramped the loads.
-pub(super) fn further_stages(text: &[StageText], model: &Model) -> Result<Vec<Stage>, InputError> {
+/// Stages after others, which may have ramped the loads; the link of relaxed DNA by rod, turns.
+pub(super) fn further_stages(
+    text: &[StageText],
+    model: &Model,
+    relaxed_links: &[Option<f64>],
+) -> Result<Vec<Stage>, InputError> {
     let stage = |(i, stage): (usize, &StageText)| {
-        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model).map(|ramps| Stage { ramps, steps: stage.steps })
+        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)
+            .map(|ramps| Stage { ramps, steps: stage.steps })
     };
     let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
     model.check_stages(&stages)?;
     Ok(stages)
 }
 
-fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, InputError> {
+fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f64>]) -> Result<Vec<Ramp>, InputError> {
     let rods = &model.rods;
     let mut ramps = Vec::new();
     for ramp in &text.excess_link.0 {
         let rod = find_rod(rods, &format!("{field}.excess_link"), ramp.rod.as_deref())?;
         ramps.push(Ramp::ExcessLink { rod, to: ramp.to });
+    }
+    for ramp in &text.sigma.0 {
+        let field = format!("{field}.sigma");
+        let rod = find_rod(rods, &field, ramp.rod.as_deref())?;
+        InputError::check(&format!("{field}.to"), ramp.to, true, "a finite number")?;
+        let relaxed = relaxed_links.get(rod).copied().flatten().ok_or_else(|| inconsistent(field, NEEDS_DNA))?;
+        ramps.push(Ramp::ExcessLink { rod, to: ramp.to * relaxed });
+    }
+    for ramp in &text.link.0 {
+        let rod = find_rod(rods, &format!("{field}.link"), ramp.rod.as_deref())?;
+        ramps.push(Ramp::ExcessLink { rod, to: ramp.to - rods[rod].natural_link() });
     }
     for ramp in &text.rotation.0 {
         let (axis, to) = (ramp.axis.into(), ramp.turns);
@@ -118,6 +139,12 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
         let nodes = nodes(rods, &format!("{field}.displacement"), &ramp.rod, ramp.at)?;
         ramps.extend(nodes.into_iter().map(|node| Ramp::Displacement { node, to: ramp.to.into() }));
     }
+    for ramp in &text.pose.0 {
+        let field = format!("{field}.pose");
+        for node in nodes(rods, &field, &ramp.rod, ramp.at)? {
+            ramps.push(Ramp::Pose { node, pose: poses::pose(&field, ramp, model, node)? });
+        }
+    }
     ramps.extend(text.load.map(|to| Ramp::Load { to }));
     for ramp in &text.pressure.0 {
         let rod = find_rod(rods, &format!("{field}.pressure"), ramp.rod.as_deref())?;
@@ -130,30 +157,51 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
 fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
-    let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
+    let inside = |error| within(&path, error);
+    let dna = text.dna.as_ref().map(Dna::new).transpose().map_err(inside)?;
+    let section = section_or_dna(&path, text, dna.as_ref(), contact)?;
+    let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = match text.natural {
         NaturalText::Straight => Natural::Straight,
         NaturalText::AsShaped => Natural::AsShaped,
         NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
     };
-    let wound = Wound { section: &section, natural, excess_link: text.excess_link };
-    let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
-    let elements = match (text.elements, scene.fidelity) {
-        (Some(elements), _) => elements,
-        (None, Some(fidelity)) => {
-            mesh::elements(fidelity, scene, text, &shape, &section, natural).map_err(|error| within(&path, error))?
-        }
-        (None, None) => {
-            let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
-            return Err(inconsistent(format!("{path}.elements"), reason));
-        }
+    let check_memory = |elements: usize| {
+        let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
+        memory::check(format!("{path}.elements"), elements, nodes, scene.planar)
     };
-    let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
-    memory::check(format!("{path}.elements"), elements, nodes, scene.planar)?;
-    let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
-    if let Some(turns) = text.excess_link {
-        rod = rod.with_excess_link(turns)?;
+    let mut rod = if let ShapeText::State { file, rod } = &text.shape {
+        text.elements.map_or(Ok(()), check_memory)?;
+        state::rod(text, &base_dir.join(file), *rod, section, natural)?
+    } else {
+        let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
+        let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
+        let elements = match (text.elements, scene.fidelity) {
+            (Some(elements), _) => elements,
+            (None, Some(fidelity)) => {
+                mesh::elements(fidelity, scene, text, &shape, &section, natural, dna.as_ref()).map_err(inside)?
+            }
+            (None, None) => {
+                let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
+                return Err(inconsistent(format!("{path}.elements"), reason));
+            }
+        };
+        check_memory(elements)?;
+        Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?
+    };
+    rod = match (excess_link, text.link, text.twist) {
+        (None, None, None) => rod,
+        (Some(turns), None, None) => rod.with_excess_link(turns)?,
+        (None, Some(link), None) => {
+            let turns = link - rod.natural_link();
+            rod.with_excess_link(turns)?
+        }
+        (None, None, Some(turns)) => rod.with_twist(turns)?,
+        _ => return Err(inconsistent(path, LINK_TWICE)),
+    };
+    if let Some(dna) = &dna {
+        dna.check_length(rod.length).map_err(inside)?;
     }
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
@@ -165,6 +213,35 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     }
     Ok(rod)
 }
+
+fn section_or_dna(path: &str, text: &RodText, dna: Option<&Dna>, contact: bool) -> Result<Section, InputError> {
+    match (&text.section, dna) {
+        (Some(text), None) => section(text, contact).map_err(|error| within(path, error)),
+        (None, Some(dna)) => Ok(dna.section),
+        (Some(_), Some(_)) => {
+            let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
+            Err(inconsistent(format!("{path}.section"), reason))
+        }
+        (None, None) => Err(inconsistent(format!("{path}.section"), "missing: give a section, or dna")),
+    }
+}
+
+/// Excess link at the start, turns, as far as it is given.
+fn excess_link(path: &str, text: &RodText, dna: Option<&Dna>) -> Result<Option<f64>, InputError> {
+    match (text.excess_link, text.sigma, dna) {
+        (excess_link, None, _) => Ok(excess_link),
+        (None, Some(sigma), Some(dna)) => {
+            InputError::check(&format!("{path}.sigma"), sigma, true, "a finite number")?;
+            Ok(Some(sigma * dna.relaxed_link))
+        }
+        (None, Some(_), None) => Err(inconsistent(format!("{path}.sigma"), NEEDS_DNA)),
+        (Some(_), Some(_), _) => Err(inconsistent(path.to_owned(), LINK_TWICE)),
+    }
+}
+
+const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give one of them";
+const NEEDS_DNA: &str =
+    "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 
 const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), or by young, \
     poisson or shear_modulus, and circle = radius or rectangle = [width, height]";

@@ -7,7 +7,8 @@ use crate::math::Vec3;
 use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
-use super::text::{LawText, RodText, SceneText};
+use super::dna::Dna;
+use super::text::{LawText, RampText, RodText, SceneText};
 use super::values::{List, Names};
 
 /// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
@@ -24,6 +25,7 @@ fn turns(
     shape: &Shape,
     section: &Section,
     natural: Natural,
+    dna: Option<&Dna>,
 ) -> Result<(f64, f64), InputError> {
     let (length, tangent_turns) = measure(shape, rod.closed)?;
     let by_nature = match natural {
@@ -34,13 +36,22 @@ fn turns(
     let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
     let stages = || scene.stages.iter().map(|stage| &stage.ramp);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-    let link = largest(
-        &mut stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.excess_link),
-    );
+    let natural = match natural {
+        Natural::Uniform { kappa } => kappa[2] * length / TAU,
+        Natural::Straight | Natural::AsShaped => 0.0,
+    };
+    let beyond = stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+    let in_all = stages().flat_map(|r| &r.link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+    let density = stages().flat_map(|r| &r.sigma.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.sigma);
+    let beyond = beyond.chain(density.map(|sigma| sigma * dna.map_or(0.0, |dna| dna.relaxed_link)));
+    let link = largest(&mut beyond.chain(rod.excess_link).chain(in_all.chain(rod.link).map(|link| link - natural)));
     let wound = if rod.closed { 1.0 + link } else { 0.0 };
     let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
-    let rotation = largest(&mut rotations().map(|r| r.turns));
-    let is_moved = stages().any(|r| r.displacement.0.iter().any(|r| is_among(&r.rod)));
+    let extra_turns = || stages().flat_map(|r| &r.pose.0).filter(|r| is_among(&r.rod)).filter_map(|r| r.extra_turns);
+    let rotation = largest(&mut rotations().map(|r| r.turns).chain(extra_turns()).chain(rod.twist));
+    let is_displaced = |r: &RampText| r.displacement.0.iter().any(|r| is_among(&r.rod));
+    let is_posed = |r: &RampText| r.pose.0.iter().any(|r| is_among(&r.rod));
+    let is_moved = stages().any(|r| is_displaced(r) || is_posed(r));
     let moved = if is_moved { MOVED } else { 0.0 };
     let factor = largest(&mut stages().filter_map(|r| r.load));
     let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
@@ -113,8 +124,9 @@ pub(super) fn elements(
     shape: &Shape,
     section: &Section,
     natural: Natural,
+    dna: Option<&Dna>,
 ) -> Result<usize, InputError> {
-    let (length, turns) = turns(scene, rod, shape, section, natural)?;
+    let (length, turns) = turns(scene, rod, shape, section, natural, dna)?;
     let touches = !matches!(scene.contact.law, LawText::None);
     let cubic = fidelity.elements(length, turns, if touches { section.contact_radius } else { 0.0 });
     Ok(cubic.saturating_mul(Fidelity::ORDER).div_ceil(rod.order.max(1)))

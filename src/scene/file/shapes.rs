@@ -5,29 +5,44 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::rod::{Axis, Natural, Plectoneme, Section, Shape, TorusKnot};
-use crate::scene::read_points;
+use crate::rod::within;
+use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
+use crate::scene::{Import, read_points_with};
 
 use super::build::inconsistent;
 use super::text::ShapeText;
 use super::values::List;
 
+/// A last point within this of the first, relative to the mean distance of points, is the first again.
+const TOL_CLOSING: f64 = 1e-3;
+
 /// What decides how a plectoneme is wound, besides its own keys.
 pub(super) struct Wound<'a> {
     pub section: &'a Section,
-    pub natural: Natural,
     pub excess_link: Option<f64>,
+    pub closed: bool,
+    /// Length of shapes that do not say theirs \[L\].
+    pub length: Option<f64>,
+}
+
+impl Wound<'_> {
+    fn length(&self, given: Option<f64>) -> Result<f64, InputError> {
+        let missing =
+            || inconsistent("shape.length".into(), "missing: the length of the rod, unless dna has base_pairs");
+        given.or(self.length).ok_or_else(missing)
+    }
 }
 
 pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape, InputError> {
     Ok(match *text {
         ShapeText::Line { start, direction, length } => {
-            Shape::Line { start: start.into(), direction: direction.into(), length }
+            Shape::Line { start: start.into(), direction: direction.into(), length: wound.length(length)? }
         }
         ShapeText::Circle { length, radius, center, normal } => {
             let length = match (length, radius) {
                 (Some(length), None) => length,
                 (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius)?,
+                (None, None) if wound.length.is_some() => wound.length(None)?,
                 _ => return Err(inconsistent("shape".into(), "a circle is given by its length or by its radius")),
             };
             Shape::Circle { length, center: center.into(), normal: normal.into() }
@@ -41,9 +56,19 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Helix { center, axis, radius, pitch, turns } => {
             Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
         }
-        ShapeText::Points { ref file } => {
+        ShapeText::Points { ref file, ref columns, frame, ref chain, every, scale } => {
             let path = base_dir.join(file);
-            let points = read_points(&path)?;
+            let three = |names: Vec<String>| {
+                let refuse =
+                    |_| inconsistent("shape.columns".into(), "takes three names: of the columns of x, y and z");
+                <[String; 3]>::try_from(names).map_err(refuse)
+            };
+            let columns = columns.clone().map(three).transpose()?;
+            let import = Import { columns, frame, chain: chain.clone(), every, scale };
+            let mut points = read_points_with(&path, &import).map_err(|error| within("shape", error))?;
+            if wound.closed {
+                drop_closing_point(&mut points);
+            }
             if points.is_empty() {
                 return Err(InputError::Parse {
                     file: path.display().to_string(),
@@ -52,18 +77,31 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             }
             Shape::Points(points)
         }
+        ShapeText::State { .. } => return Err(inconsistent("shape".into(), "a state is nodes with frames, no curve")),
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
-            let (phase, center, normal) = (TAU * phase, center.into(), normal.into());
+            let (length, phase) = (wound.length(length)?, TAU * phase);
+            let (center, normal) = (center.into(), normal.into());
             TorusKnot { length, windings, aspect, phase, center, normal }.into()
         }
     })
+}
+
+/// Takes away the last point where it is the first again: a closed spline goes on from the last to the first.
+fn drop_closing_point(points: &mut Vec<Vec3>) {
+    let way: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    if let [first, .., last] = points[..]
+        && (last - first).norm() <= TOL_CLOSING * way / points.len() as f64
+    {
+        points.pop();
+    }
 }
 
 fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape, InputError> {
     let ShapeText::Plectoneme { length, distance, turns, angle, center, direction, ref axis } = *text else {
         return Err(inconsistent("shape".into(), "is no plectoneme"));
     };
+    let length = wound.length(length)?;
     let distance = match distance {
         Some(distance) => distance,
         None if wound.section.contact_radius > 0.0 => 2.0 * wound.section.contact_radius,
@@ -77,14 +115,10 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         (Some(turns), None, _) => Plectoneme::of_turns(length, distance, turns)?,
         (None, Some(angle), _) => Plectoneme::of_angle(length, distance, TAU * angle)?,
         (None, None, Some(excess_link)) => {
-            let natural_twist = match wound.natural {
-                Natural::Uniform { kappa } => kappa[2] * length / TAU,
-                Natural::Straight | Natural::AsShaped => 0.0,
-            };
             // A section stiffer one way is bent both ways alike where it twists quickly: the harmonic mean.
             let [b1, b2] = wound.section.bending;
             let (bending, twisting) = (2.0 / (1.0 / b1 + 1.0 / b2), wound.section.twisting);
-            Plectoneme::of_link(length, distance, bending, twisting, excess_link - natural_twist)?
+            Plectoneme::of_link(length, distance, bending, twisting, excess_link)?
         }
         _ => {
             let reason =
@@ -93,7 +127,9 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         }
     };
     let axis = match (axis, center, direction) {
-        (Some(axis), None, None) => Axis::Along(Box::new(shape(axis, base_dir, wound)?)),
+        (Some(axis), None, None) => {
+            Axis::Along(Box::new(shape(axis, base_dir, &Wound { length: None, closed: false, ..*wound })?))
+        }
         (Some(_), _, _) => {
             return Err(inconsistent("shape.axis".into(), "has its own place: remove center and direction"));
         }

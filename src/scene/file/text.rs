@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, table, tables};
+use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
 use super::{OutputChoice, SolverChoice};
 
 #[derive(Deserialize)]
@@ -19,6 +19,7 @@ pub(super) struct SceneText {
     pub units: Units,
     #[serde(default)]
     pub planar: bool,
+    pub temperature: Option<f64>,
     pub fidelity: Option<Fidelity>,
     #[serde(deserialize_with = "tables")]
     pub rods: Vec<RodText>,
@@ -53,8 +54,10 @@ pub(super) struct RodText {
     pub closed: bool,
     #[serde(deserialize_with = "table")]
     pub shape: ShapeText,
-    #[serde(deserialize_with = "table")]
-    pub section: SectionText,
+    #[serde(default, deserialize_with = "some_table")]
+    pub section: Option<SectionText>,
+    #[serde(default, deserialize_with = "some_table")]
+    pub dna: Option<DnaText>,
     pub elements: Option<usize>,
     #[serde(default = "default_order")]
     pub order: usize,
@@ -63,6 +66,31 @@ pub(super) struct RodText {
     #[serde(default)]
     pub roll: f64,
     pub excess_link: Option<f64>,
+    pub link: Option<f64>,
+    pub sigma: Option<f64>,
+    pub twist: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DnaText {
+    pub base_pairs: usize,
+    #[serde(rename = "salt_mM")]
+    pub salt: Option<f64>,
+    pub diameter: Option<f64>,
+    pub helical_repeat: Option<f64>,
+    pub rise: Option<f64>,
+    pub bending_persistence: Option<f64>,
+    pub twist_persistence: Option<f64>,
+    pub stretch_modulus: Option<f64>,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn unit_scale() -> f64 {
+    1.0
 }
 
 fn half() -> f64 {
@@ -89,7 +117,7 @@ pub(super) enum ShapeText {
         start: List<f64, 3>,
         #[serde(default = "axis_x")]
         direction: List<f64, 3>,
-        length: f64,
+        length: Option<f64>,
     },
     Circle {
         length: Option<f64>,
@@ -120,9 +148,21 @@ pub(super) enum ShapeText {
     },
     Points {
         file: PathBuf,
+        columns: Option<Vec<String>>,
+        frame: Option<i64>,
+        chain: Option<String>,
+        #[serde(default = "one")]
+        every: usize,
+        #[serde(default = "unit_scale")]
+        scale: f64,
+    },
+    State {
+        file: PathBuf,
+        #[serde(default)]
+        rod: usize,
     },
     Plectoneme {
-        length: f64,
+        length: Option<f64>,
         distance: Option<f64>,
         turns: Option<f64>,
         angle: Option<f64>,
@@ -131,7 +171,7 @@ pub(super) enum ShapeText {
         axis: Option<Box<ShapeText>>,
     },
     TorusKnot {
-        length: f64,
+        length: Option<f64>,
         windings: List<i32, 2>,
         #[serde(default = "half")]
         aspect: f64,
@@ -245,9 +285,15 @@ pub(super) struct RampText {
     #[serde(default)]
     pub excess_link: OneOrMany<ScalarText>,
     #[serde(default)]
+    pub link: OneOrMany<ScalarText>,
+    #[serde(default)]
+    pub sigma: OneOrMany<ScalarText>,
+    #[serde(default)]
     pub rotation: OneOrMany<RotationText>,
     #[serde(default)]
     pub displacement: OneOrMany<DisplacementText>,
+    #[serde(default)]
+    pub pose: OneOrMany<PoseText>,
     pub load: Option<f64>,
     #[serde(default)]
     pub pressure: OneOrMany<ScalarText>,
@@ -278,4 +324,29 @@ pub(super) struct DisplacementText {
     pub rod: Names,
     pub at: At,
     pub to: List<f64, 3>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PoseText {
+    #[serde(default)]
+    pub rod: Names,
+    pub at: At,
+    pub position: Option<List<f64, 3>>,
+    pub quaternion: Option<List<f64, 4>>,
+    pub axis_angle: Option<List<f64, 4>>,
+    pub matrix: Option<List<List<f64, 3>, 3>>,
+    #[serde(default)]
+    pub relative: bool,
+    #[serde(default)]
+    pub path: PathText,
+    pub extra_turns: Option<f64>,
+}
+
+#[derive(Deserialize, Clone, Copy, Default)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum PathText {
+    #[default]
+    Straight,
+    Screw,
 }

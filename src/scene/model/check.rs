@@ -4,7 +4,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod};
 
-use super::{ContactLaw, Model, NodeRef, Ramp, Stage};
+use super::{ContactLaw, Model, NodeRef, Pose, Ramp, Stage};
 
 /// What to do where a rod is to be carried by others, which touch it on one side only and may part from it.
 const CARRIED_BY_CONTACT: &str = " (contact, which may part, does not count as one: where a rod is to rest on others, support \
@@ -69,7 +69,8 @@ impl Model {
     /// # Errors
     /// Whatever [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
-    /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; motions of
+    /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
+    /// node that is not clamped; motions of
     /// joined nodes; an open rod so moved that is
     /// otherwise free to move as a rigid body; a load factor without loads; pressure on anything but a closed rod of a
     /// planar model.
@@ -86,7 +87,7 @@ impl Model {
             }
             if stage.ramps.is_empty() {
                 let reason =
-                    "nothing to ramp: give at least one of excess_link, rotation, displacement, load, pressure";
+                    "nothing to ramp: give at least one of excess_link, rotation, displacement, pose, load, pressure";
                 return Err(inconsistent(&format!("stages[{i}].ramp"), reason));
             }
             for (k, ramp) in stage.ramps.iter().enumerate() {
@@ -131,6 +132,7 @@ impl Model {
                 self.check_position_held(&field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
                 self.check_moved(&field, node.rod)
             }
+            Ramp::Pose { node, ref pose } => self.check_pose(&format!("{stage}.pose"), node, pose),
             Ramp::Load { to } => {
                 let field = format!("{stage}.load");
                 InputError::check(&field, to, true, "a finite number")?;
@@ -162,6 +164,42 @@ impl Model {
         let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
         self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)?;
         self.check_moved(field, node.rod)
+    }
+
+    fn check_pose(&self, field: &str, node: NodeRef, pose: &Pose) -> Result<(), InputError> {
+        self.check_node(field, node)?;
+        let rod = &self.rods[node.rod];
+        if (pose.position, pose.frame, pose.turns) == (None, None, None) {
+            return Err(inconsistent(field, "goes nowhere: give a position, a rotation, or both"));
+        }
+        if let Some(position) = pose.position {
+            finite(&format!("{field}.position"), &position)?;
+        }
+        if let Some(frame) = pose.frame.filter(|frame| !frame.coords.iter().all(|x| x.is_finite())) {
+            let (field, value) = (format!("{field}.frame"), frame.imag().into());
+            return Err(InputError::Vector { field, value, allowed: "a rotation" });
+        }
+        if let Some(turns) = pose.turns {
+            let field = format!("{field}.extra_turns");
+            let whole = turns.fract() == 0.0 && turns.abs() <= MOST_ROUND;
+            InputError::check(&field, turns, whole, "a whole number of turns, at most 100000")?;
+            let reason = "is closed: put turns into it by excess_link";
+            self.require(!rod.closed, &field, node.rod, reason)?;
+        }
+        self.check_not_joined(field, node)?;
+        let reason = "is not clamped at this node: add a support with position = true and rotation = true";
+        self.require(self.fixed(node) == ([true; 3], [true; 3]), field, node.rod, reason)?;
+        self.check_moved(field, node.rod)?;
+        self.check_pose_in_plane(field, node, pose)
+    }
+
+    fn check_pose_in_plane(&self, field: &str, node: NodeRef, pose: &Pose) -> Result<(), InputError> {
+        let rod = &self.rods[node.rod];
+        let stays = pose.position.is_none_or(|to| to.z == rod.positions[node.node].z);
+        let turn = pose.frame.map_or(Vec3::zeros(), |to| (to * rod.frames[node.node].inverse()).imag());
+        let ok = !self.planar || (stays && turn.xy().norm() <= TOL_PLANE && pose.turns.is_none());
+        let reason = "is in a planar scene: it stays in its plane, turns about z and has no extra_turns";
+        self.require(ok, field, node.rod, reason)
     }
 
     /// Refuses to move a node along axes in which no support fixes it, or out of the plane.
@@ -371,10 +409,13 @@ fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
         (Ramp::ExcessLink { rod: a, .. }, Ramp::ExcessLink { rod: b, .. })
         | (Ramp::Pressure { rod: a, .. }, Ramp::Pressure { rod: b, .. }) => a == b,
         (
-            Ramp::Rotation { node: a, .. } | Ramp::RotationAbout { node: a, .. },
-            Ramp::Rotation { node: b, .. } | Ramp::RotationAbout { node: b, .. },
+            Ramp::Rotation { node: a, .. } | Ramp::RotationAbout { node: a, .. } | Ramp::Pose { node: a, .. },
+            Ramp::Rotation { node: b, .. } | Ramp::RotationAbout { node: b, .. } | Ramp::Pose { node: b, .. },
         )
-        | (Ramp::Displacement { node: a, .. }, Ramp::Displacement { node: b, .. }) => a == b,
+        | (
+            Ramp::Displacement { node: a, .. } | Ramp::Pose { node: a, .. },
+            Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
+        ) => a == b,
         (Ramp::Load { .. }, Ramp::Load { .. }) => true,
         _ => false,
     }

@@ -36,14 +36,17 @@ impl Parameter {
     /// The ramp seen from the solver's present state.
     ///
     /// # Errors
-    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`].
+    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`].
     pub(super) fn new(solver: &Solver, ramp: &Ramp) -> Result<Self, InputError> {
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
         let (quantity, start, target) = match ramp {
             Ramp::Load { to } => (Quantity::Load, state.load_factor, *to),
             Ramp::Pressure { rod, to } => (Quantity::Pressure(*rod), state.pressures[*rod], *to),
-            Ramp::ExcessLink { rod, to } => (Quantity::Link(*rod), state.seams[*rod] / TAU, *to),
+            Ramp::ExcessLink { rod, to } => {
+                let natural = solver.engine.model.rods[*rod].natural_link();
+                (Quantity::Link(*rod), state.seams[*rod] / TAU - natural, *to)
+            }
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.moved.turned.get(&index(node)).copied().unwrap_or(0.0);
                 (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
@@ -52,6 +55,10 @@ impl Parameter {
                 let reason =
                     "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
+            }
+            Ramp::Pose { .. } => {
+                let reason = "leads along a way of its own, which cannot be followed: go in steps (`step_to`, `run`)";
+                return Err(InputError::Inconsistent { field: "ramp.pose".to_owned(), reason: reason.to_owned() });
             }
             Ramp::Displacement { node, to } => {
                 let here = solver.moved.displaced.get(&index(node)).copied().unwrap_or_default();

@@ -74,9 +74,9 @@ pub fn anisotropic(draft: &mut Draft, random: &mut Random) {
             let natural = format!("natural = {{ twist = {:?} }}", TAU * turns);
             let elements = format!("elements = {}", (3.4 * turns).ceil().max(48.0));
             draft.mesh(Mesh::Spacing(0.5));
-            let from = format!("excess_link = {turns:?}");
-            draft.rod("ring", shape, 1.0, &material, &["closed = true", &natural, &from, &elements]);
-            draft.stage(&excess_link(turns + link.clamp(-0.2 * turns, 0.2 * turns)), steps);
+            let from = "excess_link = 0.0";
+            draft.rod("ring", shape, 1.0, &material, &["closed = true", &natural, from, &elements]);
+            draft.stage(&excess_link(link.clamp(-0.2 * turns, 0.2 * turns)), steps);
         }
         1 => {
             draft.mesh(mesh);

@@ -1,0 +1,28 @@
+//! Scenes to begin with.
+
+/// A commented scene that runs as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Template {
+    /// One word.
+    pub name: &'static str,
+    /// A line on it.
+    pub about: &'static str,
+    /// The scene file.
+    pub text: &'static str,
+}
+
+macro_rules! template {
+    ($name:literal, $about:literal) => {
+        Template { name: $name, about: $about, text: include_str!(concat!("../../../assets/scenes/", $name, ".toml")) }
+    };
+}
+
+/// All scenes to begin with.
+pub const TEMPLATES: [Template; 6] = [
+    template!("minicircle", "a DNA minicircle supercoils"),
+    template!("plasmid", "a plasmid, from the flat circle to a plectoneme"),
+    template!("loop", "DNA between two sites that a protein holds: both ends' poses"),
+    template!("tweezers", "DNA pulled and turned until it winds up"),
+    template!("knot", "a closed trefoil knot comes to rest"),
+    template!("cable", "three wires twisted into a cable"),
+];

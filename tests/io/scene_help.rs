@@ -1,0 +1,102 @@
+//! `supercoil new` and `supercoil help`: scenes to begin with are accepted, and the reference of keys is that of the program.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use supercoil::scene::Scene;
+use supercoil::scene::file::{TEMPLATES, help, keys};
+
+fn supercoil(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_supercoil")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn scenes_to_begin_with_are_accepted() {
+    let dir = std::env::temp_dir().join(format!("supercoil_new_{}", std::process::id()));
+    std::fs::create_dir_all(&dir).unwrap();
+    for template in TEMPLATES {
+        let file = dir.join(format!("{}.toml", template.name));
+        let path = file.to_str().unwrap();
+        let new = supercoil(&["new", template.name, path]);
+        assert!(new.status.success(), "{}", String::from_utf8_lossy(&new.stderr));
+        let check = supercoil(&["check", path]);
+        let told = String::from_utf8_lossy(&check.stdout).into_owned();
+        assert!(check.status.success() && check.stderr.is_empty(), "{}", String::from_utf8_lossy(&check.stderr));
+        assert!(told.contains("nothing to object"), "{told}");
+        // what is there is not overwritten
+        std::fs::write(&file, "mine").unwrap();
+        let again = supercoil(&["new", template.name, path]);
+        assert_eq!(again.status.code(), Some(3));
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
+    }
+    std::fs::remove_dir_all(&dir).unwrap();
+    assert_eq!(supercoil(&["new", "castle"]).status.code(), Some(2));
+}
+
+/// The keys that a table of a scene may have, as the refusal of an unknown one tells them.
+fn accepted(text: &str) -> BTreeSet<String> {
+    let message = Scene::from_toml(text, Path::new("")).unwrap_err().to_string();
+    assert!(message.contains("unknown field `zzz`"), "{message}");
+    let allowed = message.split("expected ").nth(1).unwrap().split("did you").next().unwrap();
+    allowed.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_reference_has_all_keys_and_no_more() {
+    let rods = |keys: &str| format!("[[rods]]\n{keys}");
+    let kinds = ["line", "circle", "arc", "helix", "points", "state", "torus_knot", "plectoneme"];
+    let shapes: BTreeSet<String> = kinds
+        .iter()
+        .flat_map(|kind| accepted(&rods(&format!("shape = {{ kind = \"{kind}\", zzz = 1 }}"))))
+        .chain(["kind".to_owned()])
+        .collect();
+    let ramp = |keys: &str| accepted(&format!("[[stages]]\nramp = {{ {keys} }}"));
+    let tables = [
+        ("scene", accepted("zzz = 1")),
+        ("rods", accepted(&rods("zzz = 1"))),
+        ("rods.shape", shapes),
+        ("rods.section", accepted(&rods("section = { zzz = 1 }"))),
+        ("rods.dna", accepted(&rods("dna = { zzz = 1 }"))),
+        ("supports", accepted("[[supports]]\nzzz = 1")),
+        ("joints", accepted("[[joints]]\nzzz = 1")),
+        ("loads", accepted("[[loads]]\nzzz = 1")),
+        ("line_loads", accepted("[[line_loads]]\nzzz = 1")),
+        ("contact", accepted("[contact]\nzzz = 1")),
+        ("stages", accepted("[[stages]]\nzzz = 1")),
+        ("stages.ramp", ramp("zzz = 1")),
+        ("stages.ramp.rotation", ramp("rotation = { zzz = 1 }")),
+        ("stages.ramp.pose", ramp("pose = { zzz = 1 }")),
+        ("solver", accepted("[solver]\nzzz = 1")),
+        ("output", accepted("[output]\nzzz = 1")),
+    ];
+    let mut told: Vec<String> = keys().into_iter().map(|key| key.table).collect();
+    told.dedup();
+    assert_eq!(told, tables.each_ref().map(|(table, _)| (*table).to_owned()));
+    for (table, accepted) in tables {
+        let known: BTreeSet<String> = keys().into_iter().filter(|key| key.table == table).map(|key| key.name).collect();
+        assert_eq!(known, accepted, "{table}");
+    }
+    assert!(keys().iter().all(|key| !key.value.is_empty() && !key.meaning.is_empty()));
+}
+
+#[test]
+fn help_tells_keys_tables_and_slips() {
+    let one = help(Some("rods.dna.salt_mM")).unwrap();
+    assert!(one.contains("10 to 1000") && one.contains("default: 150") && one.lines().count() <= 4, "{one}");
+    let everywhere = help(Some("excess_link")).unwrap();
+    assert!(everywhere.contains("rods\n") && everywhere.contains("stages.ramp\n"), "{everywhere}");
+    let table = help(Some("[[supports]]")).unwrap();
+    assert!(table.contains("rotation") && !table.contains("salt"), "{table}");
+    let slip = help(Some("exces_link")).unwrap_err().to_string();
+    assert!(slip.contains("did you mean rods.excess_link?"), "{slip}");
+    assert!(help(None).unwrap().lines().all(|line| line.chars().count() <= 100));
+    let printed = supercoil(&["help", "scene", "pose"]);
+    assert_eq!(printed.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&printed.stdout).contains("extra_turns"));
+    assert!(String::from_utf8_lossy(&supercoil(&["help"]).stdout).contains("new"));
+    assert!(String::from_utf8_lossy(&supercoil(&["help", "run"]).stdout).contains("--time-limit"));
+    assert_eq!(supercoil(&["help", "sceen"]).status.code(), Some(2));
+}
