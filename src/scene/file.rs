@@ -46,11 +46,15 @@ use text::{SceneText, StagesText};
 /// #         bending and shearing may be pairs [about/along d1, d2]
 /// #         { young, poisson | shear_modulus, circle = radius | rectangle = [along d1, along d2],
 /// #           shear_correction (default: Cowper), contact_radius (default: the circle's radius) }
+/// #         { stiffness = [[…], …], contact_radius }     a full symmetric 6 × 6, order shear 1, shear 2, stretch, bending
+/// #           about d1, about d2, twist
+/// #         { table = "stiffness.csv", contact_radius }  along the rod, see read_stiffness
 /// elements = 48                                # may be left out where there is a fidelity
 /// order = 3                                    # 1, 2 or 3 (default)
 /// natural = "straight"                         # or "as-shaped" (rolled with the shape, before any excess_link is put
 /// #                                              in), or, in the section's axes, { curvature = [k1, k2], twist = k3 }
-/// #                                              (per length; rad per length): k1 bends about d1
+/// #                                              (per length; rad per length): k1 bends about d1; or along the rod
+/// #                                              { table = "intrinsic.csv" }, see read_natural
 /// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of
 /// #                                              arcs, circles and other curves in the x-y plane, see Shape
 /// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;

@@ -7,6 +7,7 @@ mod fidelity;
 pub mod file;
 pub mod model;
 mod points;
+mod tables;
 mod units;
 
 pub use fidelity::{Accuracy, Fidelity};
@@ -16,4 +17,5 @@ pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, 
 #[cfg(feature = "tables")]
 pub(crate) use points::finite;
 pub use points::read_points;
+pub use tables::{read_natural, read_stiffness};
 pub use units::Units;

@@ -82,7 +82,7 @@ fn parse_xyz(text: &str) -> Result<Vec<Vec3>, String> {
 }
 
 /// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
-fn split(line: &str) -> Vec<&str> {
+pub(super) fn split(line: &str) -> Vec<&str> {
     match [',', ';'].into_iter().find(|s| line.contains(*s)) {
         Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
         None => line.split_whitespace().collect(),

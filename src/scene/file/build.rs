@@ -6,8 +6,9 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{CrossSection, Natural, Rod, Section};
+use crate::rod::{Along, CrossSection, Natural, Rod, Section, Stiffness, check_stiffness};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use crate::scene::{read_natural, read_stiffness};
 
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
@@ -130,19 +131,20 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
 fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
-    let section = section(&text.section, contact).map_err(|error| within(&path, error))?;
+    let (section, stiffness) = section(&text.section, contact, base_dir).map_err(|error| within(&path, error))?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
-    let natural = match text.natural {
+    let natural = match &text.natural {
         NaturalText::Straight => Natural::Straight,
         NaturalText::AsShaped => Natural::AsShaped,
-        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
+        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+        NaturalText::Table(file) => Natural::Varying(read_natural(&base_dir.join(file))?),
     };
-    let wound = Wound { section: &section, natural, excess_link: text.excess_link };
+    let wound = Wound { section: &section, natural: &natural, excess_link: text.excess_link };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
     let elements = match (text.elements, scene.fidelity) {
         (Some(elements), _) => elements,
         (None, Some(fidelity)) => {
-            mesh::elements(fidelity, scene, text, &shape, &section, natural).map_err(|error| within(&path, error))?
+            mesh::elements(fidelity, scene, text, &shape, &section, &natural).map_err(|error| within(&path, error))?
         }
         (None, None) => {
             let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
@@ -152,6 +154,9 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
     memory::check(format!("{path}.elements"), elements, nodes, scene.planar)?;
     let mut rod = Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?;
+    if let Some(stiffness) = stiffness {
+        rod = rod.with_stiffness(stiffness)?;
+    }
     if let Some(turns) = text.excess_link {
         rod = rod.with_excess_link(turns)?;
     }
@@ -166,10 +171,16 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     Ok(rod)
 }
 
-const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), or by young, \
-    poisson or shear_modulus, and circle = radius or rectangle = [width, height]";
+const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by young, \
+    poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \
+    table";
 
-fn section(text: &SectionText, contact: bool) -> Result<Section, InputError> {
+/// The section, and the full stiffness if that is given.
+fn section(
+    text: &SectionText,
+    contact: bool,
+    base_dir: &Path,
+) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
     let radius = match (text.contact_radius, text.circle) {
         (Some(radius), _) | (None, Some(radius)) => radius,
         (None, None) if !contact => 0.0,
@@ -182,11 +193,33 @@ fn section(text: &SectionText, contact: bool) -> Result<Section, InputError> {
     let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
     let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
         || [text.bending, text.shearing].iter().any(Option::is_some);
+    let full = full_stiffness(text, base_dir)?;
     match (stiff, geometric) {
-        (true, false) => stiffnesses(text, radius),
-        (false, true) => moduli_section(text, radius),
+        _ if full.is_some() && (stiff || geometric) => {
+            Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")))
+        }
+        (false, false) if let Some(along) = full => {
+            // replaced by the mean over the rod, whose length is not known here
+            let section = Section::of_diagonal(&along.at(0.0), radius);
+            section.check("section").map(|()| (section, Some(along)))
+        }
+        (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
+        (false, true) => moduli_section(text, radius).map(|section| (section, None)),
         (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
         (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
+    }
+}
+
+/// The full stiffness, where a table or a matrix is given.
+fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<Stiffness>>, InputError> {
+    match (&text.table, text.stiffness) {
+        (None, None) => Ok(None),
+        (Some(file), None) => read_stiffness(&base_dir.join(file)).map(Some),
+        (None, Some(List(rows))) => {
+            let matrix = Stiffness::from_fn(|i, j| rows[i].0[j]);
+            check_stiffness("section.stiffness", &matrix).map(|()| Some(Along::constant(matrix)))
+        }
+        (Some(_), Some(_)) => Err(inconsistent("section".into(), "give either a table or a stiffness")),
     }
 }
 

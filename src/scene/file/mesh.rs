@@ -23,13 +23,10 @@ fn turns(
     rod: &RodText,
     shape: &Shape,
     section: &Section,
-    natural: Natural,
+    natural: &Natural,
 ) -> Result<(f64, f64), InputError> {
     let (length, tangent_turns) = measure(shape, rod.closed)?;
-    let by_nature = match natural {
-        Natural::Uniform { kappa } => kappa.iter().map(|k| k * k).sum::<f64>().sqrt() * length / TAU,
-        Natural::Straight | Natural::AsShaped => 0.0,
-    };
+    let by_nature = natural.turning(length) * length / TAU;
     let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
     let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
     let stages = || scene.stages.iter().map(|stage| &stage.ramp);
@@ -112,7 +109,7 @@ pub(super) fn elements(
     rod: &RodText,
     shape: &Shape,
     section: &Section,
-    natural: Natural,
+    natural: &Natural,
 ) -> Result<usize, InputError> {
     let (length, turns) = turns(scene, rod, shape, section, natural)?;
     let touches = !matches!(scene.contact.law, LawText::None);

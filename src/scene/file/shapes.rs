@@ -15,7 +15,7 @@ use super::values::List;
 /// What decides how a plectoneme is wound, besides its own keys.
 pub(super) struct Wound<'a> {
     pub section: &'a Section,
-    pub natural: Natural,
+    pub natural: &'a Natural,
     pub excess_link: Option<f64>,
 }
 
@@ -79,6 +79,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         (None, None, Some(excess_link)) => {
             let natural_twist = match wound.natural {
                 Natural::Uniform { kappa } => kappa[2] * length / TAU,
+                Natural::Varying(along) => along.mean(length)[5] * length / TAU,
                 Natural::Straight | Natural::AsShaped => 0.0,
             };
             // A section stiffer one way is bent both ways alike where it twists quickly: the harmonic mean.

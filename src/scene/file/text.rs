@@ -147,6 +147,8 @@ pub(super) enum ShapeText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SectionText {
+    pub table: Option<PathBuf>,
+    pub stiffness: Option<List<List<f64, 6>, 6>>,
     pub bending: Option<Pair>,
     pub twisting: Option<f64>,
     pub stretching: Option<f64>,
