@@ -38,7 +38,7 @@ fn solver(case: &Case) -> Solver {
     let section = Section::isotropic(1.0, 0.8, 1e4, 1e4, RADIUS);
     let rod = |k: usize| {
         let line = Shape::Line { start: Vec3::y() * (2.02 * RADIUS * k as f64), direction: Vec3::x(), length: 1.0 };
-        Rod::new(&format!("leaf {k}"), &line, false, section, ELEMENTS / case.rods, 3, case.natural).unwrap()
+        Rod::new(&format!("leaf {k}"), &line, false, section, ELEMENTS / case.rods, 3, case.natural.clone()).unwrap()
     };
     let rods: Vec<Rod> = (0..case.rods).map(rod).collect();
     let tip = NodeRef { rod: case.rods - 1, node: rods[0].num_nodes() - 1 };

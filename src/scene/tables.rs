@@ -84,7 +84,10 @@ fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
         match columns.iter().filter(|(_, entries)| entries.contains(&(i, i))).count() {
             1 => {}
             0 => {
-                return Err(format!("line {}: there is no column {name}: it gives the matrix its diagonal", table.head));
+                return Err(format!(
+                    "line {}: there is no column {name}: it gives the matrix its diagonal",
+                    table.head
+                ));
             }
             _ => return Err(format!("line {}: two columns give {name}", table.head)),
         }

@@ -122,7 +122,10 @@ pub fn strains(rod: &Rod, positions: &[Vec3], frames: &[Quat]) -> Vec<Six> {
         let natural = match &rod.natural {
             Natural::Straight => [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3],
             Natural::Uniform { kappa } => [[0.0, 0.0, 1.0, kappa[0], kappa[1], kappa[2]]; 3],
-            Natural::Varying(_) => unimplemented!("no test needs them"),
+            Natural::Varying(along) => {
+                let at = |g: usize| along.at((element as f64 + table.rule.points[g.min(rod.order - 1)]) * length);
+                std::array::from_fn(|g| at(g).into())
+            }
             Natural::AsShaped => raw(&rod.positions, &rod.frames, element),
         };
         all.extend((0..rod.order).map(|g| std::array::from_fn(|i| now[g][i] - natural[g][i])));

@@ -39,4 +39,5 @@ mod roll_up;
 mod ropelength;
 mod twisted_ring;
 mod two_ply;
+mod varying_rods;
 mod writhe_of_long_curves;
