@@ -78,10 +78,10 @@
 //! Lower layers know nothing of higher ones (`tests/architecture/architecture.rs` sees to it):
 //!
 //! ```text
-//! math ──┬── contact ───────────┐
-//!        ├── rod ───── scene ───┼── solve ── observe ── io ── the command line
-//!        └── sparse ────────────┘
-//! error  open to all            dna  on its own
+//! math ──┬── contact ───────────────────┐
+//!        ├── rod ───── dna ───── scene ─┼── solve ── observe ── io ── the command line
+//!        └── sparse ────────────────────┘
+//! error  open to all
 //! ```
 //!
 //! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves
@@ -92,7 +92,7 @@
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: what there is to know of a state
 //! * [`io`]: VTK, CSV, pictures, the record of a run
-//! * [`dna`]: constants and molecules
+//! * [`dna`]: constants and molecules; natural strains and stiffness of a sequence
 //!
 //! # Features
 //!
@@ -137,6 +137,8 @@ pub mod scene;
 pub mod solve;
 #[cfg(feature = "solver")]
 pub mod sparse;
+
+pub(crate) mod text;
 
 pub use error::{InputError, SolveError};
 pub use nalgebra;

@@ -15,8 +15,8 @@ use serde::Deserialize;
 use crate::error::InputError;
 
 use super::model::{Model, Stage};
-use super::points::read_text;
 use super::{Fidelity, Units};
+use crate::text::read_text;
 
 use text::{SceneText, StagesText};
 
@@ -55,6 +55,10 @@ use text::{SceneText, StagesText};
 /// #                                              in), or, in the section's axes, { curvature = [k1, k2], twist = k3 }
 /// #                                              (per length; rad per length): k1 bends about d1; or along the rod
 /// #                                              { table = "intrinsic.csv" }, see read_natural
+/// # sequence = { fasta = "puc19.fasta", steps = "ideal" }   in nm and pN: DNA of that sequence (or letters = "ACGT…"),
+/// #                                              a step from base pair to base pair (closed: and back to the first);
+/// #                                              steps: "ideal", "protein-dna-1998" or a table, see dna::sequence; gives
+/// #                                              stiffness and natural strains, section = { contact_radius }
 /// roll = 0.0                                   # turns every frame about d3, in turns; without it d1 is the normal of
 /// #                                              arcs, circles and other curves in the x-y plane, see Shape
 /// excess_link = 0.0                            # closed rods: link at the start, turns, the twist spread evenly;

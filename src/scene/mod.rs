@@ -10,12 +10,12 @@ mod points;
 mod tables;
 mod units;
 
+#[cfg(feature = "tables")]
+pub(crate) use crate::text::finite;
 pub use fidelity::{Accuracy, Fidelity};
 #[cfg(feature = "scenes")]
 pub use file::Scene;
 pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
-#[cfg(feature = "tables")]
-pub(crate) use points::finite;
 pub use points::read_points;
 pub use tables::{read_natural, read_stiffness};
 pub use units::Units;

@@ -1,11 +1,10 @@
 //! Centrelines from CSV or XYZ files.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
+use crate::text::{finite, read_regular, split};
 
 /// Reads a centreline: three coordinates a line, in any length unit.
 ///
@@ -18,30 +17,10 @@ use crate::math::Vec3;
 /// line has too few or too many numbers, a word, a NaN or an infinity, or if the number of points disagrees with the
 /// first line of an `.xyz` file.
 pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
-    // before it is opened: opening a pipe that nobody writes to never ends
-    if path.metadata().is_ok_and(|found| !found.is_file()) {
-        let reason = "is no regular file: points are read from those only".to_owned();
-        return Err(InputError::File { path: path.to_owned(), reason });
-    }
-    let text = read_text(path)?;
+    let text = read_regular(path)?;
     let is_xyz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xyz"));
     let parsed = if is_xyz { parse_xyz(&text) } else { parse_columns(&text) };
     parsed.map_err(|reason| InputError::Parse { file: path.display().to_string(), reason })
-}
-
-/// Most bytes of a scene or of a file of points: a million points with all their digits take 60 MB.
-const MOST_BYTES: u64 = 256 << 20;
-
-/// The text of a file that somebody names: no more than is sensible, whatever it is.
-pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
-    let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
-    let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
-    let mut text = String::new();
-    file.take(MOST_BYTES + 1).read_to_string(&mut text).map_err(|e| refuse(e.to_string()))?;
-    if text.len() as u64 > MOST_BYTES {
-        return Err(refuse(format!("holds more than {} MiB", MOST_BYTES >> 20)));
-    }
-    Ok(text)
 }
 
 /// Points of a text in columns.
@@ -81,14 +60,6 @@ fn parse_xyz(text: &str) -> Result<Vec<Vec3>, String> {
     }
 }
 
-/// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
-pub(super) fn split(line: &str) -> Vec<&str> {
-    match [',', ';'].into_iter().find(|s| line.contains(*s)) {
-        Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
-        None => line.split_whitespace().collect(),
-    }
-}
-
 /// Three finite numbers of line `number`.
 fn point(number: usize, fields: &[&str]) -> Result<Vec3, String> {
     let [x, y, z] = fields else {
@@ -100,14 +71,6 @@ fn point(number: usize, fields: &[&str]) -> Result<Vec3, String> {
     };
     let coordinate = |text: &str| finite(text).map_err(|reason| format!("line {number}: {reason}"));
     Ok(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?))
-}
-
-/// A finite number.
-pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("a finite number expected, found \"{text}\"")),
-    }
 }
 
 #[cfg(test)]

@@ -8,11 +8,13 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::rod::{Along, NaturalStrains, STRAINS, Stiffness, check_stiffness};
-
-use super::points::{finite, read_text, split};
+use crate::text::{Table, read_regular};
 
 /// Gaps between pieces that are taken for the rounding of written numbers, relative to the arc length.
 const TOL_JOINT: f64 = 1e-9;
+
+/// Columns of arc lengths.
+const ARCS: [&str; 3] = ["s", "from", "to"];
 
 /// Reads natural strains along a rod: any of the columns `gamma1 gamma2 gamma3 kappa1 kappa2 kappa3`, the others being
 /// 0, `gamma3` 1.
@@ -36,16 +38,13 @@ pub fn read_stiffness(path: &Path) -> Result<Along<Stiffness>, InputError> {
 }
 
 fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, InputError> {
-    if path.metadata().is_ok_and(|found| !found.is_file()) {
-        let reason = "is no regular file: tables are read from those only".to_owned();
-        return Err(InputError::File { path: path.to_owned(), reason });
-    }
-    parse(&read_text(path)?).map_err(|reason| InputError::Parse { file: path.display().to_string(), reason })
+    parse(&read_regular(path)?).map_err(|reason| InputError::Parse { file: path.display().to_string(), reason })
 }
 
 fn parse_natural(text: &str) -> Result<Along<NaturalStrains>, String> {
     let table = Table::parse(text)?;
-    let columns = table.columns(|name| STRAINS.iter().position(|strain| *strain == name), &STRAINS.join(", "))?;
+    let columns =
+        table.columns(&ARCS, |name| STRAINS.iter().position(|strain| *strain == name), &STRAINS.join(", "))?;
     table.along(|_, row| {
         let mut strains = NaturalStrains::from([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
         columns.iter().for_each(|&(column, strain)| strains[strain] = row[column]);
@@ -79,7 +78,7 @@ fn entries(name: &str) -> Option<Vec<(usize, usize)>> {
 fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
     let table = Table::parse(text)?;
     let names = STIFFNESSES.map(|(name, _)| name).join(", ");
-    let columns = table.columns(entries, &format!("{names}, or two strains such as kappa2_kappa3"))?;
+    let columns = table.columns(&ARCS, entries, &format!("{names}, or two strains such as kappa2_kappa3"))?;
     for (i, (name, _)) in STIFFNESSES.iter().enumerate().take(6) {
         match columns.iter().filter(|(_, entries)| entries.contains(&(i, i))).count() {
             1 => {}
@@ -101,63 +100,7 @@ fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
     })
 }
 
-/// A table with named columns of finite numbers.
-struct Table {
-    /// Line of the column names.
-    head: usize,
-    names: Vec<String>,
-    /// Line and cells.
-    rows: Vec<(usize, Vec<f64>)>,
-}
-
 impl Table {
-    fn parse(text: &str) -> Result<Self, String> {
-        let mut lines = (1..)
-            .zip(text.trim_start_matches('\u{feff}').lines())
-            .map(|(number, line)| (number, line.split('#').next().unwrap_or_default().trim()))
-            .filter(|(_, line)| !line.is_empty());
-        let (head, names) = lines.next().ok_or("holds no line with the names of columns")?;
-        let names: Vec<String> = split(names).iter().map(|name| name.to_lowercase()).collect();
-        if let Some(number) = names.iter().find(|name| name.parse::<f64>().is_ok()) {
-            return Err(format!("line {head}: names of columns expected, found {number}"));
-        }
-        if let Some(k) = (1..names.len()).find(|&k| names[..k].contains(&names[k])) {
-            return Err(format!("line {head}: column \"{}\" is there twice", names[k]));
-        }
-        let row = |(number, line): (usize, &str)| {
-            let cells = split(line);
-            if cells.len() != names.len() {
-                return Err(format!(
-                    "line {number}: {} cells expected, found {} (\"{line}\")",
-                    names.len(),
-                    cells.len()
-                ));
-            }
-            let cell = |(name, text): (&String, &&str)| {
-                finite(text).map_err(|reason| format!("line {number}, column {name}: {reason}"))
-            };
-            names.iter().zip(&cells).map(cell).collect::<Result<_, _>>().map(|cells| (number, cells))
-        };
-        let rows = lines.map(row).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { head, names, rows })
-    }
-
-    /// The columns that are not arc lengths, with what each means; unknown ones are refused.
-    fn columns<T>(&self, meaning: impl Fn(&str) -> Option<T>, known: &str) -> Result<Vec<(usize, T)>, String> {
-        let is_arc = |name: &str| ["s", "from", "to"].contains(&name);
-        let of = |(column, name): (usize, &String)| match meaning(name) {
-            Some(meaning) => Ok((column, meaning)),
-            None => Err(format!("line {}: unknown column \"{name}\": must be s, from, to, {known}", self.head)),
-        };
-        let found: Vec<_> =
-            self.names.iter().enumerate().filter(|(_, name)| !is_arc(name)).map(of).collect::<Result<_, _>>()?;
-        if found.is_empty() { Err(format!("line {}: no columns besides arc lengths", self.head)) } else { Ok(found) }
-    }
-
-    fn column(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|found| found == name)
-    }
-
     /// The rows along s, each as `value` has it.
     fn along<T: crate::rod::Values>(
         &self,
@@ -244,7 +187,7 @@ mod tests {
             ("0,1,0.2\n", "line 1: names of columns expected, found 0"),
             ("from,to,kapa1\n", "line 1: unknown column \"kapa1\": must be s, from, to, gamma1"),
             ("from,to,kappa1,kappa1\n", "line 1: column \"kappa1\" is there twice"),
-            ("from,to\n0,1\n", "line 1: no columns besides arc lengths"),
+            ("from,to\n0,1\n", "line 1: no columns besides s, from, to"),
             ("from,kappa1\n0,1\n", "line 1: columns from and to (constant pieces) or a column s (points) expected, f"),
             ("s,kappa1\n0,1\n2,0\n1,0", "line 4: s = 1: must be greater than 2, that of the line before"),
             ("s,kappa1\n\n0.5,1\n", "line 3: s = 0.5: must be 0, the start of the rod"),

@@ -25,4 +25,5 @@ mod fuzz_scenes;
 mod long_output;
 mod pictures;
 mod scene_files;
+mod scene_tables;
 mod survive;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
@@ -11,7 +12,7 @@ use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLo
 use crate::scene::{read_natural, read_stiffness};
 
 use super::shapes::{Wound, shape};
-use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, StageText};
+use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, SequenceText, StageText};
 use super::values::{At, List, Names, NaturalText};
 use super::{memory, mesh};
 
@@ -131,13 +132,21 @@ fn ramps(field: &str, text: &RampText, model: &Model) -> Result<Vec<Ramp>, Input
 fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
-    let (section, stiffness) = section(&text.section, contact, base_dir).map_err(|error| within(&path, error))?;
+    let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose();
+    let helix = helix.map_err(|error| within(&path, error))?;
+    let given = helix.as_ref().map(|helix| helix.stiffness.clone());
+    let (section, stiffness) =
+        section(&text.section, contact, base_dir, given).map_err(|error| within(&path, error))?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
-    let natural = match &text.natural {
-        NaturalText::Straight => Natural::Straight,
-        NaturalText::AsShaped => Natural::AsShaped,
-        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
-        NaturalText::Table(file) => Natural::Varying(read_natural(&base_dir.join(file))?),
+    let natural = match (&text.natural, helix) {
+        (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
+        (_, Some(_)) => {
+            return Err(inconsistent(format!("{path}.natural"), "the sequence gives the natural strains: remove it"));
+        }
+        (NaturalText::Straight, None) => Natural::Straight,
+        (NaturalText::AsShaped, None) => Natural::AsShaped,
+        (NaturalText::Uniform(k), None) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+        (NaturalText::Table(file), None) => Natural::Varying(read_natural(&base_dir.join(file))?),
     };
     let wound = Wound { section: &section, natural: &natural, excess_link: text.excess_link };
     let shape = shape(&text.shape, base_dir, &wound).map_err(|error| within(&path, error))?;
@@ -175,11 +184,14 @@ const SECTION_WAYS: &str = "a section is given either by bending, twisting, stre
     poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \
     table";
 
+const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
+
 /// The section, and the full stiffness if that is given.
 fn section(
     text: &SectionText,
     contact: bool,
     base_dir: &Path,
+    by_sequence: Option<Along<Stiffness>>,
 ) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
     let radius = match (text.contact_radius, text.circle) {
         (Some(radius), _) | (None, Some(radius)) => radius,
@@ -193,21 +205,46 @@ fn section(
     let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
     let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
         || [text.bending, text.shearing].iter().any(Option::is_some);
-    let full = full_stiffness(text, base_dir)?;
+    let full = match (full_stiffness(text, base_dir)?, by_sequence) {
+        (Some(_), Some(_)) => {
+            return Err(inconsistent("section".into(), BY_SEQUENCE));
+        }
+        (None, Some(_)) if stiff || geometric => return Err(inconsistent("section".into(), BY_SEQUENCE)),
+        (own, by_sequence) => own.or(by_sequence),
+    };
+    if let Some(along) = full {
+        if stiff || geometric {
+            return Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")));
+        }
+        // replaced by the mean over the rod, whose length is not known here
+        let section = Section::of_diagonal(&along.at(0.0), radius);
+        return section.check("section").map(|()| (section, Some(along)));
+    }
     match (stiff, geometric) {
-        _ if full.is_some() && (stiff || geometric) => {
-            Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")))
-        }
-        (false, false) if let Some(along) = full => {
-            // replaced by the mean over the rod, whose length is not known here
-            let section = Section::of_diagonal(&along.at(0.0), radius);
-            section.check("section").map(|()| (section, Some(along)))
-        }
         (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
         (false, true) => moduli_section(text, radius).map(|section| (section, None)),
         (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
         (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
     }
+}
+
+/// The molecule that a sequence and a table of steps describe.
+fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, InputError> {
+    let sequence = match (&text.fasta, &text.letters) {
+        (Some(file), None) => Sequence::read_fasta(&base_dir.join(file))?,
+        (None, Some(letters)) => Sequence::parse(letters)?,
+        _ => return Err(inconsistent("sequence".into(), "give either fasta = file or letters")),
+    };
+    let steps = match text.steps.as_str() {
+        "ideal" => Steps::ideal(),
+        "protein-dna-1998" => Steps::protein_dna_1998()?,
+        file if Path::new(file).extension().is_some() => Steps::read(&base_dir.join(file))?,
+        name => {
+            let allowed = "\"ideal\", \"protein-dna-1998\" or a file (CSV)".to_owned();
+            return Err(InputError::Name { field: "sequence.steps".to_owned(), name: name.to_owned(), allowed });
+        }
+    };
+    sequence.helix(&steps, closed)
 }
 
 /// The full stiffness, where a table or a matrix is given.

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, table, tables};
+use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
 use super::{OutputChoice, SolverChoice};
 
 #[derive(Deserialize)]
@@ -60,9 +60,19 @@ pub(super) struct RodText {
     pub order: usize,
     #[serde(default)]
     pub natural: NaturalText,
+    #[serde(default, deserialize_with = "some_table")]
+    pub sequence: Option<SequenceText>,
     #[serde(default)]
     pub roll: f64,
     pub excess_link: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SequenceText {
+    pub fasta: Option<PathBuf>,
+    pub letters: Option<String>,
+    pub steps: String,
 }
 
 fn half() -> f64 {
