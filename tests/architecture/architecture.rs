@@ -18,7 +18,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
     ("scene", &["error", "math", "rod", "text", "dna"]),
     ("solve", &["error", "math", "contact", "rod", "sparse", "scene"]),
     ("observe", &["error", "math", "contact", "rod", "scene", "solve"]),
-    ("io", &["error", "math", "rod", "scene", "solve", "observe", "text"]),
+    ("io", &["error", "math", "rod", "scene", "solve", "observe", "text", "dna"]),
     ("dna", &["error", "math", "rod", "text"]),
 ];
 
