@@ -8,6 +8,8 @@
 //! W = ½ ∫ GA1 Γ1² + GA2 Γ2² + EA Γ3² + EI1 K1² + EI2 K2² + GJ K3² ds      Γ, K measured from their natural values
 //! ```
 //!
+//! (or any other quadratic one, varying along the rod: [`Rod::with_stiffness`](rod::Rod::with_stiffness))
+//!
 //! and no two strands, each a tube of radius ε about its curve, may penetrate: gap = distance − ε_a − ε_b ≥ 0 wherever
 //! one point is an orthogonal projection of the other. Sought are the (stable) equilibria of frictionless rods under
 //! dead loads, moved supports, pressure in the plane, and link put into closed rods, followed in load steps.

@@ -10,6 +10,9 @@
 //! pairs at rest. Its stiffness is C = F h with the force constants F, in pN and nm: deviations of step parameters are
 //! taken for h times those of the strains. The two agree to first order in the angles of a step; a bend that keeps its
 //! direction in space, as in a ring, costs both the same.
+//!
+//! A node a base pair suffices. Finer meshes resolve how shift and slide move the centres of base pairs to and fro, which
+//! is sharper than the strand is thick: with contact on, such a mesh finds the strand in itself and does not come to rest.
 
 use std::path::Path;
 

@@ -20,6 +20,7 @@ mod plectoneme;
 mod ring_pressure;
 
 mod examples;
+mod export;
 mod fences;
 mod fuzz_scenes;
 mod long_output;
