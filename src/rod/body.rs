@@ -61,6 +61,7 @@ impl Natural {
     }
 
     /// Curvature and twist by nature, root mean square along a rod of that length; 0 where they are those of the shape.
+    #[cfg(feature = "scenes")]
     pub(crate) fn turning(&self, length: f64) -> f64 {
         let sample = |k: u32| {
             let kappa =
@@ -73,6 +74,7 @@ impl Natural {
 }
 
 /// Samples for a mean that serves to choose a mesh.
+#[cfg(feature = "scenes")]
 const SAMPLES: u32 = 1000;
 
 /// A rod ready to be put in a model.

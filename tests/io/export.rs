@@ -8,6 +8,7 @@ use supercoil::io::export::base_pairs;
 use supercoil::io::run::run_scene;
 use supercoil::math::link::linking_number;
 use supercoil::scene::Scene;
+use supercoil::solve::Status;
 
 const RING: &str = r#"
 title = "minicircle of 336 base pairs"
@@ -30,7 +31,8 @@ fn a_run_is_exported_with_its_link() {
     std::fs::remove_dir_all(&dir).ok();
     let run = |text: &str, dir: &Path| {
         let scene = Scene::from_toml(text, Path::new("")).unwrap();
-        run_scene(scene, dir, &mut |_| ControlFlow::Continue(())).unwrap();
+        let outcome = run_scene(scene, dir, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
     };
     run(RING, &dir);
     let pairs = base_pairs(&dir, None, None).unwrap();
