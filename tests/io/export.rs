@@ -20,6 +20,7 @@ section = { bending = 205.7, twisting = 308.6, stretching = 1100, shearing = 110
 elements = 24
 [[stages]]
 ramp = { excess_link = { to = -1.0 } }
+steps = 1
 [output]
 vtk = false
 picture = false
