@@ -58,7 +58,7 @@ fn rod_element(c: &mut Criterion) {
         }
         let material = [1e3, 1e3, 1e4, 1.0, 1.0, 1.5];
         let reference = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3];
-        let body = Body { table: &table, length: 1.0, material: &material, plane };
+        let body = Body { table: &table, length: 1.0, material: element::Material::Diagonal(&material), plane };
         let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; element::MAX_DOF]; element::MAX_DOF]);
         let mut run = |wanted: bool| {
             let tangent = wanted.then_some(&mut tangent);

@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench reduced_scenes`. One problem for all: a leaf spring of two cantilevers, the one pressed on the
 //! other by a load at its tip, or one of them alone; with and without out-of-plane unknowns, with contact in use, on
-//! where nothing is near, or off; straight or curved by nature. Each runs several times in turn on one thread and the
+//! where nothing is near, or off; straight or curved by nature; with a stiffness that couples strains. Each runs several times in turn on one thread and the
 //! least time of the processor is kept, so that other work on the machine disturbs all alike; only the ratios mean
 //! something. Parts on the clock: detection, assembly, factor with its analysis, solves. `-- "planar, in contact"` runs
 //! the scenes of that name only, ten rounds: for a profiler.
@@ -12,7 +12,7 @@
 use std::time::Instant;
 
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Along, Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, Timings};
 
@@ -32,13 +32,21 @@ struct Case {
     rods: usize,
     contact: bool,
     natural: Natural,
+    /// A full stiffness, constant along the rod, instead of a diagonal one.
+    coupled: bool,
 }
 
 fn solver(case: &Case) -> Solver {
     let section = Section::isotropic(1.0, 0.8, 1e4, 1e4, RADIUS);
     let rod = |k: usize| {
         let line = Shape::Line { start: Vec3::y() * (2.02 * RADIUS * k as f64), direction: Vec3::x(), length: 1.0 };
-        Rod::new(&format!("leaf {k}"), &line, false, section, ELEMENTS / case.rods, 3, case.natural).unwrap()
+        Rod::new(&format!("leaf {k}"), &line, false, section, ELEMENTS / case.rods, 3, case.natural.clone()).unwrap()
+    };
+    let mut stiffness = section.stiffness();
+    (stiffness[(4, 5)], stiffness[(5, 4)]) = (0.3, 0.3);
+    let rod = |k: usize| match case.coupled {
+        true => rod(k).with_stiffness(Along::constant(stiffness)).unwrap(),
+        false => rod(k),
     };
     let rods: Vec<Rod> = (0..case.rods).map(rod).collect();
     let tip = NodeRef { rod: case.rods - 1, node: rods[0].num_nodes() - 1 };
@@ -81,12 +89,14 @@ fn time(case: &Case) -> (f64, usize, Timings) {
 }
 
 fn main() {
-    let case = |name, planar, rods, contact| Case { name, planar, rods, contact, natural: Natural::Straight };
+    let case =
+        |name, planar, rods, contact| Case { name, planar, rods, contact, natural: Natural::Straight, coupled: false };
     let cases = [
         case("in space, in contact", false, 2, true),
         case("in space, contact on", false, 1, true),
         case("in space, no contact", false, 1, false),
         Case { natural: Natural::AsShaped, ..case("no contact, as shaped", false, 1, false) },
+        Case { coupled: true, ..case("no contact, coupled", false, 1, false) },
         case("planar, in contact", true, 2, true),
         case("planar, contact on", true, 1, true),
         case("planar, no contact", true, 1, false),

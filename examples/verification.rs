@@ -60,6 +60,8 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "lee_frame",
             "princeton",
             "intrinsic_curvature",
+            "varying_rods",
+            "dna_rings",
             "objectivity",
             "incremental_interpolation",
             "convergence_orders",

@@ -8,6 +8,8 @@
 //! W = ½ ∫ GA1 Γ1² + GA2 Γ2² + EA Γ3² + EI1 K1² + EI2 K2² + GJ K3² ds      Γ, K measured from their natural values
 //! ```
 //!
+//! (or any other quadratic one, varying along the rod: [`Rod::with_stiffness`](rod::Rod::with_stiffness))
+//!
 //! and no two strands, each a tube of radius ε about its curve, may penetrate: gap = distance − ε_a − ε_b ≥ 0 wherever
 //! one point is an orthogonal projection of the other. Sought are the (stable) equilibria of frictionless rods under
 //! dead loads, moved supports, pressure in the plane, and link put into closed rods, followed in load steps.
@@ -78,10 +80,10 @@
 //! Lower layers know nothing of higher ones (`tests/architecture/architecture.rs` sees to it):
 //!
 //! ```text
-//! math ──┬── contact ───────────┐
-//!        ├── rod ───── scene ───┼── solve ── observe ── io ── the command line
-//!        └── sparse ────────────┘
-//! error  open to all            dna  known to scene files
+//! math ──┬── contact ───────────────────┐
+//!        ├── rod ───── dna ───── scene ─┼── solve ── observe ── io ── the command line
+//!        └── sparse ────────────────────┘
+//! error  open to all
 //! ```
 //!
 //! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves
@@ -92,7 +94,7 @@
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: what there is to know of a state
 //! * [`io`]: VTK, CSV, pictures, the record of a run
-//! * [`dna`]: constants and molecules
+//! * [`dna`]: constants and molecules; natural strains and stiffness of a sequence
 //!
 //! # Features
 //!
@@ -137,6 +139,8 @@ pub mod scene;
 pub mod solve;
 #[cfg(feature = "solver")]
 pub mod sparse;
+
+pub(crate) mod text;
 
 pub use error::{InputError, SolveError};
 pub use nalgebra;

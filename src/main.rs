@@ -1,5 +1,5 @@
-//! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check FILE` and
-//! `supercoil help scene [KEY]`.
+//! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check FILE`,
+//! `supercoil export DIR` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
 //! read-only, folder in use), 130 stopped by Ctrl-C or `--time-limit`.
@@ -14,7 +14,10 @@ use std::time::Duration;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use supercoil::InputError;
+use supercoil::dna::sequence::Sequence;
+use supercoil::io::base_pairs::BasePairs;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
+use supercoil::io::export::base_pairs;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
 use supercoil::observe::{StartOverlap, start_overlaps};
@@ -81,6 +84,8 @@ enum Command {
         #[command(flatten)]
         set: Replacements,
     },
+    /// Write the base pairs of a run's final state for programs that simulate DNA. Its unit of length must be nm.
+    Export(Export),
     /// Write a commented scene to begin with.
     New {
         /// Which.
@@ -100,6 +105,31 @@ enum Command {
 
 fn kinds() -> clap::builder::PossibleValuesParser {
     TEMPLATES.map(|template| clap::builder::PossibleValue::new(template.name).help(template.about)).into()
+}
+
+/// What to write of a run's base pairs.
+#[derive(Args)]
+struct Export {
+    /// Folder of the run.
+    dir: PathBuf,
+    /// Rod, where there are several.
+    #[arg(long)]
+    rod: Option<String>,
+    /// Sequence (FASTA): names the bases and their number.
+    #[arg(long, value_name = "FASTA")]
+    sequence: Option<PathBuf>,
+    /// Number of base pairs [default: bases of the sequence, or length / 0.34 nm].
+    #[arg(long, value_name = "N", conflicts_with = "sequence")]
+    base_pairs: Option<usize>,
+    /// oxDNA: writes NAME.top and NAME.dat; needs --sequence.
+    #[arg(long, value_name = "NAME", requires = "sequence")]
+    oxdna: Option<PathBuf>,
+    /// XYZ, one point a base pair, nm: a centreline for tacoxDNA.
+    #[arg(long, value_name = "FILE")]
+    xyz: Option<PathBuf>,
+    /// NumPy array of base-pair frames, shape (pairs, 4, 3), nm, as mdna reads them.
+    #[arg(long, value_name = "FILE")]
+    npy: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -144,6 +174,7 @@ fn main() -> ExitCode {
     let code = match Arguments::parse().command {
         Command::Check { file, set } => check(&file, &set.set),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
+        Command::Export(what) => export(&what),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
         Command::New { kind, file } => new(&kind, file),
         Command::Help { topic, key } => explain(topic.as_deref(), key.as_deref()),
@@ -219,6 +250,28 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
             return Ok(BAD_INPUT);
         }
     }
+    Ok(CONVERGED)
+}
+
+fn export(what: &Export) -> Result<u8, InputError> {
+    let sequence = what.sequence.as_deref().map(Sequence::read_fasta).transpose()?;
+    let count = sequence.as_ref().map(Sequence::num_bases).or(what.base_pairs);
+    let pairs = base_pairs(&what.dir, what.rod.as_deref(), count)?;
+    let mut written = Vec::new();
+    let mut write = |path: PathBuf, content: &[u8]| {
+        BasePairs::write(&path, content).map(|()| written.push(path.display().to_string()))
+    };
+    if let (Some(name), Some(sequence)) = (&what.oxdna, &sequence) {
+        // a name may have dots of its own
+        let named = |ending: &str| PathBuf::from(format!("{}.{ending}", name.display()));
+        write(named("top"), pairs.oxdna_topology(sequence)?.as_bytes())?;
+        write(named("dat"), pairs.oxdna_configuration().as_bytes())?;
+    }
+    what.xyz.iter().try_for_each(|path| write(path.clone(), pairs.xyz().as_bytes()))?;
+    what.npy.iter().try_for_each(|path| write(path.clone(), &pairs.npy()))?;
+    let files =
+        if written.is_empty() { "nothing: give --oxdna, --xyz or --npy".to_owned() } else { written.join(", ") };
+    say(format_args!("{} base pairs to {files}", pairs.positions.len()));
     Ok(CONVERGED)
 }
 

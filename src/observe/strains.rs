@@ -1,6 +1,6 @@
 //! Strains and stress resultants at the integration points, as the elements know them.
 
-use crate::rod::element::{Six, raw_strains, stiffness};
+use crate::rod::element::{Six, raw_strains};
 use crate::solve::Engine;
 
 /// Strains and stress resultants of one rod, each at `order` integration points an element, along the rod.
@@ -22,7 +22,6 @@ pub struct RodStrains {
 #[must_use]
 pub fn strains(engine: &Engine, rod: usize) -> RodStrains {
     let (table, length) = (engine.table(rod), engine.element_length(rod));
-    let stiffness = stiffness(&engine.model().rods[rod].section);
     let natural = &engine.reference[rod];
     let mut out = RodStrains::default();
     for (index, e) in engine.elements_of(rod).enumerate() {
@@ -31,7 +30,8 @@ pub fn strains(engine: &Engine, rod: usize) -> RodStrains {
         for (g, point) in table.rule.points.iter().enumerate() {
             out.arc_lengths.push((index as f64 + point) * length);
             out.strains.push(strains[g]);
-            out.stresses.push(std::array::from_fn(|k| stiffness[k] * (strains[g][k] - natural[g][k])));
+            out.stresses
+                .push(engine.body(e).material.stress(g, &std::array::from_fn(|k| strains[g][k] - natural[g][k])));
         }
     }
     out

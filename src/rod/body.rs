@@ -1,8 +1,12 @@
 //! A rod: section, elements, nodes and the natural (stress-free) state.
 
 use crate::error::InputError;
+use crate::math::quadrature::gauss;
 use crate::math::quaternion::spin;
 use crate::math::{LARGEST, Quat, Vec3};
+use crate::rod::along::{Along, Values};
+use crate::rod::element::Six;
+use crate::rod::stiffness::{Stiffness, check_stiffness};
 use crate::rod::{Section, Shape};
 
 /// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a
@@ -10,7 +14,7 @@ use crate::rod::{Section, Shape};
 pub const MAX_TURN: f64 = 0.4;
 
 /// The stress-free state of a rod.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Natural {
     /// Straight and untwisted: nothing is stored.
     Straight,
@@ -29,7 +33,59 @@ pub enum Natural {
         /// K1, K2, K3 at rest.
         kappa: [f64; 3],
     },
+    /// Natural strains Γ1 Γ2 Γ3 (1: neither stretched nor sheared) and K1 K2 K3 \[1/L\] along the rod, in the material
+    /// frame: six numbers per integration point are stored. Functions keep the full order of the elements.
+    ///
+    /// ```
+    /// use supercoil::rod::{Along, Natural};
+    /// // curved by 0.3 towards a direction that turns in the section, ten times in the unit of length
+    /// let turning = |s: f64| std::f64::consts::TAU * 10.0 * s;
+    /// let helical = Natural::Varying(Along::function(move |s| {
+    ///     [0.0, 0.0, 1.0, 0.3 * turning(s).cos(), 0.3 * turning(s).sin(), 0.0].into()
+    /// }));
+    /// ```
+    Varying(Along<NaturalStrains>),
 }
+
+/// Γ1 Γ2 Γ3 K1 K2 K3 at rest.
+pub type NaturalStrains = nalgebra::Vector6<f64>;
+
+impl Natural {
+    /// Natural strains at arc length `s`; `None` where they are those of the start shape.
+    pub(crate) fn at(&self, s: f64) -> Option<Six> {
+        match self {
+            Self::Straight => Some([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
+            Self::Uniform { kappa: [k1, k2, k3] } => Some([0.0, 0.0, 1.0, *k1, *k2, *k3]),
+            Self::Varying(along) => Some(along.at(s).into()),
+            Self::AsShaped => None,
+        }
+    }
+
+    /// Twist by nature \[1/L\], the mean along a rod of that length; 0 where it is that of the shape.
+    pub(crate) fn mean_twist(&self, length: f64) -> f64 {
+        match self {
+            Self::Straight | Self::AsShaped => 0.0,
+            Self::Uniform { kappa } => kappa[2],
+            Self::Varying(along) => along.mean(length)[5],
+        }
+    }
+
+    /// Curvature and twist by nature, root mean square along a rod of that length; 0 where they are those of the shape.
+    #[cfg(feature = "scenes")]
+    pub(crate) fn turning(&self, length: f64) -> f64 {
+        let sample = |k: u32| {
+            let kappa =
+                self.at(length * (f64::from(k) + 0.5) / f64::from(SAMPLES)).map_or([0.0; 3], |s| [s[3], s[4], s[5]]);
+            kappa.iter().map(|k| k * k).sum::<f64>()
+        };
+        let samples = if matches!(self, Self::Varying(_)) { SAMPLES } else { 1 };
+        ((0..samples).map(sample).sum::<f64>() / f64::from(samples)).sqrt()
+    }
+}
+
+/// Samples for a mean that serves to choose a mesh.
+#[cfg(feature = "scenes")]
+const SAMPLES: u32 = 1000;
 
 /// A rod ready to be put in a model.
 ///
@@ -40,6 +96,8 @@ pub struct Rod {
     pub name: String,
     /// Stiffnesses and contact radius.
     pub section: Section,
+    /// Full stiffness along the rod, instead of that of `section`: see [`Rod::with_stiffness`].
+    pub stiffness: Option<Along<Stiffness>>,
     /// Order p of the elements (1, 2 or 3).
     pub order: usize,
     /// Number of elements.
@@ -92,11 +150,10 @@ impl Rod {
             shape.place(closed, num_elements.saturating_mul(order)).map_err(|error| within(&path, error))?;
         let natural = match (natural, shape.uniform_curvature()) {
             (Natural::AsShaped, Some(kappa)) => Natural::Uniform { kappa },
-            _ => natural,
+            (natural, _) => natural,
         };
-        if let Natural::Uniform { kappa: [_, _, twist] } = natural
-            && twist != 0.0
-        {
+        let twist = natural.mean_twist(placement.length);
+        if twist != 0.0 {
             let each = twist * placement.length / (num_elements * order) as f64;
             placement.frames.iter_mut().enumerate().for_each(|(i, frame)| *frame *= spin(each * i as f64));
         }
@@ -126,6 +183,7 @@ impl Rod {
         let mut rod = Self {
             name: name.to_owned(),
             section,
+            stiffness: None,
             order,
             num_elements: num_segments / order.max(1),
             closed,
@@ -145,6 +203,32 @@ impl Rod {
         Ok(rod)
     }
 
+    /// The same rod with a full stiffness, constant or varying along it; elements take it at their integration points,
+    /// see [`Along`]. `section` then serves for scales alone: its six stiffnesses become the mean of the diagonal, its
+    /// contact radius stays.
+    ///
+    /// ```
+    /// use supercoil::math::Vec3;
+    /// use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+    /// let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
+    /// let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
+    /// let mut stiffness = section.stiffness();
+    /// (stiffness[(4, 5)], stiffness[(5, 4)]) = (0.6, 0.6); // bending about d2 and twist
+    /// let rod = Rod::new("rod", &line, false, section, 4, 3, Natural::Straight)?
+    ///     .with_stiffness(Along::constant(stiffness))?;
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A matrix that is not finite, symmetric and positive definite, with its arc length; a table that does not end at
+    /// the rod's.
+    pub fn with_stiffness(self, stiffness: Along<Stiffness>) -> Result<Self, InputError> {
+        let rod = Self { stiffness: Some(stiffness), ..self };
+        rod.check_stiffness(&format!("rods.{}", rod.name))?;
+        let mean = rod.stiffness.as_ref().map_or(rod.section.stiffness(), |along| along.mean(rod.length));
+        Ok(Self { section: Section::of_diagonal(&mean, rod.section.contact_radius), ..rod })
+    }
+
     /// Number of nodes.
     pub fn num_nodes(&self) -> usize {
         self.positions.len()
@@ -158,6 +242,12 @@ impl Rod {
     /// Reference arc length between neighbouring nodes \[L\].
     pub fn spacing(&self) -> f64 {
         self.length / self.num_segments() as f64
+    }
+
+    /// What varies along the rod at the integration points of one of its elements.
+    pub(crate) fn on_element<T: Values>(&self, along: &Along<T>, element: usize) -> [T; 3] {
+        let length = self.length / self.num_elements as f64;
+        along.on_element(element as f64 * length, length, &gauss(self.order))
     }
 
     /// Reference arc length of a node \[L\].
@@ -197,6 +287,7 @@ impl Rod {
         }
         self.check_length(&path)?;
         self.check_natural(&path)?;
+        self.check_stiffness(&path)?;
         (0..self.num_segments()).try_for_each(|segment| self.check_segment(&path, segment))
     }
 
@@ -216,16 +307,38 @@ impl Rod {
 
     /// What a rod would turn by from node to node where nothing holds it must be within what elements can tell.
     fn check_natural(&self, path: &str) -> Result<(), InputError> {
-        let Natural::Uniform { kappa } = self.natural else { return Ok(()) };
-        let spacing = self.spacing();
-        let turns = Vec3::from(kappa).amax() * spacing / std::f64::consts::TAU;
-        if turns <= MAX_TURN {
-            return Ok(());
+        let turn = |at: &str, kappa: Vec3| {
+            let turns = kappa.amax() * self.spacing() / std::f64::consts::TAU;
+            if turns <= MAX_TURN {
+                return Ok(());
+            }
+            let reason = format!(
+                "turns by {turns:.3e} turns from node to node{at}, more than {MAX_TURN}: use more elements, or less natural curvature and twist"
+            );
+            Err(InputError::Inconsistent { field: format!("{path}.natural.kappa"), reason })
+        };
+        match &self.natural {
+            Natural::Straight | Natural::AsShaped => Ok(()),
+            Natural::Uniform { kappa } => turn("", Vec3::from(*kappa)),
+            Natural::Varying(along) => {
+                let field = format!("{path}.natural");
+                along.check(&field, self.length, (self.num_elements, &gauss(self.order)), |s, strains| {
+                    for (name, value) in STRAINS.iter().zip(strains.iter()) {
+                        let ok = value.abs() <= LARGEST && (*name != "gamma3" || *value > 0.0);
+                        InputError::check(&format!("{field}.{name} at s = {s}"), *value, ok, ALLOWED_STRAINS)?;
+                    }
+                    turn(&format!(" at s = {s}"), strains.fixed_rows::<3>(3).into())
+                })
+            }
         }
-        let reason = format!(
-            "turns by {turns:.3e} turns from node to node, more than {MAX_TURN}: use more elements, or less natural curvature and twist"
-        );
-        Err(InputError::Inconsistent { field: format!("{path}.natural.kappa"), reason })
+    }
+
+    fn check_stiffness(&self, path: &str) -> Result<(), InputError> {
+        let Some(along) = &self.stiffness else { return Ok(()) };
+        let field = format!("{path}.stiffness");
+        along.check(&field, self.length, (self.num_elements, &gauss(self.order)), |s, matrix| {
+            check_stiffness(&format!("{field} at s = {s}"), matrix)
+        })
     }
 
     fn check_counts(&self, path: &str) -> Result<(), InputError> {
@@ -276,6 +389,10 @@ impl Rod {
         Ok(())
     }
 }
+
+/// Names of the strains, in the order of [`Six`].
+pub(crate) const STRAINS: [&str; 6] = ["gamma1", "gamma2", "gamma3", "kappa1", "kappa2", "kappa3"];
+const ALLOWED_STRAINS: &str = "a finite number, gamma3 greater than 0";
 
 fn check_order(path: &str, order: usize) -> Result<(), InputError> {
     if (1..=3).contains(&order) {

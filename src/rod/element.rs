@@ -42,11 +42,72 @@ pub struct Body<'a> {
     pub table: &'a Table,
     /// Reference length of an element \[L\].
     pub length: f64,
-    /// Diagonal of the material matrix.
-    pub material: &'a Six,
+    /// The material matrix.
+    pub material: Material<'a>,
     /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y,
     /// frames turned about z) are computed there, with the same results to rounding.
     pub plane: Option<&'a Plane>,
+}
+
+/// The material matrix C of an element, in the order of [`Six`].
+#[derive(Debug, Clone, Copy)]
+pub enum Material<'a> {
+    /// A diagonal one, the same everywhere.
+    Diagonal(&'a Six),
+    /// A full symmetric one for each integration point.
+    Full(&'a [[Six; 6]; 3]),
+}
+
+impl Material<'_> {
+    /// Stress of a strain at integration point `g`.
+    #[must_use]
+    pub fn stress(&self, g: usize, strain: &Six) -> Six {
+        match self {
+            Self::Diagonal(material) => material.stress(g, strain),
+            Self::Full(material) => material.stress(g, strain),
+        }
+    }
+}
+
+/// Products with the material matrix. The diagonal has its own, which is what most rods pay for.
+trait Law<const S: usize> {
+    /// C ε at integration point `g`.
+    fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];
+
+    /// C B for the rows of B.
+    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; S]) -> [[f64; N]; S];
+}
+
+impl<const S: usize> Law<S> for [f64; S] {
+    #[inline]
+    fn stress(&self, _: usize, strain: &[f64; S]) -> [f64; S] {
+        std::array::from_fn(|i| self[i] * strain[i])
+    }
+
+    #[inline]
+    fn of_rows<const N: usize>(&self, _: usize, b: &[[f64; N]; S]) -> [[f64; N]; S] {
+        std::array::from_fn(|i| std::array::from_fn(|k| self[i] * b[i][k]))
+    }
+}
+
+impl Law<6> for [[Six; 6]; 3] {
+    #[inline]
+    fn stress(&self, g: usize, strain: &Six) -> Six {
+        std::array::from_fn(|i| inner(&self[g][i], strain))
+    }
+
+    #[inline]
+    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; 6]) -> [[f64; N]; 6] {
+        let mut out = [[0.0; N]; 6];
+        for (row, entries) in out.iter_mut().zip(&self[g]) {
+            for (entry, b) in entries.iter().zip(b) {
+                for k in 0..N {
+                    row[k] += entry * b[k];
+                }
+            }
+        }
+        out
+    }
 }
 
 /// Diagonal of the material matrix, in the order of [`Six`].
@@ -101,10 +162,10 @@ pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3]
 }
 
 impl Body<'_> {
-    /// The plane and the nodes in it, if all are.
-    fn flat(&self, nodes: &ElementNodes) -> Option<(&Plane, Nodes<2, 2>)> {
-        let plane = self.plane?;
-        Some((plane, plane.nodes(nodes, self.table.order + 1)?))
+    /// The plane, the nodes in it, if all are, and the stiffnesses there. Rods with a full material are computed in space.
+    fn flat(&self, nodes: &ElementNodes) -> Option<(&Plane, Nodes<2, 2>, [f64; 3])> {
+        let (plane, Material::Diagonal(material)) = (self.plane?, self.material) else { return None };
+        Some((plane, plane.nodes(nodes, self.table.order + 1)?, plane.material(material)))
     }
 }
 
@@ -171,7 +232,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     fn predict(
         body: &Body,
         nodes: &Nodes<R, Z>,
-        material: &[f64; S],
+        material: &impl Law<S>,
         reference: &[[f64; S]; 3],
         increment: &[f64; MAX_DOF],
     ) -> [[f64; S]; 3] {
@@ -179,9 +240,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         let mut out = [[0.0; S]; 3];
         for g in 0..body.table.order {
             let (raw, linear, _) = Self::linear_change(body.table, nodes, &change, body.length, g);
-            for i in 0..S {
-                out[g][i] = material[i] * (raw[i] - reference[g][i] + linear[i]);
-            }
+            out[g] = material.stress(g, &std::array::from_fn(|i| raw[i] - reference[g][i] + linear[i]));
         }
         out
     }
@@ -190,7 +249,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         body: &Body,
         nodes: &Nodes<R, Z>,
         moved: &Nodes<R, Z>,
-        material: &[f64; S],
+        material: &impl Law<S>,
         increment: &[f64; MAX_DOF],
     ) -> ([[f64; S]; 3], [f64; MAX_DOF]) {
         let (table, length) = (body.table, body.length);
@@ -202,11 +261,10 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             let (raw, linear, b) = Self::linear_change(table, nodes, &change, length, g);
             let after = Self::strain(&interpolate(moved, &table.n[g], &table.d[g], num_nodes, 1.0 / length));
             let mut grad = [0.0; N];
+            excess[g] = material.stress(g, &std::array::from_fn(|i| after[i] - raw[i] - linear[i]));
             for i in 0..S {
-                let stress = material[i] * (after[i] - raw[i] - linear[i]);
-                excess[g][i] = stress;
                 for k in 0..N {
-                    grad[k] += stress * b[i][k];
+                    grad[k] += excess[g][i] * b[i][k];
                 }
             }
             let d = table.d[g].map(|x| x / length);
@@ -284,7 +342,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     fn evaluate(
         body: &Body,
         nodes: &Nodes<R, Z>,
-        material: &[f64; S],
+        material: &impl Law<S>,
         reference: &[[f64; S]; 3],
         predicted: Option<&[[f64; S]; 3]>,
         tangent: Option<&mut ElementTangent>,
@@ -303,13 +361,12 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             let p = interpolate(nodes, n, &table.d[g], num_nodes, 1.0 / length);
             let raw = Self::strain(&p);
             let b = Self::gradients(&p, &raw);
-            let mut stress = [0.0; S];
+            let strain: [f64; S] = std::array::from_fn(|i| raw[i] - reference[g][i]);
+            let stress = material.stress(g, &strain);
             let mut energy = [0.0; 4];
             let mut grad = [0.0; N];
             for i in 0..S {
-                let strain = raw[i] - reference[g][i];
-                stress[i] = material[i] * strain;
-                energy[Self::KIND[i]] += stress[i] * strain;
+                energy[Self::KIND[i]] += stress[i] * strain[i];
                 for k in 0..N {
                     grad[k] += stress[i] * b[i][k];
                 }
@@ -321,11 +378,11 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             let Some(blocks) = &mut blocks else { continue };
             let (mut h, grad) = Self::geometric(&p, &raw, &b, predicted.map_or(&stress, |s| &s[g]));
             add_nodal_gradient(&grad, n, &d, weight, num_nodes, &mut [[0.0; R]; 4], &mut blocks.grad_q);
+            let scaled = material.of_rows(g, &b);
             for i in 0..S {
                 for k in 0..N {
-                    let scaled = material[i] * b[i][k];
                     for l in 0..N {
-                        h[k][l] += scaled * b[i][l];
+                        h[k][l] += scaled[i][k] * b[i][l];
                     }
                 }
             }
@@ -359,12 +416,13 @@ pub fn predicted_stress(
     reference: &[Six; 3],
     increment: &[f64; MAX_DOF],
 ) -> [Six; 3] {
-    match body.flat(nodes) {
-        Some((plane, flat)) => {
-            let (material, reference) = (plane.material(body.material), reference.map(|six| plane.part(&six)));
+    match (body.flat(nodes), body.material) {
+        (Some((plane, flat, material)), _) => {
+            let reference = reference.map(|six| plane.part(&six));
             InPlane::predict(body, &flat, &material, &reference, increment).map(|s| plane.six(&s))
         }
-        None => Space::predict(body, nodes, body.material, reference, increment),
+        (None, Material::Diagonal(material)) => Space::predict(body, nodes, material, reference, increment),
+        (None, Material::Full(material)) => Space::predict(body, nodes, material, reference, increment),
     }
 }
 
@@ -376,20 +434,21 @@ pub fn surprise_force(
     moved: &ElementNodes,
     increment: &[f64; MAX_DOF],
 ) -> ([Six; 3], [f64; MAX_DOF]) {
-    match (body.flat(nodes), body.flat(moved)) {
-        (Some((plane, flat)), Some((_, moved))) => {
-            let material = plane.material(body.material);
+    match (body.flat(nodes), body.flat(moved), body.material) {
+        (Some((plane, flat, material)), Some((_, moved, _)), _) => {
             let (stress, force) = InPlane::surprise(body, &flat, &moved, &material, increment);
             (stress.map(|s| plane.six(&s)), force)
         }
-        _ => Space::surprise(body, nodes, moved, body.material, increment),
+        (.., Material::Diagonal(material)) => Space::surprise(body, nodes, moved, material, increment),
+        (.., Material::Full(material)) => Space::surprise(body, nodes, moved, material, increment),
     }
 }
 
 /// Result of [`evaluate`] without the tangent: overwritten, not accumulated.
 #[derive(Debug, Clone, Default)]
 pub struct ElementOutput {
-    /// Energies \[F·L\]: stretch, shear, bend, twist.
+    /// Energies \[F·L\]: stretch, shear, bend, twist: half of stress times strain of each. That of a coupling is shared
+    /// between both.
     pub energy: [f64; 4],
     /// ∂E/∂(δr, θ), six per node; of an element in a plane the others are zero.
     pub residual: [f64; MAX_DOF],
@@ -411,15 +470,18 @@ pub fn evaluate(
     tangent: Option<&mut ElementTangent>,
     out: &mut ElementOutput,
 ) {
-    match body.flat(nodes) {
-        Some((plane, flat)) => {
-            let (material, reference) = (plane.material(body.material), reference.map(|six| plane.part(&six)));
+    match (body.flat(nodes), body.material) {
+        (Some((plane, flat, material)), _) => {
+            let reference = reference.map(|six| plane.part(&six));
             let predicted = predicted.map(|stress| stress.map(|six| plane.part(&six)));
             let predicted = predicted.as_ref();
             InPlane::evaluate(body, &flat, &material, &reference, predicted, tangent, out);
         }
-        None => {
-            Space::evaluate(body, nodes, body.material, reference, predicted, tangent, out);
+        (None, Material::Diagonal(material)) => {
+            Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
+        }
+        (None, Material::Full(material)) => {
+            Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
         }
     }
 }

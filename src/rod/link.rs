@@ -78,13 +78,12 @@ impl Rod {
         self.check().map(|()| self)
     }
 
-    /// Link Lk₀ of the relaxed closed rod, turns: K3 L/2π where it has a natural twist K3, that of the start shape where
+    /// Link Lk₀ of the relaxed closed rod, turns: ∫K3 ds/2π where it has a natural twist K3, that of the start shape where
     /// this is free of stress, else 0.
     pub fn natural_link(&self) -> f64 {
-        match self.natural {
-            Natural::Straight => 0.0,
-            Natural::Uniform { kappa } => kappa[2] * self.length / TAU,
+        match &self.natural {
             Natural::AsShaped => self.shape_link,
+            natural => natural.mean_twist(self.length) * self.length / TAU,
         }
     }
 

@@ -20,8 +20,8 @@ use serde::Deserialize;
 use crate::error::InputError;
 
 use super::model::{Model, Stage};
-use super::points::read_text;
 use super::{Fidelity, Units};
+use crate::text::read_text;
 
 use text::{SceneText, StagesText};
 

@@ -7,13 +7,15 @@ mod fidelity;
 pub mod file;
 pub mod model;
 mod points;
+mod tables;
 mod units;
 
+#[cfg(feature = "tables")]
+pub(crate) use crate::text::finite;
 pub use fidelity::{Accuracy, Fidelity};
 #[cfg(feature = "scenes")]
 pub use file::Scene;
 pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage, Support};
-#[cfg(feature = "tables")]
-pub(crate) use points::finite;
 pub use points::{Import, read_points, read_points_with};
+pub use tables::{read_natural, read_stiffness};
 pub use units::Units;

@@ -2,12 +2,11 @@
 
 mod formats;
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
+use crate::text::{finite, read_regular, split};
 
 /// Which points of a file make a centreline.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,16 +73,6 @@ pub fn read_points_with(path: &Path, import: &Import) -> Result<Vec<Vec3>, Input
     Ok(points.into_iter().step_by(import.every).map(|point| point * import.scale).collect())
 }
 
-/// The text of a regular file.
-pub(super) fn read_regular(path: &Path) -> Result<String, InputError> {
-    // before it is opened: opening a pipe that nobody writes to never ends
-    if path.metadata().is_ok_and(|found| !found.is_file()) {
-        let reason = "is no regular file: points are read from those only".to_owned();
-        return Err(InputError::File { path: path.to_owned(), reason });
-    }
-    read_text(path)
-}
-
 /// One of several lists of points, which is to be named if there are several.
 fn one_of(mut all: Vec<Vec<Vec3>>, wanted: Option<i64>, what: &str) -> Result<Vec<Vec3>, String> {
     let count = all.len() as i64;
@@ -97,21 +86,6 @@ fn one_of(mut all: Vec<Vec<Vec3>>, wanted: Option<i64>, what: &str) -> Result<Ve
         return Ok(all.swap_remove(index as usize));
     }
     Err(format!("holds {count} {what}, none of them is frame = {}", wanted.unwrap_or(0)))
-}
-
-/// Most bytes of a scene or of a file of points: a million points with all their digits take 60 MB.
-const MOST_BYTES: u64 = 256 << 20;
-
-/// The text of a file that somebody names: no more than is sensible, whatever it is.
-pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
-    let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
-    let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
-    let mut text = String::new();
-    file.take(MOST_BYTES + 1).read_to_string(&mut text).map_err(|e| refuse(e.to_string()))?;
-    if text.len() as u64 > MOST_BYTES {
-        return Err(refuse(format!("holds more than {} MiB", MOST_BYTES >> 20)));
-    }
-    Ok(text)
 }
 
 /// Lines with something in them, numbered, without comments.
@@ -188,14 +162,6 @@ fn parse_xyz(text: &str) -> Result<Vec<Vec<Vec3>>, String> {
     Ok(frames)
 }
 
-/// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
-fn split(line: &str) -> Vec<&str> {
-    match [',', ';'].into_iter().find(|s| line.contains(*s)) {
-        Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
-        None => line.split_whitespace().collect(),
-    }
-}
-
 /// Three finite numbers of line `number`.
 fn point(number: usize, fields: &[&str]) -> Result<Vec3, String> {
     let [x, y, z] = fields else {
@@ -207,14 +173,6 @@ fn point(number: usize, fields: &[&str]) -> Result<Vec3, String> {
     };
     let coordinate = |text: &str| finite(text).map_err(|reason| format!("line {number}: {reason}"));
     Ok(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?))
-}
-
-/// A finite number.
-pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("a finite number expected, found \"{text}\"")),
-    }
 }
 
 #[cfg(test)]

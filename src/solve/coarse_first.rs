@@ -134,10 +134,10 @@ impl Solver {
     fn elements_needed(&self, rod: usize, drive: &Drive) -> Option<usize> {
         let engine = &self.engine;
         let body = &engine.model.rods[rod];
-        let natural = match body.natural {
+        let natural = match &body.natural {
             Natural::Straight => 0.0,
-            Natural::Uniform { kappa } => Vec3::from(kappa).norm() * body.length / TAU,
-            Natural::AsShaped => return None,
+            Natural::Uniform { kappa } => Vec3::from(*kappa).norm() * body.length / TAU,
+            Natural::AsShaped | Natural::Varying(_) => return None,
         };
         let link = (engine.state.seams[rod] + drive.seams.get(rod).unwrap_or(&0.0)).abs() / TAU;
         let tangents: Vec<Vec3> = engine.frames(rod).iter().map(|frame| frame * Vec3::z()).collect();

@@ -10,7 +10,7 @@ use crate::math::parallel::{Pool, in_pool};
 use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::Table;
 use crate::math::{Quat, Vec3};
-use crate::rod::element::{Body, ElementNodes, Plane, Six, raw_strains, stiffness};
+use crate::rod::element::{Body, ElementNodes, Material, Plane, Six, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::contact_side::{self, ContactSide};
@@ -44,7 +44,8 @@ pub struct Engine {
     pub(crate) first_node: Vec<usize>,
     pub(crate) elements: Vec<Element>,
     pub(crate) tables: [Table; 3],
-    pub(crate) material: Vec<Six>,
+    /// Per rod: the material matrix, of all points or per point.
+    pub(crate) material: Vec<Stiffnesses>,
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
     pub(crate) reference: Vec<Reference>,
     /// Per rod: the plane as its elements know it, if they are computed in it.
@@ -91,6 +92,34 @@ impl Reference {
     }
 }
 
+/// Material matrices of a rod: a diagonal unless it has a full stiffness.
+#[derive(Debug)]
+pub(crate) enum Stiffnesses {
+    Diagonal(Six),
+    Constant(Box<[[Six; 6]; 3]>),
+    PerElement(usize, Vec<[[Six; 6]; 3]>),
+}
+
+impl Stiffnesses {
+    /// Of a rod whose first element is `first`.
+    fn new(rod: &Rod, first: usize) -> Self {
+        let Some(along) = &rod.stiffness else { return Self::Diagonal(stiffness(&rod.section)) };
+        let of = |e: usize| rod.on_element(along, e).map(|c| ((c + c.transpose()) * 0.5).into());
+        match along.is_constant() {
+            true => Self::Constant(Box::new(of(0))),
+            false => Self::PerElement(first, (0..rod.num_elements).map(of).collect()),
+        }
+    }
+
+    pub(crate) fn of(&self, element: usize) -> Material<'_> {
+        match self {
+            Self::Diagonal(six) => Material::Diagonal(six),
+            Self::Constant(points) => Material::Full(points),
+            Self::PerElement(first, list) => Material::Full(&list[element - first]),
+        }
+    }
+}
+
 /// Scales that make tolerances and shifts dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scales {
@@ -133,7 +162,7 @@ impl Engine {
         let pool = threads.map(Pool::new).transpose()?;
         let mut engine = Self {
             tables: [Table::new(1), Table::new(2), Table::new(3)],
-            material: model.rods.iter().map(|r| stiffness(&r.section)).collect(),
+            material: materials(&model),
             masses: masses(&model, &scales, &master),
             reference: Vec::new(),
             planes: planes(&model),
@@ -322,12 +351,13 @@ impl Engine {
         &self.tables[self.model.rods[rod].order - 1]
     }
 
-    /// What the elements of a rod have in common.
-    pub(crate) fn body(&self, rod: usize) -> Body<'_> {
+    /// Shape functions, length and material of an element.
+    pub(crate) fn body(&self, e: usize) -> Body<'_> {
+        let rod = self.elements[e].rod;
         Body {
             table: self.table(rod),
             length: self.element_length(rod),
-            material: &self.material[rod],
+            material: self.material[rod].of(e),
             plane: self.planes[rod].as_ref(),
         }
     }
@@ -359,9 +389,13 @@ impl Engine {
         let mut all = Vec::new();
         for (index, rod) in self.model.rods.iter().enumerate() {
             let straight = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-            all.push(match rod.natural {
+            all.push(match &rod.natural {
                 Natural::Straight => Reference::Uniform(straight),
                 Natural::Uniform { kappa } => Reference::Uniform([0.0, 0.0, 1.0, kappa[0], kappa[1], kappa[2]]),
+                Natural::Varying(along) => {
+                    let strains = (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into));
+                    Reference::PerElement(first, strains.collect())
+                }
                 Natural::AsShaped => {
                     let own = &self.elements[first..first + rod.num_elements];
                     let strains = own.iter().map(|element| {
@@ -377,10 +411,19 @@ impl Engine {
     }
 }
 
+fn materials(model: &Model) -> Vec<Stiffnesses> {
+    let mut first = 0;
+    let of_rod = |rod: &Rod| {
+        first += rod.num_elements;
+        Stiffnesses::new(rod, first - rod.num_elements)
+    };
+    model.rods.iter().map(of_rod).collect()
+}
+
 fn planes(model: &Model) -> Vec<Option<Plane>> {
     let plane = |rod: &Rod| {
         let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * rod.section.smaller_bending();
-        (model.planar && !slender).then(|| Plane::new(&to_array(&rod.frames[0])))
+        (model.planar && !slender && rod.stiffness.is_none()).then(|| Plane::new(&to_array(&rod.frames[0])))
     };
     model.rods.iter().map(plane).collect()
 }

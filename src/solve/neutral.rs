@@ -57,7 +57,8 @@ fn holds_all(engine: &Engine, rod: usize) -> bool {
 /// nothing.
 fn slides(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
-    data.closed && (spins(engine, rod) || engine.model.planar && !matches!(data.natural, Natural::AsShaped))
+    let uniform = !matches!(data.natural, Natural::AsShaped | Natural::Varying(_)) && data.stiffness.is_none();
+    data.closed && (spins(engine, rod) || engine.model.planar && uniform)
 }
 
 /// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
@@ -71,9 +72,9 @@ fn is_round(engine: &Engine, rod: usize) -> bool {
     let straight = match data.natural {
         Natural::Straight => true,
         Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
-        Natural::AsShaped => false,
+        Natural::AsShaped | Natural::Varying(_) => false,
     };
-    data.section.is_isotropic() && straight && !engine.model.planar
+    data.stiffness.is_none() && data.section.is_isotropic() && straight && !engine.model.planar
 }
 
 fn tangent_of(state: &State, node: usize) -> Vec3 {

@@ -200,7 +200,8 @@ impl Solver {
         let [rod] = &engine.model.rods[..] else { return None };
         let free = engine.model.supports.is_empty() && engine.state.pressures[0] == 0.0 && !engine.model.planar;
         let unloaded = engine.model.loads.is_empty() && engine.model.line_loads.is_empty();
-        let uniform = rod.closed && rod.section.is_isotropic() && rod.natural == Natural::Straight;
+        let uniform =
+            rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
         if !(free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)) {
             return None;
         }
@@ -274,7 +275,7 @@ impl Solver {
     fn rod_of_state(&self, state: &State, rod: &Rod) -> Result<Rod, InputError> {
         let length = rod.length * state.positions.len() as f64 / rod.num_nodes() as f64;
         let (positions, frames) = (state.positions.clone(), state.frames.clone());
-        Rod::from_nodes(&rod.name, length, positions, frames, true, rod.section, rod.order, rod.natural)
+        Rod::from_nodes(&rod.name, length, positions, frames, true, rod.section, rod.order, rod.natural.clone())
     }
 
     fn solver_of(&self, state: &State, rod: &Rod) -> Result<Self, InputError> {

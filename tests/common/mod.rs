@@ -119,9 +119,13 @@ pub fn strains(rod: &Rod, positions: &[Vec3], frames: &[Quat]) -> Vec<Six> {
     let mut all = Vec::new();
     for element in 0..rod.num_elements {
         let now = raw(positions, frames, element);
-        let natural = match rod.natural {
+        let natural = match &rod.natural {
             Natural::Straight => [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3],
             Natural::Uniform { kappa } => [[0.0, 0.0, 1.0, kappa[0], kappa[1], kappa[2]]; 3],
+            Natural::Varying(along) => {
+                let at = |g: usize| along.at((element as f64 + table.rule.points[g.min(rod.order - 1)]) * length);
+                std::array::from_fn(|g| at(g).into())
+            }
             Natural::AsShaped => raw(&rod.positions, &rod.frames, element),
         };
         all.extend((0..rod.order).map(|g| std::array::from_fn(|i| now[g][i] - natural[g][i])));

@@ -117,7 +117,7 @@ fn points_come_from_regular_files_of_sensible_size() {
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     for path in [pipe.as_path(), Path::new("/dev/zero"), &dir] {
         let error = read_points(path).unwrap_err().to_string();
-        assert!(error.ends_with("is no regular file: points are read from those only"), "{error}");
+        assert!(error.ends_with("is no regular file: only those are read"), "{error}");
     }
     let huge = dir.join("huge.csv");
     std::fs::File::create(&huge).unwrap().set_len((256 << 20) + 1).unwrap();

@@ -20,10 +20,12 @@ mod plectoneme;
 mod ring_pressure;
 
 mod examples;
+mod export;
 mod fences;
 mod fuzz_scenes;
 mod long_output;
 mod pictures;
 mod scene_files;
 mod scene_help;
+mod scene_tables;
 mod survive;

@@ -59,6 +59,7 @@ fn the_reference_has_all_keys_and_no_more() {
         ("rods", accepted(&rods("zzz = 1"))),
         ("rods.shape", shapes),
         ("rods.section", accepted(&rods("section = { zzz = 1 }"))),
+        ("rods.sequence", accepted(&rods("sequence = { zzz = 1 }"))),
         ("rods.dna", accepted(&rods("dna = { zzz = 1 }"))),
         ("supports", accepted("[[supports]]\nzzz = 1")),
         ("joints", accepted("[[joints]]\nzzz = 1")),

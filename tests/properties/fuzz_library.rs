@@ -208,7 +208,7 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
                 supports.push(Support::clamp(NodeRef { rod: 0, node: 0 }));
             }
             let place = |((shape, closed), section, elements, order, natural): &(_, Section, usize, usize, Natural)| {
-                Rod::new("r", shape, *closed, *section, *elements, *order, *natural)
+                Rod::new("r", shape, *closed, *section, *elements, *order, natural.clone())
             };
             let placed: Result<Vec<Rod>, _> = rods.iter().map(place).collect();
             let count = |end: String| *tally.borrow_mut().entry(end).or_insert(0) += 1;

@@ -7,6 +7,8 @@ struct Case {
     q: Vec<Quat>,
     length: f64,
     material: Six,
+    /// Instead of `material`, where it is full.
+    full: Option<[[Six; 6]; 3]>,
     reference: [Six; 3],
 }
 
@@ -27,7 +29,25 @@ fn case(order: usize) -> Case {
     let material = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9];
     let reference =
         [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
-    Case { r, q, length: 0.8, material, reference }
+    Case { r, q, length: 0.8, material, full: None, reference }
+}
+
+/// The same of a material that is another at each point and couples all strains.
+fn coupled(order: usize) -> Case {
+    let factor =
+        |g: usize, i: usize, j: usize| if i == j { 2.0 } else { 0.3 * (1.0 + (i * j + i + j + g) as f64).sin() };
+    let scale = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9].map(f64::sqrt);
+    let entry = |g: usize, i: usize, j: usize| scale[i] * scale[j] * factor(g, i.min(j), i.max(j));
+    let full = std::array::from_fn(|g| std::array::from_fn(|i| std::array::from_fn(|j| entry(g, i, j))));
+    Case { full: Some(full), ..case(order) }
+}
+
+fn material(case: &Case) -> Material<'_> {
+    case.full.as_ref().map_or(Material::Diagonal(&case.material), Material::Full)
+}
+
+fn cases() -> impl Iterator<Item = (usize, Case)> {
+    (1..=3).flat_map(|order| [(order, case(order)), (order, coupled(order))])
 }
 
 fn nodes_of(case: &Case) -> ElementNodes {
@@ -51,7 +71,7 @@ fn run(order: usize, case: &Case) -> Run {
 }
 
 fn run_in(order: usize, case: &Case, plane: Option<&Plane>, reference: &[Six; 3]) -> Run {
-    let body = Body { table: &Table::new(order), length: case.length, material: &case.material, plane };
+    let body = Body { table: &Table::new(order), length: case.length, material: material(case), plane };
     let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
     evaluate(&body, &nodes_of(case), reference, None, Some(&mut tangent), &mut out);
     Run { energy: out.energy.iter().sum(), residual: out.residual, tangent }
@@ -67,13 +87,12 @@ fn moved(case: &Case, dof: usize, step: f64) -> Case {
         theta[k - 3] = step;
         q[a] = exp(&theta) * q[a];
     }
-    Case { r, q, length: case.length, material: case.material, reference: case.reference }
+    Case { r, q, ..*case }
 }
 
 #[test]
 fn residual_is_the_gradient_of_the_energy() {
-    for order in 1..=3 {
-        let case = case(order);
+    for (order, case) in cases() {
         let out = run(order, &case);
         for dof in 0..6 * (order + 1) {
             let h = 1e-5;
@@ -90,8 +109,7 @@ fn residual_is_the_gradient_of_the_energy() {
 
 #[test]
 fn tangent_is_the_symmetric_second_derivative_of_the_energy_along_the_update() {
-    for order in 1..=3 {
-        let case = case(order);
+    for (order, case) in cases() {
         let out = run(order, &case);
         let dofs = 6 * (order + 1);
         let h = 2e-4;
@@ -131,8 +149,8 @@ fn tangent_is_the_symmetric_second_derivative_of_the_energy_along_the_update() {
 /// the strains along the update, and any stress S in the geometric part; C (ε + B δ) with the same B.
 #[test]
 fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_strains() {
-    for order in 1..=3 {
-        let (case, table, dofs) = (case(order), Table::new(order), 6 * (order + 1));
+    for (order, case) in cases() {
+        let (table, dofs) = (Table::new(order), 6 * (order + 1));
         let predicted: [Six; 3] =
             std::array::from_fn(|g| std::array::from_fn(|i| 2.0 * (1.0 + 3.0 * g as f64 + 1.7 * i as f64).sin()));
         // strains after a turn of every node by its part of `by`
@@ -164,15 +182,15 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             let falling = minus(along(&[(i, -h), (j, h)]), along(&[(i, -h), (j, -h)]), 0.25 / (h * h));
             minus(rising, falling, 1.0)
         };
-        let body = Body { table: &table, length: case.length, material: &case.material, plane: None };
+        let body = Body { table: &table, length: case.length, material: material(&case), plane: None };
         let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
         evaluate(&body, &nodes_of(&case), &case.reference, Some(&predicted), Some(&mut tangent), &mut out);
         for (i, j) in (0..dofs).flat_map(|i| (i / 6 * 6..dofs).map(move |j| (i, j))) {
             let second = bend(i, j);
             let mut slow = 0.0;
             for g in 0..order {
-                let at_point: f64 =
-                    (0..6).map(|s| case.material[s] * b[i][g][s] * b[j][g][s] + predicted[g][s] * second[g][s]).sum();
+                let scaled = material(&case).stress(g, &b[i][g]);
+                let at_point: f64 = (0..6).map(|s| scaled[s] * b[j][g][s] + predicted[g][s] * second[g][s]).sum();
                 slow += table.rule.weights[g] * case.length * at_point;
             }
             assert!((tangent[i][j] - slow).abs() < 1e-4, "order {order} ({i}, {j}): {} {slow}", tangent[i][j]);
@@ -181,11 +199,36 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             std::array::from_fn(|k| if k < dofs { 0.3 * (1.0 + 2.0 * k as f64).cos() } else { 0.0 });
         let (start, ours) =
             (strains(&[0.0; MAX_DOF]), predicted_stress(&body, &nodes_of(&case), &case.reference, &step));
-        for (g, i) in (0..order).flat_map(|g| (0..6).map(move |i| (g, i))) {
-            let change: f64 = (0..dofs).map(|k| b[k][g][i] * step[k]).sum();
-            let slow = case.material[i] * (start[g][i] - case.reference[g][i] + change);
-            assert!((ours[g][i] - slow).abs() < 1e-8, "order {order} point {g}: {} {slow}", ours[g][i]);
+        for g in 0..order {
+            let change = |i: usize| (0..dofs).map(|k| b[k][g][i] * step[k]).sum::<f64>();
+            let slow =
+                material(&case).stress(g, &std::array::from_fn(|i| start[g][i] - case.reference[g][i] + change(i)));
+            for i in 0..6 {
+                assert!((ours[g][i] - slow[i]).abs() < 1e-8, "order {order} point {g}: {} {}", ours[g][i], slow[i]);
+            }
         }
+        // a finite step: C (after − before − B δ), and its nodal forces
+        let moved = step.map(|x| 0.1 * x);
+        let after = strains(&moved);
+        let mut nodes = nodes_of(&case);
+        for a in 0..=order {
+            let by = |k: usize| Vec3::from_column_slice(&moved[6 * a + k..6 * a + k + 3]);
+            nodes.r[a] = (case.r[a] + by(0)).into();
+            nodes.q[a] = to_array(&(exp(&by(3)) * case.q[a]));
+        }
+        nodes.align_signs(order + 1);
+        let (stress, force) = surprise_force(&body, &nodes_of(&case), &nodes, &moved);
+        let mut slow = [0.0; MAX_DOF];
+        for g in 0..order {
+            let missed = |i: usize| after[g][i] - start[g][i] - (0..dofs).map(|k| b[k][g][i] * moved[k]).sum::<f64>();
+            let expected = material(&case).stress(g, &std::array::from_fn(missed));
+            let weight = table.rule.weights[g] * case.length;
+            for i in 0..6 {
+                assert!((stress[g][i] - expected[i]).abs() < 1e-8, "order {order} point {g}");
+                (0..dofs).for_each(|k| slow[k] += weight * b[k][g][i] * expected[i]);
+            }
+        }
+        (0..dofs).for_each(|k| assert!((force[k] - slow[k]).abs() < 1e-8, "order {order}: {} {}", force[k], slow[k]));
     }
 }
 
@@ -198,7 +241,7 @@ fn all_kernels_see_the_same_strains_to_the_last_bit() {
         let (table, material) = (Table::new(order), [1e12; 6]);
         let nodes = nodes_of(&case(order));
         let mut raw = raw_strains(&table, &nodes, length);
-        let body = Body { table: &table, length, material: &material, plane: None };
+        let body = Body { table: &table, length, material: Material::Diagonal(&material), plane: None };
         let mut out = ElementOutput::default();
         evaluate(&body, &nodes, &raw, None, None, &mut out);
         assert_eq!((out.energy, out.residual), ([0.0; 4], [0.0; MAX_DOF]), "order {order}, length {length}");
@@ -219,9 +262,7 @@ fn strains_do_not_change_under_rigid_motion() {
         let turned = Case {
             r: case.r.iter().map(|r| rotation * r + shift).collect(),
             q: case.q.iter().map(|q| rotation * q).collect(),
-            length: case.length,
-            material: case.material,
-            reference: case.reference,
+            ..case
         };
         let (after, strain_after) = (run(3, &turned), strains(&turned));
         for (ours, theirs) in strain_after.iter().flatten().zip(strain.iter().flatten()) {
@@ -243,7 +284,7 @@ fn flat_case(order: usize, spin: f64, isotropic: bool) -> Case {
     // stretched, sheared and bent in the plane by nature
     let plane = Plane::new(&to_array(&(lie * exp(&(Vec3::z() * spin)))));
     let reference = [[1.02, 0.03, 0.2], [0.98, 0.0, -0.1], [1.0, 0.01, 0.3]].map(|three| plane.six(&three));
-    Case { r: r.collect(), q: q.collect(), length: 0.8, material, reference }
+    Case { r: r.collect(), q: q.collect(), length: 0.8, material, full: None, reference }
 }
 
 fn planes() -> [(f64, bool); 3] {
@@ -285,7 +326,8 @@ fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
             after.q[a] = exp(&(Vec3::z() * turn)) * after.q[a];
         }
         let (table, plane) = (Table::new(order), Plane::new(&to_array(&case.q[0])));
-        let body = |plane| Body { table: &table, length: case.length, material: &case.material, plane };
+        let body =
+            |plane| Body { table: &table, length: case.length, material: Material::Diagonal(&case.material), plane };
         let (flat, space) = (body(Some(&plane)), body(None));
         let (nodes, moved) = (nodes_of(&case), nodes_of(&after));
         let near = |ours: &[f64], theirs: &[f64]| {

@@ -3,15 +3,19 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{CrossSection, Natural, Rod, Section};
+use crate::rod::{Along, CrossSection, Natural, Rod, Section, Stiffness, check_stiffness};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use crate::scene::{read_natural, read_stiffness};
 
 use super::dna::Dna;
 use super::shapes::{Wound, shape};
-use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, ShapeText, StageText};
+use super::text::{
+    ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, SequenceText, ShapeText, StageText,
+};
 use super::values::{At, List, Names, NaturalText};
 use super::{memory, mesh, poses, state};
 
@@ -159,13 +163,20 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let contact = !matches!(scene.contact.law, LawText::None);
     let inside = |error| within(&path, error);
     let dna = text.dna.as_ref().map(Dna::new).transpose().map_err(inside)?;
-    let section = section_or_dna(&path, text, dna.as_ref(), contact)?;
+    let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose().map_err(inside)?;
+    let by_sequence = helix.as_ref().map(|helix| helix.stiffness.clone());
+    let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
-    let natural = match text.natural {
-        NaturalText::Straight => Natural::Straight,
-        NaturalText::AsShaped => Natural::AsShaped,
-        NaturalText::Uniform(k) => Natural::Uniform { kappa: [k.curvature.0[0], k.curvature.0[1], k.twist] },
+    let natural = match (&text.natural, helix) {
+        (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
+        (_, Some(_)) => {
+            return Err(inconsistent(format!("{path}.natural"), "the sequence gives the natural strains: remove it"));
+        }
+        (NaturalText::Straight, None) => Natural::Straight,
+        (NaturalText::AsShaped, None) => Natural::AsShaped,
+        (NaturalText::Uniform(k), None) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+        (NaturalText::Table(file), None) => Natural::Varying(read_natural(&base_dir.join(file))?),
     };
     let check_memory = |elements: usize| {
         let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
@@ -180,7 +191,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         let elements = match (text.elements, scene.fidelity) {
             (Some(elements), _) => elements,
             (None, Some(fidelity)) => {
-                mesh::elements(fidelity, scene, text, &shape, &section, natural, dna.as_ref()).map_err(inside)?
+                mesh::elements(fidelity, scene, text, &shape, &section, &natural, dna.as_ref()).map_err(inside)?
             }
             (None, None) => {
                 let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
@@ -190,6 +201,9 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         check_memory(elements)?;
         Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?
     };
+    if let Some(stiffness) = stiffness {
+        rod = rod.with_stiffness(stiffness)?;
+    }
     rod = match (excess_link, text.link, text.twist) {
         (None, None, None) => rod,
         (Some(turns), None, None) => rod.with_excess_link(turns)?,
@@ -214,15 +228,26 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     Ok(rod)
 }
 
-fn section_or_dna(path: &str, text: &RodText, dna: Option<&Dna>, contact: bool) -> Result<Section, InputError> {
+fn section_or_dna(
+    text: &RodText,
+    dna: Option<&Dna>,
+    contact: bool,
+    base_dir: &Path,
+    by_sequence: Option<Along<Stiffness>>,
+) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
     match (&text.section, dna) {
-        (Some(text), None) => section(text, contact).map_err(|error| within(path, error)),
-        (None, Some(dna)) => Ok(dna.section),
+        (Some(text), None) => section(text, contact, base_dir, by_sequence),
+        (None, Some(_)) if by_sequence.is_some() => {
+            let reason =
+                "the sequence gives length, stiffness and natural strains: give it with section = { contact_radius }";
+            Err(inconsistent("dna".to_owned(), reason))
+        }
+        (None, Some(dna)) => Ok((dna.section, None)),
         (Some(_), Some(_)) => {
             let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
-            Err(inconsistent(format!("{path}.section"), reason))
+            Err(inconsistent("section".to_owned(), reason))
         }
-        (None, None) => Err(inconsistent(format!("{path}.section"), "missing: give a section, or dna")),
+        (None, None) => Err(inconsistent("section".to_owned(), "missing: give a section, or dna")),
     }
 }
 
@@ -243,10 +268,19 @@ const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give
 const NEEDS_DNA: &str =
     "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 
-const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), or by young, \
-    poisson or shear_modulus, and circle = radius or rectangle = [width, height]";
+const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by young, \
+    poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \
+    table";
 
-fn section(text: &SectionText, contact: bool) -> Result<Section, InputError> {
+const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
+
+/// The section, and the full stiffness if that is given.
+fn section(
+    text: &SectionText,
+    contact: bool,
+    base_dir: &Path,
+    by_sequence: Option<Along<Stiffness>>,
+) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
     let radius = match (text.contact_radius, text.circle) {
         (Some(radius), _) | (None, Some(radius)) => radius,
         (None, None) if !contact => 0.0,
@@ -259,11 +293,58 @@ fn section(text: &SectionText, contact: bool) -> Result<Section, InputError> {
     let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
     let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
         || [text.bending, text.shearing].iter().any(Option::is_some);
+    let full = match (full_stiffness(text, base_dir)?, by_sequence) {
+        (Some(_), Some(_)) => {
+            return Err(inconsistent("section".into(), BY_SEQUENCE));
+        }
+        (None, Some(_)) if stiff || geometric => return Err(inconsistent("section".into(), BY_SEQUENCE)),
+        (own, by_sequence) => own.or(by_sequence),
+    };
+    if let Some(along) = full {
+        if stiff || geometric {
+            return Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")));
+        }
+        // replaced by the mean over the rod, whose length is not known here
+        let section = Section::of_diagonal(&along.at(0.0), radius);
+        return section.check("section").map(|()| (section, Some(along)));
+    }
     match (stiff, geometric) {
-        (true, false) => stiffnesses(text, radius),
-        (false, true) => moduli_section(text, radius),
+        (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
+        (false, true) => moduli_section(text, radius).map(|section| (section, None)),
         (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
         (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
+    }
+}
+
+/// The molecule that a sequence and a table of steps describe.
+fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, InputError> {
+    let sequence = match (&text.fasta, &text.letters) {
+        (Some(file), None) => Sequence::read_fasta(&base_dir.join(file))?,
+        (None, Some(letters)) => Sequence::parse(letters)?,
+        _ => return Err(inconsistent("sequence".into(), "give either fasta = file or letters")),
+    };
+    let steps = match text.steps.as_str() {
+        "ideal" => Steps::ideal(),
+        "protein-dna-1998" => Steps::protein_dna_1998()?,
+        file if Path::new(file).extension().is_some() => Steps::read(&base_dir.join(file))?,
+        name => {
+            let allowed = "\"ideal\", \"protein-dna-1998\" or a file (CSV)".to_owned();
+            return Err(InputError::Name { field: "sequence.steps".to_owned(), name: name.to_owned(), allowed });
+        }
+    };
+    sequence.helix(&steps, closed)
+}
+
+/// The full stiffness, where a table or a matrix is given.
+fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<Stiffness>>, InputError> {
+    match (&text.table, text.stiffness) {
+        (None, None) => Ok(None),
+        (Some(file), None) => read_stiffness(&base_dir.join(file)).map(Some),
+        (None, Some(List(rows))) => {
+            let matrix = Stiffness::from_fn(|i, j| rows[i].0[j]);
+            check_stiffness("section.stiffness", &matrix).map(|()| Some(Along::constant(matrix)))
+        }
+        (Some(_), Some(_)) => Err(inconsistent("section".into(), "give either a table or a stiffness")),
     }
 }
 

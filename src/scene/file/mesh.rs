@@ -24,22 +24,16 @@ fn turns(
     rod: &RodText,
     shape: &Shape,
     section: &Section,
-    natural: Natural,
+    natural: &Natural,
     dna: Option<&Dna>,
 ) -> Result<(f64, f64), InputError> {
     let (length, tangent_turns) = measure(shape, rod.closed)?;
-    let by_nature = match natural {
-        Natural::Uniform { kappa } => kappa.iter().map(|k| k * k).sum::<f64>().sqrt() * length / TAU,
-        Natural::Straight | Natural::AsShaped => 0.0,
-    };
+    let by_nature = natural.turning(length) * length / TAU;
     let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
     let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
     let stages = || scene.stages.iter().map(|stage| &stage.ramp);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-    let natural = match natural {
-        Natural::Uniform { kappa } => kappa[2] * length / TAU,
-        Natural::Straight | Natural::AsShaped => 0.0,
-    };
+    let natural = natural.mean_twist(length) * length / TAU;
     let beyond = stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
     let in_all = stages().flat_map(|r| &r.link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
     let density = stages().flat_map(|r| &r.sigma.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.sigma);
@@ -123,7 +117,7 @@ pub(super) fn elements(
     rod: &RodText,
     shape: &Shape,
     section: &Section,
-    natural: Natural,
+    natural: &Natural,
     dna: Option<&Dna>,
 ) -> Result<usize, InputError> {
     let (length, turns) = turns(scene, rod, shape, section, natural, dna)?;

@@ -63,6 +63,8 @@ pub(super) struct RodText {
     pub order: usize,
     #[serde(default)]
     pub natural: NaturalText,
+    #[serde(default, deserialize_with = "some_table")]
+    pub sequence: Option<SequenceText>,
     #[serde(default)]
     pub roll: f64,
     pub excess_link: Option<f64>,
@@ -91,6 +93,14 @@ fn one() -> usize {
 
 fn unit_scale() -> f64 {
     1.0
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SequenceText {
+    pub fasta: Option<PathBuf>,
+    pub letters: Option<String>,
+    pub steps: String,
 }
 
 fn half() -> f64 {
@@ -187,6 +197,8 @@ pub(super) enum ShapeText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SectionText {
+    pub table: Option<PathBuf>,
+    pub stiffness: Option<List<List<f64, 6>, 6>>,
     pub bending: Option<Pair>,
     pub twisting: Option<f64>,
     pub stretching: Option<f64>,

@@ -3,6 +3,7 @@
 
 use std::fmt;
 use std::marker::PhantomData;
+use std::path::PathBuf;
 
 use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -41,22 +42,28 @@ pub(super) enum At {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Axes(pub [bool; 3]);
 
-/// The stress-free state: `"straight"`, `"as-shaped"`, or `{ curvature = [k1, k2], twist = k3 }`.
-#[derive(Debug, Clone, Copy, Default)]
+/// The stress-free state: `"straight"`, `"as-shaped"`, `{ curvature = [k1, k2], twist = k3 }`, or `{ table = file }`.
+#[derive(Debug, Clone, Default)]
 pub(super) enum NaturalText {
     #[default]
     Straight,
     AsShaped,
     Uniform(UniformText),
+    Table(PathBuf),
 }
 
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct UniformText {
-    #[serde(default)]
-    pub curvature: List<f64, 2>,
-    #[serde(default)]
+    pub curvature: [f64; 2],
     pub twist: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StrainsText {
+    curvature: Option<List<f64, 2>>,
+    twist: Option<f64>,
+    table: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -186,7 +193,7 @@ impl<'de> Visitor<'de> for NaturalVisitor {
     type Value = NaturalText;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("\"straight\", \"as-shaped\", or { curvature = [k1, k2], twist = k3 }")
+        f.write_str("\"straight\", \"as-shaped\", { curvature = [k1, k2], twist = k3 }, or { table = file }")
     }
 
     fn visit_str<E: Error>(self, value: &str) -> Result<NaturalText, E> {
@@ -198,7 +205,15 @@ impl<'de> Visitor<'de> for NaturalVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<NaturalText, A::Error> {
-        UniformText::deserialize(MapAccessDeserializer::new(map)).map(NaturalText::Uniform)
+        let text = StrainsText::deserialize(MapAccessDeserializer::new(map))?;
+        match (text.table, text.curvature, text.twist) {
+            (Some(table), None, None) => Ok(NaturalText::Table(table)),
+            (Some(_), ..) => Err(A::Error::custom("a table gives all natural strains: remove curvature and twist")),
+            (None, curvature, twist) => {
+                let curvature = curvature.unwrap_or_default().0;
+                Ok(NaturalText::Uniform(UniformText { curvature, twist: twist.unwrap_or_default() }))
+            }
+        }
     }
 }
 

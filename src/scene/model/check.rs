@@ -2,7 +2,7 @@
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::rod::{Natural, Rod};
+use crate::rod::Rod;
 
 use super::{ContactLaw, Model, NodeRef, Pose, Ramp, Stage};
 
@@ -293,6 +293,9 @@ impl Model {
                 let reason = format!("planar = true, but {what} at node {node}");
                 Err(inconsistent(&format!("rods.{}", rod.name), &reason))
             };
+            if rod.stiffness.is_some() {
+                return refuse(0, "the full stiffness may couple bending in the plane with that out of it: found");
+            }
             for (i, (position, frame)) in rod.positions.iter().zip(&rod.frames).enumerate() {
                 if (position.z - plane).abs() > TOL_PLANE * rod.length {
                     return refuse(i, &format!("z = {} is not {plane}", position.z));
@@ -304,10 +307,10 @@ impl Model {
                 if !rod.section.is_isotropic() && d1_z.min(1.0 - d1_z) > TOL_PLANE {
                     return refuse(i, "neither d1 nor d2 of the anisotropic section is normal to the plane");
                 }
-                if let Natural::Uniform { kappa } = rod.natural {
-                    let natural = frame * Vec3::from(kappa);
-                    if natural.xy().norm() > TOL_PLANE * natural.norm() {
-                        return refuse(i, "the natural curvature or twist turns out of the x-y plane");
+                if let Some([g1, g2, g3, k1, k2, k3]) = rod.natural.at(rod.arc_of_node(i)) {
+                    let (natural, along) = (frame * Vec3::new(k1, k2, k3), frame * Vec3::new(g1, g2, g3));
+                    if natural.xy().norm() > TOL_PLANE * natural.norm() || along.z.abs() > TOL_PLANE {
+                        return refuse(i, "the natural curvature, twist or shear turns out of the x-y plane");
                     }
                 }
             }

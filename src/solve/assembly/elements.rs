@@ -64,7 +64,7 @@ impl Engine {
         let nodes = self.element_nodes(state, element);
         let mut out = ElementOutput::default();
         let reference = self.reference[element.rod].of(e);
-        evaluate(&self.body(element.rod), &nodes, &reference, predicted, tangent, &mut out);
+        evaluate(&self.body(e), &nodes, &reference, predicted, tangent, &mut out);
         out
     }
 
@@ -103,8 +103,8 @@ impl Engine {
     pub(crate) fn actual_stress(&self, state: &State) -> Vec<[Six; 3]> {
         let stress = |e: usize| -> [Six; 3] {
             let strain = self.element_strain(e, state);
-            let material = &self.material[self.elements[e].rod];
-            strain.map(|six| std::array::from_fn(|i| material[i] * six[i]))
+            let material = self.body(e).material;
+            std::array::from_fn(|g| material.stress(g, &strain[g]))
         };
         self.install(|| parallel::map(self.elements.len(), GRAIN, &stress))
     }
@@ -122,7 +122,7 @@ impl Engine {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let local = self.local_increment(element, increment);
-        element::predicted_stress(&self.body(element.rod), &nodes, &self.reference[element.rod].of(e), &local)
+        element::predicted_stress(&self.body(e), &nodes, &self.reference[element.rod].of(e), &local)
     }
 
     /// Increment of the element's own nodes.
@@ -150,7 +150,7 @@ impl Engine {
                 let force = |k: usize| {
                     let element: &Element = &batch[k];
                     element::surprise_force(
-                        &self.body(element.rod),
+                        &self.body(batch_index * BATCH + k),
                         &self.element_nodes(state, element),
                         &self.element_nodes(moved, element),
                         &self.local_increment(element, increment),

@@ -129,7 +129,7 @@ impl Parameter {
         let (axis, last) = (engine.seam_axis(state, rod), 6 * engine.model.rods[rod].order + 3);
         (0..3).for_each(|k| local[last + k] += TAU * by * axis[k]);
         let nodes = engine.element_nodes(state, element);
-        stress[e] = predicted_stress(&engine.body(rod), &nodes, &engine.reference[rod].of(e), &local);
+        stress[e] = predicted_stress(&engine.body(e), &nodes, &engine.reference[rod].of(e), &local);
         stress
     }
 }

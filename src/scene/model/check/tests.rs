@@ -1,5 +1,5 @@
 use super::*;
-use crate::rod::{Section, Shape};
+use crate::rod::{Natural, Section, Shape};
 use crate::scene::{Contact, LineLoad, NodeLoad, Support};
 
 const START: NodeRef = NodeRef { rod: 0, node: 0 };

@@ -1,0 +1,282 @@
+//! From a base sequence and a table of base-pair steps to a rod: natural strains and stiffness along s, nm and pN.
+//!
+//! A step between two base pairs has six parameters: tilt, roll, twist (degrees) and shift, slide, rise (Å), in the
+//! convention of El Hassan & Calladine (1995, J. Mol. Biol. 251:648) that 3DNA uses. A table gives their means and a
+//! symmetric 6×6 of force constants (kT/deg², kT/(deg Å), kT/Å²) for each pair of bases.
+//!
+//! The rod's frame is that of the base pairs: d1 to the major groove, d2 to the strand that is read, d3 along the helix; so
+//! Γ1 Γ2 Γ3 are shift, slide, rise and K1 K2 K3 tilt, roll, twist, per reference length. Base pair k lies at s = k h, h
+//! the mean rise. Within a step natural strains are constant, such that the rod at rest passes exactly through all base
+//! pairs at rest. Its stiffness is C = F h with the force constants F, in pN and nm: deviations of step parameters are
+//! taken for h times those of the strains. The two agree to first order in the angles of a step; a bend that keeps its
+//! direction in space, as in a ring, costs both the same.
+//!
+//! A node a base pair suffices. Finer meshes resolve how shift and slide move the centres of base pairs to and fro, which
+//! is sharper than the strand is thick: with contact on, such a mesh finds the strand in itself and does not come to rest.
+
+use std::path::Path;
+
+use crate::dna::THERMAL_ENERGY;
+use crate::error::InputError;
+use crate::math::{Mat3, Quat, Vec3};
+use crate::rod::{Along, NaturalStrains, Stiffness, check_stiffness};
+use crate::text::{Table, read_regular};
+
+/// Names of the parameters, in their order.
+const PARAMETERS: [&str; 6] = ["tilt", "roll", "twist", "shift", "slide", "rise"];
+const BASES: [char; 4] = ['A', 'C', 'G', 'T'];
+/// Parameters that change their sign when a step is read along the other strand: tilt and shift.
+const SIGNS: [f64; 6] = [-1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
+/// Length unit of the translations in nm.
+const ANGSTROM: f64 = 0.1;
+
+/// Means and force constants of one step, in the order tilt, roll, twist, shift, slide, rise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Means: degrees and Å.
+    pub mean: [f64; 6],
+    /// Force constants: kT/deg², kT/(deg Å), kT/Å². Symmetric, positive definite.
+    pub stiffness: [[f64; 6]; 6],
+}
+
+impl Step {
+    /// The same step read along the other strand.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self {
+            mean: std::array::from_fn(|i| SIGNS[i] * self.mean[i]),
+            stiffness: std::array::from_fn(|i| std::array::from_fn(|j| SIGNS[i] * SIGNS[j] * self.stiffness[i][j])),
+        }
+    }
+
+    /// Rotation and displacement (nm) from one base pair to the next, in the frame of the first.
+    #[must_use]
+    pub fn pose(&self) -> (Quat, Vec3) {
+        let [tilt, roll, twist] = [0, 1, 2].map(|i| self.mean[i].to_radians());
+        let (bend, phase) = (roll.hypot(tilt), tilt.atan2(roll));
+        let about = |axis: Vec3, angle: f64| Quat::from_scaled_axis(axis * angle);
+        let (first, hinge) = (about(Vec3::z(), 0.5 * twist - phase), about(Vec3::y(), 0.5 * bend));
+        let middle = first * hinge * about(Vec3::z(), phase);
+        let turn = first * hinge * hinge * about(Vec3::z(), 0.5 * twist + phase);
+        (turn, middle * Vec3::new(self.mean[3], self.mean[4], self.mean[5]) * ANGSTROM)
+    }
+
+    /// Strains that are constant over a length `spacing` (nm) and lead from one base pair to the next.
+    fn natural(&self, spacing: f64) -> NaturalStrains {
+        let (turn, shift) = self.pose();
+        let rotation = turn.scaled_axis();
+        let (angle, cross) = (rotation.norm(), rotation.cross_matrix());
+        // mean of exp(u θ×) over u from 0 to 1
+        let mean = if angle < 1e-4 {
+            Mat3::identity() + cross * 0.5 + cross * cross / 6.0
+        } else {
+            let (sin, cos) = angle.sin_cos();
+            Mat3::identity() + cross * ((1.0 - cos) / angle.powi(2)) + cross * cross * ((angle - sin) / angle.powi(3))
+        };
+        // a rotation of less than a turn leaves the mean invertible
+        let along = mean.try_inverse().map_or(shift, |inverse| inverse * shift) / spacing;
+        let kappa = rotation / spacing;
+        [along.x, along.y, along.z, kappa.x, kappa.y, kappa.z].into()
+    }
+
+    /// Stiffness of the rod, pN and nm.
+    fn section(&self, spacing: f64) -> Stiffness {
+        let unit = |i: usize| if i < 3 { 1f64.to_degrees() } else { 1.0 / ANGSTROM };
+        let of_strain = |i: usize| (i + 3) % 6;
+        Stiffness::from_fn(|i, j| {
+            let (i, j) = (of_strain(i), of_strain(j));
+            THERMAL_ENERGY * spacing * self.stiffness[i][j] * unit(i) * unit(j)
+        })
+    }
+}
+
+/// A table of the sixteen steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steps([[Step; 4]; 4]);
+
+impl Steps {
+    /// "IdealDNA", the same for all sequences: straight and isotropic; twist 34.2857°, rise 3.4 Å, .0427 kT/deg² for
+    /// tilt and roll, .0597 kT/deg² for twist, 20 kT/Å² for all translations (the values of emDNA, github.com/nicocvn/emDNA).
+    #[must_use]
+    pub fn ideal() -> Self {
+        let constants = [0.0427, 0.0427, 0.0597, 20.0, 20.0, 20.0];
+        let stiffness = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { constants[i] } else { 0.0 }));
+        Self([[Step { mean: [0.0, 0.0, 34.2857, 0.0, 0.0, 3.4], stiffness }; 4]; 4])
+    }
+
+    /// Steps in crystals of B-DNA with proteins: Olson, Gorin, Lu, Hock & Zhurkin (1998), PNAS 95:11163. Force constants
+    /// as two programs give them that cite the paper, means as one does; the file says which.
+    ///
+    /// # Errors
+    /// None: the table is part of the library.
+    pub fn protein_dna_1998() -> Result<Self, InputError> {
+        Self::named("protein_dna_1998.csv", include_str!("protein_dna_1998.csv"))
+    }
+
+    /// Reads a table: CSV with the columns `step` (two letters), `tilt`, `roll`, `twist`, `shift`, `slide`, `rise`, and
+    /// force constants, each named by two of these: `roll_roll`, `roll_twist` … Those left out are 0. A step that is not
+    /// there is taken from that of the other strand (`TT` from `AA`).
+    ///
+    /// # Errors
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for columns that are unknown
+    /// or missing, letters other than A, C, G, T, steps that are there twice or not at all, force constants that are not
+    /// positive definite.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        Self::named(&path.display().to_string(), &read_regular(path)?)
+    }
+
+    fn named(file: &str, text: &str) -> Result<Self, InputError> {
+        Self::parse(text).map_err(|reason| InputError::Parse { file: file.to_owned(), reason })
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        let table = Table::parse_with(text, Some("step"))?;
+        let index = |name: &str| PARAMETERS.iter().position(|parameter| *parameter == name);
+        let means = PARAMETERS.map(|name| table.column(name).ok_or(name));
+        if let Some(missing) = means.iter().find_map(|found| found.err()) {
+            return Err(format!("line {}: there is no column {missing}", table.head));
+        }
+        let entry = |name: &str| name.split_once('_').and_then(|(a, b)| Some((index(a)?, index(b)?)));
+        let constants = table.columns(&PARAMETERS, entry, "or two of them such as roll_twist")?;
+        let mut found = [[None; 4]; 4];
+        for ((line, row), word) in table.rows.iter().zip(&table.words) {
+            let refuse = |reason: String| format!("line {line}: step {word}: {reason}");
+            let bases: Vec<usize> = word.chars().filter_map(base).collect();
+            let [a, b] = bases[..] else { return Err(refuse("must be two of the letters A, C, G, T".to_owned())) };
+            let mut step = Step { mean: means.map(|column| row[column.unwrap_or_default()]), stiffness: [[0.0; 6]; 6] };
+            for &(column, (i, j)) in &constants {
+                (step.stiffness[i][j], step.stiffness[j][i]) = (row[column], row[column]);
+            }
+            InputError::positive("rise", step.mean[5]).map_err(|error| refuse(error.to_string()))?;
+            let matrix = Stiffness::from_fn(|i, j| step.stiffness[i][j]);
+            check_stiffness("force constants", &matrix).map_err(|error| refuse(error.to_string()))?;
+            if found[a][b].replace(step).is_some() {
+                return Err(refuse("is there twice".to_owned()));
+            }
+        }
+        let of = |a: usize, b: usize| {
+            let other = || found[3 - b][3 - a].map(|step: Step| step.reversed());
+            found[a][b].or_else(other).ok_or_else(|| format!("there is no step {}{}", BASES[a], BASES[b]))
+        };
+        let mut steps = Self::ideal();
+        for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
+            steps.0[a][b] = of(a, b)?;
+        }
+        Ok(steps)
+    }
+}
+
+/// Index of a base among [`BASES`]; complements are mirrored.
+fn base(letter: char) -> Option<usize> {
+    BASES.iter().position(|known| letter.eq_ignore_ascii_case(known))
+}
+
+/// A sequence of bases, of the strand that is read from 5′ to 3′.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sequence(Vec<u8>);
+
+/// A sequence as a rod: what [`Rod`](crate::rod::Rod) takes, in nm and pN.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Helix {
+    /// Natural strains, for [`Natural::Varying`](crate::rod::Natural).
+    pub natural: Along<NaturalStrains>,
+    /// Stiffness, for [`Rod::with_stiffness`](crate::rod::Rod::with_stiffness).
+    pub stiffness: Along<Stiffness>,
+    /// Length of the rod, nm: steps × mean rise.
+    pub length: f64,
+    /// Turns of the natural twist, ∫ K3 ds/2π: where a ring is free of twist.
+    pub turns: f64,
+}
+
+impl Sequence {
+    /// A sequence from letters; blanks and line ends do not count, upper and lower case are alike.
+    ///
+    /// # Errors
+    /// [`InputError::Name`] for other letters, with their place; [`InputError::Count`] for fewer than two bases.
+    ///
+    /// ```
+    /// use supercoil::dna::sequence::{Sequence, Steps};
+    /// let helix = Sequence::parse("GATTACA GATTACA")?.helix(&Steps::ideal(), true)?; // a ring: 14 base pairs, 14 steps
+    /// assert!((helix.length - 14.0 * 0.34).abs() < 1e-12);
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    pub fn parse(text: &str) -> Result<Self, InputError> {
+        let mut bases = Vec::new();
+        for letter in text.chars().filter(|c| !c.is_whitespace()) {
+            let Some(base) = base(letter) else {
+                let field = format!("sequence, base {}", bases.len() + 1);
+                let allowed = "A, C, G or T".to_owned();
+                return Err(InputError::Name { field, name: letter.to_string(), allowed });
+            };
+            bases.push(base as u8);
+        }
+        if bases.len() < 2 {
+            let field = "number of bases".to_owned();
+            return Err(InputError::Count { field, value: bases.len(), allowed: "at least 2" });
+        }
+        Ok(Self(bases))
+    }
+
+    /// Reads a FASTA file of one sequence: lines that begin with `>` or `;` are its name or comments.
+    ///
+    /// # Errors
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] for a second sequence and for letters that are no
+    /// bases, with their line.
+    pub fn read_fasta(path: &Path) -> Result<Self, InputError> {
+        let text = read_regular(path)?;
+        let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
+        let mut letters = String::new();
+        for (number, line) in (1..).zip(text.lines()) {
+            if line.starts_with('>') && !letters.is_empty() {
+                return Err(refuse(format!("line {number}: a second sequence: one is read")));
+            }
+            if line.starts_with(['>', ';']) {
+                continue;
+            }
+            if let Some(letter) = line.chars().find(|c| !c.is_whitespace() && base(*c).is_none()) {
+                return Err(refuse(format!("line {number}: \"{letter}\" is no base: A, C, G or T expected")));
+            }
+            letters.push_str(line);
+        }
+        Self::parse(&letters).map_err(|error| refuse(error.to_string()))
+    }
+
+    /// Number of bases.
+    #[must_use]
+    pub fn num_bases(&self) -> usize {
+        self.0.len()
+    }
+
+    /// The letters, upper case.
+    #[must_use]
+    pub fn letters(&self) -> String {
+        self.0.iter().map(|&base| BASES[usize::from(base)]).collect()
+    }
+
+    /// The steps from base pair to base pair; of a closed molecule also the one from the last to the first.
+    fn steps<'a>(&'a self, steps: &'a Steps, closed: bool) -> impl Iterator<Item = &'a Step> {
+        let count = self.0.len();
+        let number = if closed { count } else { count - 1 };
+        (0..number).map(move |k| &steps.0[usize::from(self.0[k])][usize::from(self.0[(k + 1) % count])])
+    }
+
+    /// The molecule as a rod, one constant piece a step.
+    ///
+    /// # Errors
+    /// None with a table that was read here.
+    pub fn helix(&self, steps: &Steps, closed: bool) -> Result<Helix, InputError> {
+        let count = self.steps(steps, closed).count();
+        let rise: f64 = self.steps(steps, closed).map(|step| step.mean[5]).sum();
+        let length = rise * ANGSTROM;
+        let spacing = length / count as f64;
+        let ends: Vec<f64> = (1..=count).map(|k| length * (k as f64 / count as f64)).collect();
+        let natural: Vec<_> = self.steps(steps, closed).map(|step| step.natural(spacing)).collect();
+        let stiffness = self.steps(steps, closed).map(|step| step.section(spacing)).collect();
+        let turns = natural.iter().map(|strains| strains[5]).sum::<f64>() * spacing / std::f64::consts::TAU;
+        let (natural, stiffness) = (Along::pieces(ends.clone(), natural)?, Along::pieces(ends, stiffness)?);
+        Ok(Helix { natural, stiffness, length, turns })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+use super::*;
+
+/// Strains that a rod is at rest with lead exactly from base pair to base pair, whatever the step.
+#[test]
+fn the_rod_at_rest_passes_through_the_base_pairs() {
+    let sequence = Sequence::parse("ACGTTGCAATCCGGA").unwrap();
+    let steps = Steps::protein_dna_1998().unwrap();
+    let helix = sequence.helix(&steps, false).unwrap();
+    let (mut frame, mut position) = (Quat::identity(), Vec3::zeros());
+    let (mut turned, mut moved) = (frame, position);
+    let spacing = helix.length / 14.0;
+    for (k, step) in sequence.steps(&steps, false).enumerate() {
+        let (turn, shift) = step.pose();
+        position += frame * shift;
+        frame *= turn;
+        let strains = helix.natural.at((k as f64 + 0.5) * spacing);
+        let parts = 20_000;
+        for part in 0..parts {
+            let h = spacing / f64::from(parts);
+            let middle = Quat::from_scaled_axis(strains.fixed_rows::<3>(3) * (h * (f64::from(part) + 0.5)));
+            moved += turned * (middle * Vec3::from(strains.fixed_rows::<3>(0))) * h;
+        }
+        turned *= Quat::from_scaled_axis(strains.fixed_rows::<3>(3) * spacing);
+        assert!(turned.angle_to(&frame) < 1e-12 && (moved - position).norm() < 1e-9, "{k}: {moved} {position}");
+    }
+    assert!((helix.length - 14.0 * 0.335).abs() < 0.2 && (helix.turns - 1.3).abs() < 0.1, "{helix:?}");
+}
+
+/// Half a turn about the dyad, x → x, y → −y, z → −z and back: both strands tell the same step.
+#[test]
+fn a_step_read_along_the_other_strand_is_the_same_step() {
+    let steps = Steps::protein_dna_1998().unwrap();
+    let dyad = Quat::from_axis_angle(&Vec3::x_axis(), std::f64::consts::PI);
+    for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
+        let ((turn, shift), (back, shift_back)) = (steps.0[a][b].pose(), steps.0[3 - b][3 - a].pose());
+        assert!((dyad * turn.inverse() * dyad.inverse()).angle_to(&back) < 1e-12, "{a} {b}");
+        assert!((dyad * (turn.inverse() * -shift) - shift_back).norm() < 1e-12, "{a} {b}");
+    }
+}
+
+#[test]
+fn ideal_dna_has_its_stiffnesses() {
+    let helix = Sequence::parse("AC").unwrap().helix(&Steps::ideal(), true).unwrap();
+    let c = helix.stiffness.at(0.1) / THERMAL_ENERGY;
+    let expected = [680.0 * 0.34 / 0.34 * 1.0, 680.0, 680.0, 47.6598, 47.6598, 66.6344];
+    for i in 0..6 {
+        assert!((c[(i, i)] / expected[i] - 1.0).abs() < 1e-6, "{i}: {}", c[(i, i)]);
+    }
+    assert_eq!(helix.natural.at(0.1).as_slice()[..3], [0.0, 0.0, 1.0]);
+    assert!((helix.turns - 2.0 * 34.2857 / 360.0).abs() < 1e-12);
+}
+
+/// Means and some constants as the paper's table has them.
+#[test]
+fn the_table_of_1998() {
+    let steps = Steps::protein_dna_1998().unwrap();
+    let of = |word: &str| {
+        let bases: Vec<usize> = word.chars().filter_map(base).collect();
+        steps.0[bases[0]][bases[1]]
+    };
+    assert_eq!(of("CG").mean, [0.0, 5.4, 36.1, 0.0, 0.41, 3.39]);
+    assert_eq!(of("TT").mean, [1.4, 0.7, 35.1, 0.03, -0.08, 3.27]);
+    assert_eq!((of("TG").stiffness[0][2], of("CA").stiffness[2][0]), (0.016, -0.016));
+    assert_eq!(of("TC").stiffness[3][4], -1.75);
+}
+
+#[test]
+fn fasta_and_letters() {
+    let folder = std::env::temp_dir().join(format!("supercoil_fasta_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("a.fasta");
+    let read = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        Sequence::read_fasta(&file).map_err(|error| error.to_string())
+    };
+    assert_eq!(read(">pX some plasmid\nACgt\n\nTT\r\n").unwrap().letters(), "ACGTTT");
+    let refused = read(">pX\nACGT\nACNT\n").unwrap_err();
+    assert!(refused.ends_with("a.fasta: line 3: \"N\" is no base: A, C, G or T expected"), "{refused}");
+    assert!(read(">a\nACGT\n>b\nAC\n").unwrap_err().ends_with("line 3: a second sequence: one is read"));
+    assert!(read(">a\nA\n").unwrap_err().ends_with("number of bases = 1: must be at least 2"));
+    std::fs::remove_dir_all(&folder).unwrap();
+    let refused = Sequence::parse("ACXT").unwrap_err().to_string();
+    assert_eq!(refused, "sequence, base 3 = \"X\": must be A, C, G or T");
+}
+
+#[test]
+fn bad_tables_are_refused() {
+    let head =
+        "step,tilt,roll,twist,shift,slide,rise,tilt_tilt,roll_roll,twist_twist,shift_shift,slide_slide,rise_rise";
+    let row = "0,0,34,0,0,3.4,.04,.04,.06,20,20,20";
+    let all = "AA AC AG AT CA CC CG GA GC TA".split(' ').map(|step| format!("{step},{row}\n")).collect::<String>();
+    assert!(Steps::parse(&format!("{head}\n{all}")).is_ok());
+    for (text, reason) in [
+        (format!("{head}\nAA,{row}"), "there is no step AC".to_owned()),
+        (format!("{head}\nAN,{row}"), "line 2: step AN: must be two of the letters A, C, G, T".to_owned()),
+        (format!("{head}\nAA,{row}\nAA,{row}"), "line 3: step AA: is there twice".to_owned()),
+        (
+            format!("{head}\nAA,0,0,34,0,0,3.4,.04,-.04,.06,20,20,20"),
+            "line 2: step AA: force constants[1][1] = -0.04".into(),
+        ),
+        (
+            format!("{head},roll_twist\nAA,{row},.05"),
+            "line 2: step AA: force constants: is not positive definite".into(),
+        ),
+        (format!("{head},roll_twits\nAA,{row},.05"), "line 1: unknown column \"roll_twits\"".into()),
+        ("step,tilt,roll,twist,shift,slide\n".into(), "line 1: there is no column rise".into()),
+        ("tilt,roll\n".into(), "line 1: the first column must be step, found tilt".into()),
+    ] {
+        let found = Steps::parse(&text).unwrap_err();
+        assert!(found.starts_with(&reason), "{found}");
+    }
+}

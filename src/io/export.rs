@@ -1,0 +1,75 @@
+//! The base pairs of a run that has been: from the files in its folder.
+
+use std::path::Path;
+
+use crate::dna::RISE;
+use crate::error::InputError;
+use crate::io::base_pairs::{BasePairs, Nodes};
+use crate::io::csv::read_state;
+use crate::text::read_regular;
+
+/// What of `summary.json` tells how nodes make a rod.
+#[derive(serde::Deserialize)]
+struct Summary {
+    units: crate::scene::Units,
+    rods: Vec<RodHead>,
+    #[serde(rename = "final")]
+    last: Option<Last>,
+}
+
+#[derive(serde::Deserialize)]
+struct RodHead {
+    name: String,
+    length: f64,
+    closed: bool,
+    order: usize,
+}
+
+#[derive(serde::Deserialize)]
+struct Last {
+    links: Vec<Link>,
+}
+
+#[derive(serde::Deserialize)]
+struct Link {
+    rod: usize,
+    link: f64,
+}
+
+/// Base pairs of the final state in the folder of a run: of the rod called `rod` (the only one needs no name), `count` of
+/// them; if not given, as many as its length has at [`RISE`].
+///
+/// # Errors
+/// Files that are missing or unreadable; several rods and no name, or a name that none has; a unit of length that is not
+/// nm; see [`BasePairs::along`].
+pub fn base_pairs(dir: &Path, rod: Option<&str>, count: Option<usize>) -> Result<BasePairs, InputError> {
+    let file = dir.join("summary.json");
+    let refuse = |e: serde_json::Error| InputError::Parse { file: file.display().to_string(), reason: e.to_string() };
+    let summary: Summary = serde_json::from_str(&read_regular(&file)?).map_err(refuse)?;
+    if summary.units.length != "nm" {
+        let (field, name) = ("units.length of the scene".to_owned(), summary.units.length);
+        return Err(InputError::Name { field, name, allowed: "\"nm\": base pairs have a size".to_owned() });
+    }
+    let names = || summary.rods.iter().map(|rod| format!("\"{}\"", rod.name)).collect::<Vec<_>>().join(", ");
+    let index = match rod {
+        None if summary.rods.len() == 1 => Some(0),
+        None => None,
+        Some(name) => summary.rods.iter().position(|rod| rod.name == name),
+    };
+    let Some(index) = index else {
+        let (field, name) = ("rod".to_owned(), rod.unwrap_or_default().to_owned());
+        return Err(InputError::Name { field, name, allowed: format!("one of {}", names()) });
+    };
+    let head = &summary.rods[index];
+    let links = summary.last.as_ref().map_or(&[][..], |last| &last.links);
+    let link = links.iter().find(|link| link.rod == index).map_or(0.0, |link| link.link);
+    let states = read_state(&dir.join("final_state.csv"))?;
+    let Some(state) = states.get(index) else {
+        let reason = format!("final_state.csv has {} rods, summary.json {}", states.len(), summary.rods.len());
+        return Err(InputError::Inconsistent { field: dir.display().to_string(), reason });
+    };
+    let by_length = (head.length / RISE).round() as usize + usize::from(!head.closed);
+    let (positions, frames) = (&state.positions, &state.frames);
+    let nodes = Nodes { positions, frames, order: head.order, closed: head.closed.then_some(link) };
+    BasePairs::along(&nodes, count.unwrap_or(by_length))
+}

@@ -1,0 +1,264 @@
+//! What varies along a rod: constant, constant pieces, points with straight lines between them, or a function.
+
+use std::fmt;
+use std::ops::{Add, Mul};
+use std::sync::Arc;
+
+use crate::error::InputError;
+use crate::math::quadrature::Rule;
+
+/// Vectors and matrices of numbers, which can be averaged.
+pub trait Values: Copy + PartialEq + Add<Output = Self> + Mul<f64, Output = Self> + Send + Sync + 'static {}
+
+impl<T: Copy + PartialEq + Add<Output = T> + Mul<f64, Output = T> + Send + Sync + 'static> Values for T {}
+
+/// Agreement of the end of a table with the length of its rod, relative: tables are written with few digits.
+const TOL_LENGTH: f64 = 1e-6;
+
+/// A quantity given along the reference arc length s of a rod, whatever the mesh. Clones share their data.
+///
+/// Elements take values at their integration points. Constant pieces are averaged over each point's share of its
+/// element, the parts of it that are as long as the weights: no piece is missed, and the integral along the rod is
+/// kept. Points and functions are evaluated there.
+///
+/// ```
+/// use supercoil::rod::Along;
+/// let twist = Along::pieces(vec![1.0, 3.0], vec![0.2, 0.5])?; // 0.2 up to s = 1, 0.5 up to s = 3
+/// assert_eq!((twist.at(0.5), twist.at(2.9)), (0.2, 0.5));
+/// let turning = Along::function(|s: f64| (2.0 * s).cos());
+/// assert_eq!(turning.at(0.0), 1.0);
+/// # Ok::<(), supercoil::InputError>(())
+/// ```
+#[derive(Clone)]
+pub struct Along<T>(Arc<Kind<T>>);
+
+enum Kind<T> {
+    Constant(T),
+    /// Value k holds up to end k.
+    Pieces(Vec<f64>, Vec<T>),
+    Points(Vec<f64>, Vec<T>),
+    Function(Box<dyn Fn(f64) -> T + Send + Sync>),
+}
+
+impl<T: Values> Along<T> {
+    /// The same all along.
+    pub fn constant(value: T) -> Self {
+        Self(Arc::new(Kind::Constant(value)))
+    }
+
+    /// Constant pieces: `values[k]` from the end of the piece before, or 0, to `ends[k]` \[L\]. The last end is the
+    /// length of the rod.
+    ///
+    /// # Errors
+    /// No piece, ends that do not increase from 0, other numbers of ends than of values.
+    pub fn pieces(ends: Vec<f64>, values: Vec<T>) -> Result<Self, InputError> {
+        check_lists("ends", &ends, values.len(), 1)?;
+        InputError::positive("ends[0]", ends[0])?;
+        Ok(Self(Arc::new(Kind::Pieces(ends, values))))
+    }
+
+    /// Points `arcs` \[L\] with straight lines between them. The first is 0, the last the length of the rod.
+    ///
+    /// # Errors
+    /// Fewer than two points, a first one that is not 0, arc lengths that do not increase, other numbers of arc lengths
+    /// than of values.
+    pub fn points(arcs: Vec<f64>, values: Vec<T>) -> Result<Self, InputError> {
+        check_lists("arcs", &arcs, values.len(), 2)?;
+        InputError::check("arcs[0]", arcs[0], arcs[0] == 0.0, "0, the start of the rod")?;
+        Ok(Self(Arc::new(Kind::Points(arcs, values))))
+    }
+
+    /// Any function of s \[L\]; it is asked for values from 0 to the length of the rod.
+    pub fn function(of_arc: impl Fn(f64) -> T + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Kind::Function(Box::new(of_arc))))
+    }
+
+    /// Whether it is the same all along, as far as it says so itself.
+    pub(crate) fn is_constant(&self) -> bool {
+        matches!(&*self.0, Kind::Constant(_))
+    }
+
+    /// Value at s; of pieces, at a joint, that of the later one. Beyond the ends the nearest value holds.
+    pub fn at(&self, s: f64) -> T {
+        match &*self.0 {
+            Kind::Constant(value) => *value,
+            Kind::Pieces(ends, values) => values[piece(ends, s)],
+            Kind::Points(arcs, values) => {
+                let after = arcs.partition_point(|arc| *arc <= s).clamp(1, arcs.len() - 1);
+                let (from, to) = (arcs[after - 1], arcs[after]);
+                let part = ((s - from) / (to - from)).clamp(0.0, 1.0);
+                values[after - 1] * (1.0 - part) + values[after] * part
+            }
+            Kind::Function(of_arc) => of_arc(s),
+        }
+    }
+
+    /// Values at the integration points of the element that begins at `start` and has length `length`; entries beyond
+    /// the rule's points repeat the first.
+    pub(crate) fn on_element(&self, start: f64, length: f64, rule: &Rule) -> [T; 3] {
+        let mut from = start;
+        let mut out = [None; 3];
+        for (g, (point, weight)) in rule.points.iter().zip(rule.weights).enumerate() {
+            let to = from + weight * length;
+            out[g] = Some(match &*self.0 {
+                Kind::Pieces(ends, values) => mean(ends, values, from, to),
+                _ => self.at(start + point * length),
+            });
+            from = to;
+        }
+        out.map(|value| value.or(out[0]).unwrap_or_else(|| self.at(start)))
+    }
+
+    /// Mean over a rod of length `length`; of a function, over so many samples that it serves for scales.
+    pub(crate) fn mean(&self, length: f64) -> T {
+        match &*self.0 {
+            Kind::Constant(value) => *value,
+            Kind::Pieces(ends, values) => mean(ends, values, 0.0, length),
+            Kind::Points(arcs, values) => {
+                let trapezium = |k: usize| (values[k] + values[k + 1]) * (0.5 * (arcs[k + 1] - arcs[k]) / length);
+                (1..arcs.len() - 1).map(trapezium).fold(trapezium(0), |sum, next| sum + next)
+            }
+            Kind::Function(of_arc) => {
+                let sample =
+                    |k: u32| of_arc(length * (f64::from(k) + 0.5) / f64::from(SAMPLES)) * f64::from(SAMPLES).recip();
+                (1..SAMPLES).map(sample).fold(sample(0), |sum, next| sum + next)
+            }
+        }
+    }
+
+    /// Refuses a table that ends elsewhere than the rod of length `length`; hands each of its values (those of a
+    /// function: at the integration points of so many elements) to `check`, with the arc length of it.
+    pub(crate) fn check(
+        &self,
+        field: &str,
+        length: f64,
+        (num_elements, rule): (usize, &Rule),
+        mut check: impl FnMut(f64, &T) -> Result<(), InputError>,
+    ) -> Result<(), InputError> {
+        match &*self.0 {
+            Kind::Constant(value) => check(0.0, value),
+            Kind::Pieces(arcs, values) | Kind::Points(arcs, values) => {
+                let end = arcs[arcs.len() - 1];
+                if (end - length).abs() > TOL_LENGTH * length {
+                    let reason = format!("ends at s = {end}, but the rod is {length} long");
+                    return Err(InputError::Inconsistent { field: field.to_owned(), reason });
+                }
+                arcs.iter().zip(values).try_for_each(|(arc, value)| check(*arc, value))
+            }
+            Kind::Function(of_arc) => {
+                let spacing = length / num_elements as f64;
+                let arcs = (0..num_elements).flat_map(|e| rule.points.iter().map(move |x| (e as f64 + x) * spacing));
+                arcs.into_iter().try_for_each(|s| check(s, &of_arc(s)))
+            }
+        }
+    }
+}
+
+/// Samples of a function for its mean, which serves for scales only.
+const SAMPLES: u32 = 1000;
+
+/// The piece that s lies in.
+fn piece(ends: &[f64], s: f64) -> usize {
+    ends.partition_point(|end| *end <= s).min(ends.len() - 1)
+}
+
+/// Mean of constant pieces from `from` to `to`; the last piece has no end.
+fn mean<T: Values>(ends: &[f64], values: &[T], from: f64, to: f64) -> T {
+    let (first, last) = (piece(ends, from), piece(ends, to));
+    let part = |k: usize| {
+        let begin = if k == first { from } else { ends[k - 1] };
+        let end = if k == last { to } else { ends[k] };
+        values[k] * ((end - begin) / (to - from))
+    };
+    if first == last { values[first] } else { (first + 1..=last).map(part).fold(part(first), |sum, next| sum + next) }
+}
+
+fn check_lists(name: &str, arcs: &[f64], num_values: usize, fewest: usize) -> Result<(), InputError> {
+    if arcs.len() < fewest {
+        let allowed = if fewest == 1 { "at least 1" } else { "at least 2" };
+        return Err(InputError::Count { field: format!("number of {name}"), value: arcs.len(), allowed });
+    }
+    if arcs.len() != num_values {
+        let (field, allowed) = ("number of values".to_owned(), "as many as arc lengths");
+        return Err(InputError::Count { field, value: num_values, allowed });
+    }
+    for (k, arc) in arcs.iter().enumerate() {
+        let increases = k == 0 || *arc > arcs[k - 1];
+        InputError::check(&format!("{name}[{k}]"), *arc, increases, "finite and greater than the one before")?;
+    }
+    Ok(())
+}
+
+impl<T> fmt::Debug for Along<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &*self.0 {
+            Kind::Constant(_) => f.write_str("Along::constant"),
+            Kind::Pieces(ends, _) => write!(f, "Along::pieces, {} of them", ends.len()),
+            Kind::Points(arcs, _) => write!(f, "Along::points, {} of them", arcs.len()),
+            Kind::Function(_) => f.write_str("Along::function"),
+        }
+    }
+}
+
+/// The same data; of functions, the very same one.
+impl<T: PartialEq> PartialEq for Along<T> {
+    fn eq(&self, other: &Self) -> bool {
+        match (&*self.0, &*other.0) {
+            _ if Arc::ptr_eq(&self.0, &other.0) => true,
+            (Kind::Constant(a), Kind::Constant(b)) => a == b,
+            (Kind::Pieces(s, a), Kind::Pieces(t, b)) | (Kind::Points(s, a), Kind::Points(t, b)) => s == t && a == b,
+            _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::quadrature::gauss;
+
+    #[test]
+    fn pieces_keep_their_integral_on_any_mesh() {
+        let ends = vec![0.3, 0.31, 1.7, 2.0];
+        let along = Along::pieces(ends.clone(), vec![1.0, -200.0, 3.0, 0.5]).unwrap();
+        let integral = 0.3 - 200.0 * 0.01 + 3.0 * 1.39 + 0.5 * 0.3;
+        for (order, elements) in [(1, 1), (1, 7), (2, 3), (3, 1), (3, 11)] {
+            let (rule, h) = (gauss(order), 2.0 / f64::from(elements));
+            let of = |e: i32| along.on_element(f64::from(e) * h, h, &rule);
+            let sum: f64 =
+                (0..elements).map(|e| of(e).iter().zip(rule.weights).map(|(v, w)| v * w * h).sum::<f64>()).sum();
+            assert!((sum - integral).abs() < 1e-13, "{order} {elements}: {sum}");
+        }
+        assert!((along.mean(2.0) - 0.5 * integral).abs() < 1e-14);
+        assert_eq!(along.on_element(0.4, 0.2, &gauss(3)), [3.0; 3]);
+        assert_eq!([0.0, 0.3, 0.305, 2.0, 5.0].map(|s| along.at(s)), [1.0, -200.0, -200.0, 0.5, 0.5]);
+    }
+
+    #[test]
+    fn points_and_functions_are_evaluated_at_the_points() {
+        let along = Along::points(vec![0.0, 1.0, 3.0], vec![2.0, 4.0, 0.0]).unwrap();
+        assert_eq!([-1.0, 0.0, 0.5, 2.0, 3.0, 9.0].map(|s| along.at(s)), [2.0, 2.0, 3.0, 2.0, 0.0, 0.0]);
+        assert!((along.mean(3.0) - 7.0 / 3.0).abs() < 1e-15);
+        let square = Along::function(|s: f64| s * s);
+        let (rule, found) = (gauss(3), square.on_element(1.0, 2.0, &gauss(3)));
+        for (value, x) in found.iter().zip(rule.points) {
+            assert!((value - (1.0 + 2.0 * x).powi(2)).abs() < 1e-14);
+        }
+        assert!((square.mean(3.0) - 3.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn bad_tables_are_refused() {
+        let message = |along: Result<Along<f64>, InputError>| along.unwrap_err().to_string();
+        assert_eq!(message(Along::pieces(vec![], vec![])), "number of ends = 0: must be at least 1");
+        assert_eq!(message(Along::points(vec![0.0], vec![1.0])), "number of arcs = 1: must be at least 2");
+        assert!(message(Along::pieces(vec![1.0, 1.0], vec![0.0; 2])).starts_with("ends[1] = 1: must be finite and g"));
+        assert!(message(Along::pieces(vec![1.0, f64::NAN], vec![0.0; 2])).starts_with("ends[1] = NaN"));
+        assert!(message(Along::pieces(vec![1.0, 2.0], vec![0.0; 3])).starts_with("number of values = 3"));
+        assert!(message(Along::pieces(vec![-1.0], vec![0.0])).starts_with("ends[0] = -1"));
+        assert!(message(Along::points(vec![0.1, 1.0], vec![0.0; 2])).starts_with("arcs[0] = 0.1: must be 0"));
+        let short = Along::pieces(vec![1.0], vec![0.0]).unwrap();
+        let refused = short.check("rods.a.natural", 2.0, (1, &gauss(1)), |_, _| Ok(())).unwrap_err().to_string();
+        assert_eq!(refused, "rods.a.natural: ends at s = 1, but the rod is 2 long");
+    }
+}

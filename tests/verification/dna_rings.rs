@@ -1,0 +1,71 @@
+//! Rings of DNA of the isotropic step model "IdealDNA" against emDNA, which minimises over rigid base pairs.
+//!
+//! Set-up: closed rings of 68 (Lk 6 and 7) and 104 base pairs (Lk 10), no contact; 256 cubic elements. References: the logs
+//! that emDNA ships (github.com/nicocvn/emDNA), all digits. The start, a flat circle with even twist, costs n/2 · (.0427
+//! (360/n)² + .0597 (360 Lk/n − 34.2857)²) kT in either model. At the minimum the twisted ring shears by M3 κ/GA, which
+//! lowers the energy by L (M3 κ)²/(2 GA) to first order. Of that, steps of 2π/n and a rod
+//! differ by about (π/n)²/3: tolerance (π/n)²/2. Mean tilt and roll energies are equal in a ring whose helix
+//! turns many times: bending energy is compared with their sum.
+
+use crate::common;
+
+use common::{history, verify};
+use supercoil::dna::THERMAL_ENERGY;
+use supercoil::dna::sequence::{Sequence, Steps};
+use supercoil::math::Vec3;
+use supercoil::math::quadrature::gauss;
+use supercoil::observe::strains;
+use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::scene::{Contact, Model};
+use supercoil::solve::{Drive, Options, Solver, Status};
+
+fn ring(base_pairs: usize, link: f64) -> Solver {
+    let helix = Sequence::parse(&"A".repeat(base_pairs)).unwrap().helix(&Steps::ideal(), true).unwrap();
+    let circle = Shape::Circle { length: helix.length, center: Vec3::zeros(), normal: Vec3::z() };
+    let section = Section::of_diagonal(&helix.stiffness.at(0.0), 0.0);
+    let rod = Rod::new("ring", &circle, true, section, 256, 3, Natural::Varying(helix.natural)).unwrap();
+    let excess = link - rod.natural_link();
+    let rod = rod.with_stiffness(helix.stiffness).unwrap().with_excess_link(excess).unwrap();
+    let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
+    Solver::new(model, Options::default()).unwrap()
+}
+
+/// Energies of translation, bending and twist, kT.
+fn energies(solver: &Solver) -> [f64; 3] {
+    let rod = &solver.engine().model().rods[0];
+    let (Natural::Varying(natural), rule) = (&rod.natural, gauss(3)) else { panic!("varying") };
+    let (fields, h) = (strains(solver.engine(), 0), rod.length / rod.num_elements as f64);
+    let mut sums = [0.0; 3];
+    for (k, (strain, stress)) in fields.strains.iter().zip(&fields.stresses).enumerate() {
+        let rest = natural.at(fields.arc_lengths[k]);
+        for i in 0..6 {
+            let part = 0.5 * rule.weights[k % 3] * h * stress[i] * (strain[i] - rest[i]) / THERMAL_ENERGY;
+            sums[[0, 0, 0, 1, 1, 2][i]] += part;
+        }
+    }
+    sums
+}
+
+#[test]
+fn rings_of_ideal_dna() {
+    for (base_pairs, link, start, least) in [
+        (68, 6.0, 53.590_802_175_7, 53.497_698_589_4),
+        (68, 7.0, 56.300_184_834_5, 56.187_527_031_1),
+        (104, 10.0, 26.942_807_891_4, 26.941_765_131_1),
+    ] {
+        let case = format!("IdealDNA, {base_pairs} bp, Lk {link}");
+        let mut solver = ring(base_pairs, link);
+        let found: f64 = energies(&solver).iter().sum();
+        verify(&case, "energy of the flat circle, kT", found, start, 1e-6);
+        let report = solver.settle(&Drive::default());
+        assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
+        let parts = energies(&solver);
+        println!("{case}: {} iterations, translation, bending, twist {parts:?}", report.iterations);
+        let steps = 0.5 * (std::f64::consts::PI / base_pairs as f64).powi(2) * (start - least);
+        verify(&case, "least energy, kT", parts.iter().sum(), least, steps);
+        if link == 6.0 {
+            verify(&case, "energy of bending, kT", parts[1], 20.345_125 + 20.344_983, 1e-3);
+            verify(&case, "energy of twist, kT", parts[2], 12.714_679, 1e-3);
+        }
+    }
+}
