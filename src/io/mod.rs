@@ -1,5 +1,6 @@
 //! Files and pictures: [`vtk`] (ParaView), `csv` (tables, points, states; feature `tables`), `picture` (shaded tubes,
-//! plots; feature `pictures`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run
+//! plots; feature `pictures`), `view` (a page to turn
+//! and step through, glTF; `view`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run
 //! that survives), `record` (all that a run leaves behind), `run` (a scene from start to files).
 
 #[cfg(feature = "runs")]
@@ -17,4 +18,6 @@ pub mod record;
 pub mod run;
 #[cfg(feature = "tables")]
 pub mod table;
+#[cfg(feature = "view")]
+pub mod view;
 pub mod vtk;

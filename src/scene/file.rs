@@ -99,6 +99,7 @@ use text::{SceneText, StagesText};
 /// node_every = 1                               # VTK: every so many nodes
 /// node_tolerance = 0.5                         # VTK: instead, leave out nodes within this distance of the line drawn
 /// picture = true
+/// view = true                                  # view.html: the steps that have a VTK file, to turn and to step through
 /// checkpoint_steps = 20                        # a checkpoint every so many accepted steps (default: by time only)
 /// checkpoint_seconds = 60.0                    # … and when the last is so many seconds old (default 60); 0: every step
 /// error_estimate = false                       # estimate the error of the final state (two more searches on twice the
@@ -164,6 +165,8 @@ pub struct OutputChoice {
     pub node_tolerance: Option<f64>,
     /// Draw pictures.
     pub picture: bool,
+    /// Write `view.html`, a page for the browser that shows the steps that have a VTK file; without `vtk` there is none.
+    pub view: bool,
     /// Write a checkpoint every so many accepted steps. Legal: ≥ 1.
     pub checkpoint_steps: Option<usize>,
     /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal:
@@ -183,6 +186,7 @@ impl Default for OutputChoice {
             node_every: 1,
             node_tolerance: None,
             picture: true,
+            view: true,
             checkpoint_steps: None,
             checkpoint_seconds: 60.0,
             error_estimate: false,
