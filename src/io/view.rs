@@ -157,6 +157,8 @@ impl Quantity {
     }
 }
 
+const FINITE: &str = "a finite number";
+
 /// Colours (sRGB) of rods one after the other.
 const STRANDS: [[u8; 3]; 6] =
     [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170], [188, 160, 62], [96, 158, 170]];
@@ -180,10 +182,10 @@ impl Film {
             .fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), point| {
                 (low.inf(point), high.sup(point))
             });
-        let radius = self.rods.iter().map(|rod| rod.radius).fold(f64::MIN_POSITIVE, f64::max);
         if low.x > high.x {
-            return (Vec3::zeros(), Mat3::identity(), radius);
+            return (Vec3::zeros(), Mat3::identity(), 1.0);
         }
+        let radius = self.rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
         let mut axes = principal_axes(points, true);
         let up = -axes.row(1);
         axes.set_row(1, &up);
@@ -210,10 +212,15 @@ impl Film {
                     ("twist", rod.twist.len()),
                 ];
                 lengths.into_iter().try_for_each(|(name, found)| count(field(name), found, num, "one a point"))?;
-                let vectors = rod.points.iter().chain(&rod.directions).flatten();
-                let numbers = rod.pressure.iter().chain(&rod.curvature).chain(&rod.twist);
-                let bad = vectors.chain(numbers).chain([&rod.seam_turns]).find(|value| !value.is_finite());
-                bad.map_or(Ok(()), |&value| InputError::check(&field("*"), value, false, "a finite number"))?;
+                for (name, vectors) in [("points", &rod.points), ("directions", &rod.directions)] {
+                    vectors.iter().flatten().try_for_each(|&x| InputError::check(&field(name), x, true, FINITE))?;
+                }
+                for (name, values) in
+                    [("pressure", &rod.pressure), ("curvature", &rod.curvature), ("twist", &rod.twist)]
+                {
+                    values.iter().try_for_each(|&x| InputError::check(&field(name), x, true, FINITE))?;
+                }
+                InputError::check(&field("seam_turns"), rod.seam_turns, true, FINITE)?;
             }
         }
         Ok(())

@@ -26,3 +26,4 @@ mod long_output;
 mod pictures;
 mod scene_files;
 mod survive;
+mod view;

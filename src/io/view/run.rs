@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::InputError;
-use crate::io::detail::within;
+use crate::io::detail::{BLOCK, within};
 use crate::io::record::{RodHead, SUMMARY, VIEW, step_of};
 use crate::io::vtk::{VtkData, read_vtp};
 use crate::math::Vec3;
@@ -135,13 +135,13 @@ fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
 
 /// A rod with at most `share` of its nodes, and the distance from the line drawn within which nodes were left out.
 fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
-    let most = ((share * data.points.len() as f64) as usize).max(2);
-    let (mut tolerance, mut kept) = (0.0, (0..data.points.len()).collect::<Vec<_>>());
-    while kept.len() > most && tolerance < f64::MAX {
+    let num = data.points.len();
+    // `within` keeps the ends of its blocks in any case
+    let most = ((share * num as f64) as usize).max(num.div_ceil(BLOCK) + 1);
+    let (mut tolerance, mut kept) = (0.0, (0..num).collect::<Vec<_>>());
+    while kept.len() > most {
         tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { TOLERANCE * radius };
-        let finer = within(&data.points, tolerance, usize::MAX);
-        // blocks keep their ends: where that is the most, every other node goes
-        kept = if finer.len() < kept.len() { finer } else { kept.into_iter().step_by(2).collect() };
+        kept = within(&data.points, tolerance, usize::MAX);
     }
     let empty = Vec::new();
     let numbers = |name: &str| data.scalars.get(name).unwrap_or(&empty);
