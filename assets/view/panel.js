@@ -15,14 +15,19 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
+/** Text of a number with a true minus; what rounds to zero has none. */
+function signed(text) {
+  const number = /[1-9]/.test(text.split("e")[0]) ? text : text.replace("-", "");
+  return number.replace("e+", "e").replaceAll("-", "−");
+}
+
 /** A number as people read it: plain where that shows its digits, else in powers of ten. */
 function readable(x, digits = 4) {
   if (x === null || x === undefined) return "–";
   if (x === 0) return "0";
   const size = Math.abs(x);
-  const text = size >= 1e-3 && size < 1e6 ? x.toFixed(Math.max(0, Math.min(digits, digits - Math.floor(Math.log10(size))))) : x.toExponential(2);
-  // rounding must not print as -0.00
-  return (/[1-9]/.test(text) ? text : text.replace("-", "")).replace("-", "−").replace(/e([+−-])/, (_, sign) => "e" + (sign === "+" ? "" : "−")).replace("e−-", "e−");
+  if (size < 1e-3 || size >= 1e6) return signed(x.toExponential(2));
+  return signed(x.toFixed(Math.max(0, Math.min(digits, digits - Math.floor(Math.log10(size))))));
 }
 
 /** Whether a column counts something. */
@@ -30,7 +35,8 @@ const counts = film.columns.map((_, k) => film.rows.every((row) => row[k] === nu
 
 /** A number of the table as text. */
 function cell(row, k, digits) {
-  return counts[k] && row[k] !== null ? String(row[k]).replace("-", "−") : readable(row[k], digits);
+  if (film.columns[k].unit === "turns" && row[k] !== null) return signed(row[k].toFixed(4));
+  return counts[k] && row[k] !== null ? signed(String(row[k])) : readable(row[k], digits);
 }
 
 const withUnit = ({ name, unit }) => (unit ? `${name}, ${unit}` : name);
@@ -49,7 +55,7 @@ function ticks(low, high, most) {
   const marks = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) marks.push(k * step);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const text = (x) => (Math.abs(x) >= 1e6 || (x !== 0 && step < 1e-4) ? x.toExponential(1) : x.toFixed(decimals)).replace("-", "−");
+  const text = (x) => signed(Math.abs(x) >= 1e6 || (x !== 0 && step < 1e-4) ? x.toExponential(1) : x.toFixed(decimals));
   return marks.map((x) => [x, text(Math.abs(x) < 1e-9 * step ? 0 : x)]);
 }
 

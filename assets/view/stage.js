@@ -13,6 +13,9 @@ const ARROW = 4.5;
 /** More arrows than this hide the rods: they are not shown until asked for. */
 const MANY_ARROWS = 60;
 
+/** Pixels at the top and the bottom that title and controls take. */
+const ABOVE = 80, BELOW = 125;
+
 const canvas = document.getElementById("canvas");
 const gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
 
@@ -165,9 +168,8 @@ function resize(width, height) {
   [stage.drawn, stage.depth] = attached.slice(2).map((a) => a.texture);
 }
 
-/** Points the camera so that all nodes of some frames are seen, from where it looks. */
+/** Points the camera so that all nodes of some frames are seen, from where it looks, clear of title and controls. */
 function fit() {
-  const middle = (low, high) => 0.5 * (low + high);
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
   for (const index of new Set([0, film.frames.length >> 1, view.frame])) {
     const { data } = frameNodes(index);
@@ -180,11 +182,14 @@ function fit() {
       }
     }
   }
-  const center = low.map((x, k) => (isFinite(x) ? middle(x, high[k]) : 0));
+  const any = isFinite(low[0]);
+  const center = low.map((x, k) => (any ? 0.5 * (x + high[k]) : 0));
+  const [width, height, depth] = low.map((x, k) => (any ? high[k] - x : 1));
+  const free = Math.max(canvas.clientHeight - ABOVE - BELOW, 100);
+  const perPixel = Math.max(height / free, width / (0.92 * canvas.clientWidth));
+  view.distance = 0.5 * LENS * perPixel * canvas.clientHeight + 0.5 * depth;
+  center[1] -= 0.5 * (BELOW - ABOVE) * perPixel;
   view.target = [0, 1, 2].map((k) => view.turn.reduce((sum, row, j) => sum + row[k] * center[j], 0));
-  const [width, height, depth] = low.map((x, k) => (isFinite(x) ? high[k] - x : 1));
-  const aspect = canvas.clientWidth / Math.max(canvas.clientHeight, 1);
-  view.distance = 0.56 * LENS * Math.max(height, width / aspect) + 0.5 * depth;
 }
 
 /** Uploads a frame if it is not the one on the card. */

@@ -1,9 +1,10 @@
 //! A run to be turned and stepped through: one page for the browser ([`Film::page`]), one glTF file for Blender, slides
 //! and viewers ([`Film::glb`]). [`of_run`] makes a film of the folder of a run (feature `runs`).
 //!
-//! The page needs no network and nothing beside it. It draws with WebGL 2 by some 600 lines of its own: rods are one
-//! instanced tube whose vertex shader bends it along the nodes, so a step is shown by uploading its nodes. A library
-//! (three.js) would bring 700 kB to every page and the same shader would still have to be written.
+//! The page needs no network and nothing beside it. It draws with WebGL 2 by itself, in 50 kB of text (`assets/view`):
+//! a rod is one instanced tube that its vertex shader bends along the nodes, so a step is shown by uploading its nodes.
+//! A library would not write that shader, which is the larger part of the work, and would bring more than all data of a
+//! usual run (three.js 0.187: 2.1 MB of source).
 
 mod glb;
 mod mesh;

@@ -181,8 +181,10 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
     if tolerance > 0.0 {
         let most = frames.iter().map(|frame| frame.rods.iter().map(|rod| rod.points.len()).sum::<usize>()).max();
         let (most, unit) = (most.unwrap_or(0), &units.length);
+        let tolerance =
+            if (1e-3..1e4).contains(&tolerance) { format!("{tolerance:.4}") } else { format!("{tolerance:.2e}") };
         notes.push(format!(
-            "{most} of {nodes} nodes are shown; those left out lie within {tolerance:.2e} {unit} of the line through the others."
+            "{most} of {nodes} nodes are shown; those left out lie within {tolerance} {unit} of the line through the others."
         ));
     }
     notes.join(" ")
