@@ -80,7 +80,7 @@ fn summary(dir: &Path) -> serde_json::Value {
 
 /// Both runs ended alike: bits of the state, tables, sites, list of VTK files, pictures.
 fn assert_same(a: &Path, b: &Path) {
-    for name in ["final_state.csv", "sites.csv", "run.pvd", "filmstrip.png", "picture.png"] {
+    for name in ["final_state.csv", "sites.csv", "run.pvd", "filmstrip.png", "picture.png", "view.html"] {
         let (x, y) = (std::fs::read(a.join(name)).unwrap(), std::fs::read(b.join(name)).unwrap());
         assert!(x == y, "{name} differs between {} and {}", a.display(), b.display());
     }
