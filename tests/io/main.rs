@@ -22,6 +22,7 @@ mod ring_pressure;
 mod examples;
 mod fences;
 mod fuzz_scenes;
+mod gallery;
 mod long_output;
 mod pictures;
 mod scene_files;
