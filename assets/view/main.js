@@ -9,7 +9,7 @@ const TOLD = ["ΔLk", "writhe", "twist", "sites", "contact"];
 let due = false;
 /** Draws at the next opportunity, once. */
 function redraw() {
-  if (due || !gl) return;
+  if (due) return;
   due = true;
   requestAnimationFrame(() => {
     due = false;
@@ -165,7 +165,7 @@ function drawScale(pen, width) {
 function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
   byId("theme").textContent = theme === "dark" ? "Light" : "Dark";
-  redraw();
+  if (drawable) redraw();
 }
 
 function toggleNumbers() {
@@ -198,9 +198,22 @@ function listenToControls() {
   });
 }
 
-const mark = makePanel((row) => { play(false); show(frameOfRow(row)); });
+/** Whether there is anything to be drawn, and with what. */
+const drawable = gl !== null && film.frames.length > 0;
+
+const mark = makePanel((row) => {
+  if (!drawable) return mark(row);
+  play(false);
+  show(frameOfRow(row));
+});
 
 function start() {
+  setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  if (!drawable) {
+    const reason = gl ? "There is no step to be shown." : "This page draws with WebGL 2, which this browser does not offer. The numbers are complete.";
+    document.querySelector("main").replaceChildren(element("p", { class: "failure" }, reason));
+    return;
+  }
   byId("title").textContent = film.title;
   film.quantities.forEach(({ name, label }) => byId("quantity").append(element("option", { value: name }, label)));
   byId("step").max = film.frames.length - 1;
@@ -209,12 +222,6 @@ function start() {
   byId("forces").parentElement.hidden = !anyForce;
   byId("forces").checked = view.forces;
   if (!anyForce) byId("quantity").options[1].hidden = true;
-  if (!gl || film.frames.length === 0) {
-    const reason = gl ? "There is no step to be shown." : "This page draws with WebGL 2, which this browser does not offer. The numbers are complete.";
-    document.querySelector("main").replaceChildren(element("p", { class: "failure" }, reason));
-    return;
-  }
-  setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   fit();
   showQuantity(0);
   show(view.frame);

@@ -172,7 +172,7 @@ float open() {
   float radius = min(0.5 * reach * lens.w / -p.z, 0.25);
   float start = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
   float shade = 0.0;
-  const int COUNT = 24;
+  const int COUNT = 32;
   for (int i = 0; i < COUNT; i++) {
     float k = (float(i) + 0.5) / float(COUNT), phi = 6.2831853 * (start + float(i) * 0.618034);
     vec3 v = point(place + radius * sqrt(k) * vec2(cos(phi) / aspect, sin(phi))) - p;
