@@ -144,7 +144,7 @@ mod tests {
         assert!((volume(&capsule) / exact - 1.0).abs() < 0.03, "{} {exact}", volume(&capsule));
     }
 
-    /// Half a turn of seam on a flat ring: the stripe arrives opposite to where it has left.
+    /// A seam of 1¼ turns on a flat ring: the stripe arrives a quarter turn from where it has left.
     #[test]
     fn the_stripe_turns_into_the_seam() {
         let circle: Vec<Vec3> =
@@ -154,7 +154,7 @@ mod tests {
         let (first, last) = (sections[0], sections[sections.len() - 1]);
         let turned = first.tangent.cross(&first.stripe);
         assert!((last.point - first.point).norm() < 1e-14 && (last.stripe - turned).norm() < 1e-12);
-        // nowhere by more than is allowed between two rings
-        assert!(sections.windows(2).all(|w| w[0].stripe.angle(&w[1].stripe) < TWISTING + 1e-9));
+        // nowhere by more than is allowed between two rings, to which the tangent's turning adds a little
+        assert!(sections.windows(2).all(|w| w[0].stripe.angle(&w[1].stripe) < 1.1 * TWISTING));
     }
 }
