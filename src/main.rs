@@ -1,5 +1,5 @@
 //! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check FILE`,
-//! `supercoil export DIR` and `supercoil help scene [KEY]`.
+//! `supercoil view DIR`, `supercoil export DIR` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
 //! read-only, folder in use), 130 stopped by Ctrl-C or `--time-limit`.
@@ -20,6 +20,7 @@ use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::base_pairs;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::table::StepTable;
+use supercoil::io::view::{self, GlbOptions, Quantity};
 use supercoil::observe::{StartOverlap, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
@@ -76,6 +77,18 @@ enum Command {
         scene: Option<PathBuf>,
         #[command(flatten)]
         choices: Choices,
+    },
+    /// Write view.html into the folder of a run, as the run itself does: a page for the browser, to turn and to step
+    /// through. Or write a glTF file, for Blender, slides and viewers.
+    View {
+        /// Folder of the run.
+        dir: PathBuf,
+        /// Write this binary glTF file instead of the page.
+        #[arg(long, value_name = "FILE")]
+        glb: Option<PathBuf>,
+        /// By which rods are coloured in the glTF file: strand, pressure (contact force per length), curvature or twist.
+        #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
+        color: String,
     },
     /// Check a scene file without running it.
     Check {
@@ -173,6 +186,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn main() -> ExitCode {
     let code = match Arguments::parse().command {
         Command::Check { file, set } => check(&file, &set.set),
+        Command::View { dir, glb, color } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
@@ -183,6 +197,19 @@ fn main() -> ExitCode {
         eprintln!("error: {error}");
         if let InputError::Write { .. } = error { NOT_WRITTEN } else { BAD_INPUT }
     }))
+}
+
+fn view(dir: &Path, glb: Option<PathBuf>, color: &str) -> Result<u8, InputError> {
+    let written = match glb {
+        None => view::write_page(dir)?,
+        Some(file) => {
+            let options = GlbOptions { color: Quantity::from_name(color)?, ..GlbOptions::default() };
+            view::of_run(dir, view::MAX_NODES)?.save_glb(&file, &options)?;
+            file
+        }
+    };
+    say(format_args!("{}", written.display()));
+    Ok(CONVERGED)
 }
 
 /// Prints a line; a reader that has gone away (`supercoil check FILE | head`) is no failure.

@@ -4,7 +4,7 @@ use crate::math::Vec3;
 
 /// Points that are looked at together: bounds the work to `BLOCK`/2 distances a point, and keeps at least every
 /// `BLOCK`-th point.
-const BLOCK: usize = 512;
+pub(super) const BLOCK: usize = 512;
 
 /// Every `stride`-th of `count` points and, on open curves, the last.
 ///

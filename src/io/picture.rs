@@ -9,11 +9,12 @@
 //! that a rod of a million nodes costs little more than one of a thousand. Text is in a bundled font; no system
 //! fonts are needed.
 
-mod camera;
-mod palette;
+pub(super) mod camera;
+pub(super) mod palette;
 mod plot;
 mod raster;
 mod shade;
+pub(super) mod span;
 mod strip;
 mod text;
 mod tube;

@@ -18,7 +18,9 @@ use crate::scene::{Scene, Units};
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};
 use super::table::{write_sites, write_steps};
+use super::view;
 use super::vtk::{PvdWriter, VtkRod, write_vtp};
+pub(super) use files::{SUMMARY, VIEW, step_of};
 use still::Still;
 
 /// Geometry and nodal fields of one rod in one state.
@@ -37,15 +39,22 @@ pub struct RodSnapshot {
 }
 
 /// What the record must know of each rod.
-#[derive(Debug, Clone, Serialize)]
-struct RodHead {
-    name: String,
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct RodHead {
+    pub name: String,
     length: f64,
     contact_radius: f64,
-    closed: bool,
+    pub closed: bool,
     elements: usize,
     order: usize,
     nodes: usize,
+}
+
+impl RodHead {
+    /// Radius it is drawn with; a rod without a contact radius is a thin line.
+    pub fn radius(&self) -> f64 {
+        if self.contact_radius > 0.0 { self.contact_radius } else { 2e-3 * self.length }
+    }
 }
 
 /// `summary.json`.
@@ -116,6 +125,7 @@ pub struct RecordState {
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
+/// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
 #[derive(Debug)]
 pub struct Record {
@@ -264,6 +274,10 @@ impl Record {
         }
         if self.output.picture {
             self.write_pictures(&last)?;
+        }
+        if self.output.vtk && self.output.view {
+            let run = view::Parts { title: &self.title, units: &self.units, rods: &self.rods, steps: &self.steps };
+            view::film(&self.dir, &run, view::MAX_NODES)?.save_page(&self.dir.join(files::VIEW))?;
         }
         self.last = Some(last);
         Ok(())

@@ -4,6 +4,10 @@
 //! cell data, single numbers as field data. Arrays are appended raw, little endian, with 64-bit byte counts
 //! (VTK XML format, version 1.0), so every f64 arrives bit for bit.
 
+mod read;
+
+pub use read::{VtkData, read_vtp};
+
 use crate::error::InputError;
 use crate::math::Vec3;
 use std::fmt::Write as _;

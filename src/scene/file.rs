@@ -113,6 +113,8 @@ pub struct OutputChoice {
     pub node_tolerance: Option<f64>,
     /// Draw pictures.
     pub picture: bool,
+    /// Write `view.html`, a page for the browser that shows the steps that have a VTK file; without `vtk` there is none.
+    pub view: bool,
     /// Write a checkpoint every so many accepted steps. Legal: ≥ 1.
     pub checkpoint_steps: Option<usize>,
     /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal:
@@ -132,6 +134,7 @@ impl Default for OutputChoice {
             node_every: 1,
             node_tolerance: None,
             picture: true,
+            view: true,
             checkpoint_steps: None,
             checkpoint_seconds: 60.0,
             error_estimate: false,

@@ -23,10 +23,12 @@ const MAY_USE: [(&str, &[&str]); 11] = [
 ];
 
 /// Foreign crates that a single file names.
-const NAMED_ONCE: [(&str, &str); 6] = [
+const NAMED_ONCE: [(&str, &str); 8] = [
     ("rayon", "math/parallel.rs"),
     ("parry3d", "contact/broad_phase.rs"),
     ("faer", "sparse/factor.rs"),
+    ("gltf_json", "io/view/glb.rs"),
+    ("base64", "io/view/page.rs"),
     ("postcard", "io/checkpoint.rs"),
     ("crc32fast", "io/checkpoint.rs"),
     ("ctrlc", "main.rs"),

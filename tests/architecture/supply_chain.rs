@@ -130,3 +130,10 @@ fn expressions_are_read_right() {
         assert_eq!(is_allowed(expression, &allowed), expected, "{expression}");
     }
 }
+
+#[test]
+fn the_citation_is_of_this_version() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("CITATION.cff");
+    let version = format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"));
+    assert!(std::fs::read_to_string(path).unwrap().contains(&version), "CITATION.cff: version is not{version}");
+}

@@ -136,6 +136,8 @@ fn check(nodes: usize) {
         assert!(drawn > 300, "{name}: a rod far longer than thick is still seen: {drawn} pixels");
         assert!(bytes(dir.join(name)) < 4e6);
     }
+    // two steps of at most 300 000 nodes, 48 bytes each as text, and the page itself
+    assert!(bytes(dir.join("view.html")) < 96.0 * (count as f64).min(300_000.0) + 150e3);
     std::fs::remove_dir_all(&dir).unwrap();
 
     // level of detail

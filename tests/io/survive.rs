@@ -181,6 +181,9 @@ fn an_interrupt_falls_back_to_the_last_accepted_step() {
         8
     );
     assert_same(&whole, &run.dir);
+    // this folder has kept the files of all steps, from which the page is made
+    let page = |dir: &Path| std::fs::read(dir.join("view.html")).unwrap();
+    assert!(page(&whole) == page(&run.dir));
 
     // before the start has come to rest there is nothing to go on from, but the files are in order
     run.interrupt.raise();

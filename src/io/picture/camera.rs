@@ -25,7 +25,8 @@ pub(super) struct Camera {
 impl Camera {
     pub fn new(picture: &TubePicture) -> Result<Self, InputError> {
         let axes = match picture.view {
-            View::Auto => principal_axes(picture),
+            // The longer side of the picture shows the widest axis.
+            View::Auto => principal_axes(points(picture), picture.width >= picture.height),
             View::Along { forward, up } => looking_along(forward, up)?,
         };
         let [width, height] = [picture.width, picture.height].map(|n| n * picture.supersampling);
@@ -81,14 +82,18 @@ fn looking_along(forward: Vec3, up: Vec3) -> Result<Mat3, InputError> {
     Ok(Mat3::from_rows(&[right.transpose(), right.cross(&eye).transpose(), eye.transpose()]))
 }
 
+/// All points of a picture.
+fn points(picture: &TubePicture) -> impl Iterator<Item = &Vec3> + Clone {
+    picture.tubes.iter().flat_map(|t| &t.points)
+}
+
 /// Rows right, down, towards the eye: widest and narrowest principal axis of all points, signs fixed by the largest
-/// entry.
-fn principal_axes(picture: &TubePicture) -> Mat3 {
-    let points = || picture.tubes.iter().flat_map(|t| &t.points);
-    let num = points().count().max(1) as f64;
-    let mean = points().sum::<Vec3>() / num;
-    let size = points().fold(0.0_f64, |s, p| s.max((p - mean).amax())).max(f64::MIN_POSITIVE);
-    let covariance = points().map(|p| (p - mean) / size).fold(Mat3::zeros(), |m, d| m + d * d.transpose()) / num;
+/// entry; `wide` has the widest to the right, else it points upwards.
+pub(in crate::io) fn principal_axes<'a>(points: impl Iterator<Item = &'a Vec3> + Clone, wide: bool) -> Mat3 {
+    let num = points.clone().count().max(1) as f64;
+    let mean = points.clone().sum::<Vec3>() / num;
+    let size = points.clone().fold(0.0_f64, |s, p| s.max((p - mean).amax())).max(f64::MIN_POSITIVE);
+    let covariance = points.map(|p| (p - mean) / size).fold(Mat3::zeros(), |m, d| m + d * d.transpose()) / num;
     let eigen = covariance.symmetric_eigen();
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
@@ -96,8 +101,7 @@ fn principal_axes(picture: &TubePicture) -> Mat3 {
         let v: Vec3 = eigen.eigenvectors.column(order[k]).into();
         if v[v.iamax()] < 0.0 { -v } else { v }
     };
-    // The longer side of the picture shows the widest axis.
-    let (right, down) = if picture.width >= picture.height { (axis(0), -axis(1)) } else { (axis(1), -axis(0)) };
+    let (right, down) = if wide { (axis(0), -axis(1)) } else { (axis(1), -axis(0)) };
     let eye = down.cross(&right);
     Mat3::from_rows(&[right.transpose(), down.transpose(), eye.transpose()])
 }

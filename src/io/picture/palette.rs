@@ -80,7 +80,7 @@ pub fn colors_by_value(values: &[f64], palette: Palette, range: Option<(f64, f64
 }
 
 /// sRGB → linear light.
-pub(super) fn linear(color: [u8; 3]) -> Vec3 {
+pub(in crate::io) fn linear(color: [u8; 3]) -> Vec3 {
     let channel = |c: u8| {
         let v = f64::from(c) / 255.0;
         if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }

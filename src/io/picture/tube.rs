@@ -3,10 +3,10 @@
 use super::camera::Camera;
 use super::palette::linear;
 use super::raster::Shape;
+use super::span::{Node, Span, tangents};
 use super::{Stripe, Tube};
 use crate::io::detail::within;
 use crate::math::Vec3;
-use std::f64::consts::TAU;
 
 /// Largest turning of the tangent (rad) over one capsule; smaller is not seen with interpolated normals.
 const TURNING: f64 = 0.1;
@@ -36,15 +36,6 @@ pub(super) struct Capsule {
     pub stripe_look: (f64, Vec3),
     /// Whether the end is that of an open tube and shows a round cap.
     pub caps: [bool; 2],
-}
-
-/// What is known at a node of a tube.
-#[derive(Clone, Copy)]
-struct Node {
-    point: Vec3,
-    tangent: Vec3,
-    color: Vec3,
-    stripe: Vec3,
 }
 
 /// All tubes cut into capsules.
@@ -136,48 +127,13 @@ fn nodes(look: &Look, sample: f64) -> Vec<Node> {
     kept.iter().zip(&tangents).map(node).collect()
 }
 
-/// Unit tangents at the points: of the circle (or parabola, at ends) through neighbouring points.
-fn tangents(points: &[Vec3], closed: bool) -> Vec<Vec3> {
-    let num = points.len();
-    let tangent = |i: usize| {
-        let (before, after) = match (closed, i) {
-            (false, 0) => (None, points.get(1)),
-            (false, i) if i + 1 == num => (Some(&points[i - 1]), None),
-            (_, i) => (Some(&points[(i + num - 1) % num]), Some(&points[(i + 1) % num])),
-        };
-        let here = points[i];
-        let slope = match (before, after) {
-            (Some(b), Some(a)) => {
-                let (into, out) = (here - b, a - here);
-                into * (out.norm() / into.norm().max(f64::MIN_POSITIVE))
-                    + out * (into.norm() / out.norm().max(f64::MIN_POSITIVE))
-            }
-            (None, Some(a)) => a - here,
-            (Some(b), None) => here - b,
-            (None, None) => Vec3::x(),
-        };
-        slope.try_normalize(0.0).unwrap_or_else(Vec3::x)
-    };
-    (0..num).map(tangent).collect()
-}
-
 /// Cuts the smooth curve between two nodes into capsules.
 fn span(look: &Look, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<Capsule>) {
-    let length = (b.point - a.point).norm();
-    let twist = twist_between(&a, &b) + TAU * (seam - seam.round());
-    let twist = twist - TAU * (twist / TAU).round();
-    let chord = b.point - a.point;
-    let turning = a.tangent.angle(&b.tangent).max(2.0 * a.tangent.angle(&chord)).max(2.0 * b.tangent.angle(&chord));
-    let pieces = (turning / TURNING).max(twist.abs() / TWISTING).min(look.pieces(turning, length * camera.scale));
+    let span = Span::new(a, b, seam);
+    let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
+    let pieces = pieces.min(look.pieces(span.turning, span.length * camera.scale));
     let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
-    let at = |k: usize| {
-        let u = k as f64 / pieces as f64;
-        let (point, tangent) = hermite(&a, &b, length, u);
-        let base = rotate_to(a.stripe, a.tangent, tangent);
-        let (sin, cos) = (u * twist).sin_cos();
-        let stripe = base * cos + tangent.cross(&base) * sin;
-        Node { point, tangent, color: a.color.lerp(&b.color, u), stripe }
-    };
+    let at = |k: usize| span.at(k as f64 / pieces as f64);
     let (half_angle, color) = look.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
     let mut from = at(0);
     for k in 1..=pieces {
@@ -192,25 +148,4 @@ fn span(look: &Look, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Came
         });
         from = to;
     }
-}
-
-/// Point and unit tangent of the cubic through two nodes with their tangents.
-fn hermite(a: &Node, b: &Node, length: f64, u: f64) -> (Vec3, Vec3) {
-    let (v, third) = (1.0 - u, length / 3.0);
-    let c = [a.point, a.point + a.tangent * third, b.point - b.tangent * third, b.point];
-    let point = c[0] * (v * v * v) + c[1] * (3.0 * v * v * u) + c[2] * (3.0 * v * u * u) + c[3] * (u * u * u);
-    let slope = (c[1] - c[0]) * (v * v) + (c[2] - c[1]) * (2.0 * u * v) + (c[3] - c[2]) * (u * u);
-    (point, slope.try_normalize(0.0).unwrap_or(a.tangent))
-}
-
-/// Angle (rad) of the stripe of `b` against that of `a` carried along without turning.
-fn twist_between(a: &Node, b: &Node) -> f64 {
-    let carried = rotate_to(a.stripe, a.tangent, b.tangent);
-    b.tangent.dot(&carried.cross(&b.stripe)).atan2(carried.dot(&b.stripe))
-}
-
-/// Smallest rotation from unit vector `from` to `to`, applied to `v`, which is normal to `from`.
-fn rotate_to(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let c = 1.0 + from.dot(&to);
-    if c < 1e-9 { v } else { v - (from + to) * (to.dot(&v) / c) }
 }

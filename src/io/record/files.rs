@@ -9,13 +9,14 @@ pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
 pub(super) const FINAL_STATE: &str = "final_state.csv";
 pub(super) const SITES: &str = "sites.csv";
-pub(super) const SUMMARY: &str = "summary.json";
+pub(in crate::io) const SUMMARY: &str = "summary.json";
 pub(super) const PICTURE: &str = "picture.png";
 pub(super) const FILM_STRIP: &str = "filmstrip.png";
 pub(super) const WRITHE: &str = "writhe.svg";
+pub(in crate::io) const VIEW: &str = "view.html";
 
 /// All but those of single steps.
-const ALL: [&str; 9] = [COLLECTION, TABLE, FINAL_STATE, SITES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, SCENE];
+const ALL: [&str; 10] = [COLLECTION, TABLE, FINAL_STATE, SITES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
 const STEP: [&str; 2] = ["step_", ".vtp"];
 
 /// Name of the VTK file of a step.
@@ -24,12 +25,16 @@ pub(super) fn of_step(step: usize) -> String {
     format!("{before}{step:04}{after}")
 }
 
+/// The step of which a file is the VTK file.
+pub(in crate::io) fn step_of(name: &str) -> Option<usize> {
+    let number = name.strip_prefix(STEP[0])?.strip_suffix(STEP[1])?;
+    let ours = number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit());
+    if ours { number.parse().ok() } else { None }
+}
+
 /// Removes what a record in `dir` has left, and nothing else.
 pub(super) fn remove_all(dir: &Path) -> Result<(), InputError> {
-    let is_output = |name: &str| {
-        let step = name.strip_prefix(STEP[0]).and_then(|rest| rest.strip_suffix(STEP[1]));
-        ALL.contains(&name) || step.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
-    };
+    let is_output = |name: &str| ALL.contains(&name) || step_of(name).is_some();
     let refuse = |path: &Path, e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
     for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
         let path = entry.map_err(|e| refuse(dir, e))?.path();

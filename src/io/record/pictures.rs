@@ -79,8 +79,7 @@ impl Record {
             let seam_turns = link.map_or(0.0, |link| link.link);
             let stripe =
                 (!rod.directions.is_empty()).then(|| Stripe { seam_turns, ..Stripe::along(rod.directions.clone()) });
-            // A rod without a contact radius is drawn as a thin line.
-            let radius = if head.contact_radius > 0.0 { head.contact_radius } else { 2e-3 * head.length };
+            let radius = head.radius();
             let colors = vec![COLORS[index % COLORS.len()]];
             Tube { points: rod.points.clone(), radius, closed: head.closed, colors, stripe }
         };

@@ -1,0 +1,160 @@
+//! Tubes as triangles.
+
+use crate::io::picture::span::{Node, Span};
+use crate::math::Vec3;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Largest turning of the tangent (rad) between two rings: with smooth normals only the outline tells.
+const TURNING: f64 = 0.15;
+/// Largest turn of the stripe (rad) between two rings.
+const TWISTING: f64 = 0.4;
+/// Most rings between two nodes.
+const MAX_RINGS: f64 = 16.0;
+/// Half the angle that the stripe covers, rad; as in pictures.
+const STRIPE: f64 = 0.3;
+/// Rings of the round cap of an open end.
+const CAP_RINGS: usize = 4;
+
+/// Vertices of a tube, and the triangles between them.
+#[derive(Default)]
+pub(super) struct Mesh {
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+    /// Linear light.
+    pub colors: Vec<Vec3>,
+    pub indices: Vec<u32>,
+}
+
+/// How a tube is made.
+pub(super) struct Look {
+    pub radius: f64,
+    pub closed: bool,
+    pub seam_turns: f64,
+    /// Sides of the cross-section besides the stripe.
+    pub sides: usize,
+    /// Colour of the stripe, linear light.
+    pub stripe: Vec3,
+}
+
+/// Vertices of a ring: two of the stripe, the others once more than there are sides.
+pub(super) fn per_ring(sides: usize) -> usize {
+    2 + sides + 1
+}
+
+/// Cross-sections along a tube through the nodes, ends of open tubes not rounded.
+fn sections(nodes: &[Node], look: &Look) -> Vec<Node> {
+    let count = if look.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
+    let mut all: Vec<Node> = nodes.first().copied().into_iter().collect();
+    for i in 0..count {
+        let seam = if i + 1 == nodes.len() { look.seam_turns } else { 0.0 };
+        let span = Span::new(nodes[i], nodes[(i + 1) % nodes.len()], seam);
+        let rings = (span.turning / TURNING).max(span.twist.abs() / TWISTING).clamp(1.0, MAX_RINGS).ceil();
+        all.extend((1..=rings as usize).map(|k| span.at(k as f64 / rings)));
+    }
+    all
+}
+
+/// The tube through the nodes; fewer than two make none.
+pub(super) fn tube(nodes: &[Node], look: &Look) -> Mesh {
+    let mut mesh = Mesh::default();
+    let sections = sections(nodes, look);
+    let (Some(first), Some(last), 2..) = (sections.first(), sections.last(), nodes.len()) else { return mesh };
+    // by how much a ring of a cap is turned out of the cross-section, rad
+    let tilt = |k: usize| FRAC_PI_2 * k as f64 / CAP_RINGS as f64;
+    if !look.closed {
+        (1..=CAP_RINGS).rev().for_each(|k| mesh.ring(first, look, -tilt(k)));
+    }
+    sections.iter().for_each(|section| mesh.ring(section, look, 0.0));
+    if !look.closed {
+        (1..=CAP_RINGS).for_each(|k| mesh.ring(last, look, tilt(k)));
+    }
+    mesh.join(look.sides);
+    mesh
+}
+
+impl Mesh {
+    /// Adds a ring of a sphere about the section, `tilt` (rad) from its equator.
+    fn ring(&mut self, section: &Node, look: &Look, tilt: f64) {
+        let (sin, cos) = tilt.sin_cos();
+        // without a direction (none known, or d1 along the tangent) there is no stripe, and any will do
+        let direction = section.stripe.try_normalize(0.5);
+        let stripe = if direction.is_some() { look.stripe } else { section.color };
+        let e1 = direction.unwrap_or_else(|| any_normal(section.tangent));
+        let e2 = section.tangent.cross(&e1);
+        let mut vertex = |angle: f64, color: Vec3| {
+            let normal = (e1 * angle.cos() + e2 * angle.sin()) * cos + section.tangent * sin;
+            self.positions.push(section.point + normal * look.radius);
+            self.normals.push(normal);
+            self.colors.push(color);
+        };
+        vertex(-STRIPE, stripe);
+        vertex(STRIPE, stripe);
+        for k in 0..=look.sides {
+            vertex(STRIPE + (TAU - 2.0 * STRIPE) * k as f64 / look.sides as f64, section.color);
+        }
+    }
+
+    /// Triangles between all neighbouring rings, counter-clockwise seen from outside.
+    fn join(&mut self, sides: usize) {
+        let per_ring = per_ring(sides);
+        let columns = || std::iter::once(0).chain(2..2 + sides);
+        for ring in 1..self.positions.len() / per_ring {
+            for column in columns() {
+                let [a, b] = [(ring - 1) * per_ring + column, ring * per_ring + column].map(|i| i as u32);
+                self.indices.extend([a, a + 1, b, b, a + 1, b + 1]);
+            }
+        }
+    }
+}
+
+/// A unit vector normal to another.
+fn any_normal(tangent: Vec3) -> Vec3 {
+    let mut axis = Vec3::zeros();
+    axis[tangent.iamin()] = 1.0;
+    (axis - tangent * tangent.dot(&axis)).try_normalize(0.0).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::picture::span::tangents;
+
+    fn nodes(points: &[Vec3], closed: bool) -> Vec<Node> {
+        let node = |(&point, tangent)| Node { point, tangent, color: Vec3::x(), stripe: Vec3::z() };
+        points.iter().zip(tangents(points, closed)).map(node).collect()
+    }
+
+    /// Volume enclosed by the triangles: positive only if all are seen from outside.
+    fn volume(mesh: &Mesh) -> f64 {
+        let p = |i: u32| mesh.positions[i as usize];
+        mesh.indices.chunks_exact(3).map(|t| p(t[0]).dot(&p(t[1]).cross(&p(t[2]))) / 6.0).sum()
+    }
+
+    #[test]
+    fn tubes_enclose_the_volume_of_tori_and_capsules() {
+        let look = |closed| Look { radius: 0.1, closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
+        let circle: Vec<Vec3> =
+            (0..64).map(|i| TAU * i as f64 / 64.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
+        let torus = tube(&nodes(&circle, true), &look(true));
+        let exact = 2.0 * std::f64::consts::PI.powi(2) * 0.01;
+        assert!((volume(&torus) / exact - 1.0).abs() < 0.02, "{} {exact}", volume(&torus));
+        let line = [Vec3::zeros(), Vec3::x(), 2.0 * Vec3::x()];
+        let capsule = tube(&nodes(&line, false), &look(false));
+        let exact = std::f64::consts::PI * (0.01 * 2.0 + 4.0 / 3.0 * 0.001);
+        assert!((volume(&capsule) / exact - 1.0).abs() < 0.03, "{} {exact}", volume(&capsule));
+    }
+
+    /// A seam of 1¼ turns on a flat ring: the stripe arrives a quarter turn from where it has left.
+    #[test]
+    fn the_stripe_turns_into_the_seam() {
+        let circle: Vec<Vec3> =
+            (0..16).map(|i| TAU * i as f64 / 16.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
+        let look = Look { radius: 0.1, closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
+        let sections = sections(&nodes(&circle, true), &look);
+        let (first, last) = (sections[0], sections[sections.len() - 1]);
+        let turned = first.tangent.cross(&first.stripe);
+        assert!((last.point - first.point).norm() < 1e-14 && (last.stripe - turned).norm() < 1e-12);
+        // nowhere by more than is allowed between two rings, to which the tangent's turning adds a little
+        assert!(sections.windows(2).all(|w| w[0].stripe.angle(&w[1].stripe) < 1.1 * TWISTING));
+    }
+}

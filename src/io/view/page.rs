@@ -1,0 +1,131 @@
+//! A film as one page for the browser.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use crate::error::InputError;
+use crate::io::picture::Stripe;
+use crate::math::Vec3;
+
+use super::{Film, FilmRod, Frame, Plot, Quantity, STRANDS};
+
+const STYLE: &str = include_str!("../../../assets/view/style.css");
+const BODY: &str = include_str!("../../../assets/view/body.html");
+/// In the order in which each needs those before it.
+const SCRIPTS: [&str; 5] = [
+    include_str!("../../../assets/view/film.js"),
+    include_str!("../../../assets/view/shaders.js"),
+    include_str!("../../../assets/view/stage.js"),
+    include_str!("../../../assets/view/panel.js"),
+    include_str!("../../../assets/view/main.js"),
+];
+/// Colours of a palette that are handed to the page.
+const COLORS: usize = 17;
+
+impl Film {
+    /// The film as a page for the browser: one file that needs nothing else and no network. Positions are stored in single
+    /// precision about the middle of the last frame. The same film gives the same bytes.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the field if a count, radius or number cannot be used.
+    pub fn page(&self) -> Result<String, InputError> {
+        self.check()?;
+        let (center, ..) = self.stage();
+        let title = if self.title.is_empty() { "supercoil" } else { &self.title };
+        let mut page = format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{BODY}",
+            escaped(title)
+        );
+        // Writing to a String cannot fail. "<" inside a string of JSON would end the element.
+        let head = self.head().to_string().replace('<', "\\u003c");
+        let _ = writeln!(page, "<script type=\"application/json\" id=\"film\">{head}</script>");
+        for (index, frame) in self.frames.iter().enumerate() {
+            let data = STANDARD.encode(numbers(frame, center));
+            let _ = writeln!(page, "<script type=\"text/plain\" id=\"frame{index}\">{data}</script>");
+        }
+        let _ = writeln!(page, "<script>\n\"use strict\";\n{}</script>\n</body>\n</html>", SCRIPTS.concat());
+        Ok(page)
+    }
+
+    /// Writes [`Film::page`] to a file, replacing what is there.
+    ///
+    /// # Errors
+    /// As there; [`InputError::Write`] if the file cannot be written.
+    pub fn save_page(&self, path: &Path) -> Result<(), InputError> {
+        let refuse = |e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
+        std::fs::write(path, self.page()?).map_err(refuse)
+    }
+
+    /// Everything but the nodes.
+    fn head(&self) -> Value {
+        let (center, axes, extent) = self.stage();
+        let rows: [[f64; 3]; 3] = axes.transpose().into();
+        let rod = |rod: &FilmRod| json!({ "name": rod.name, "radius": rod.radius, "closed": rod.closed });
+        let frame = |frame: &Frame| {
+            let forces = frame.forces.iter().map(|[at, force]| {
+                let at = at - center;
+                [at.x, at.y, at.z, force.x, force.y, force.z]
+            });
+            json!({
+                "step": frame.step,
+                "counts": frame.rods.iter().map(|rod| rod.points.len()).collect::<Vec<_>>(),
+                "seams": frame.rods.iter().map(|rod| rod.seam_turns).collect::<Vec<_>>(),
+                "forces": forces.collect::<Vec<_>>(),
+            })
+        };
+        let column = |(name, unit): &(String, String)| json!({ "name": name, "unit": unit });
+        let plot = |plot: &Plot| json!({ "x": plot.x, "y": plot.y });
+        json!({
+            "program": format!("supercoil {}", env!("CARGO_PKG_VERSION")),
+            "title": self.title,
+            "note": self.note,
+            "force": self.units.force,
+            "rods": self.rods.iter().map(rod).collect::<Vec<_>>(),
+            "frames": self.frames.iter().map(frame).collect::<Vec<_>>(),
+            "axes": rows,
+            "extent": extent,
+            "quantities": Quantity::ALL.map(|quantity| self.quantity(quantity)),
+            "strands": STRANDS,
+            "stripe": Stripe::along(Vec::new()).color,
+            "columns": self.table.columns.iter().map(column).collect::<Vec<_>>(),
+            "rows": self.table.rows,
+            "plots": self.plots.iter().map(plot).collect::<Vec<_>>(),
+        })
+    }
+
+    fn quantity(&self, quantity: Quantity) -> Value {
+        let (length, force) = (&self.units.length, &self.units.force);
+        let (label, unit) = match quantity {
+            Quantity::Strand => ("strand", String::new()),
+            Quantity::Pressure => ("contact force per length", format!("{force}/{length}")),
+            Quantity::Curvature => ("curvature", format!("1/{length}")),
+            Quantity::Twist => ("twist", format!("rad/{length}")),
+        };
+        let place = |k: usize| k as f64 / (COLORS - 1) as f64;
+        let colors: Vec<[u8; 3]> = (0..COLORS).map(|k| quantity.palette().color(place(k))).collect();
+        json!({ "name": quantity.name(), "label": label, "unit": unit, "range": self.range(quantity), "colors": colors })
+    }
+}
+
+/// Nine numbers a node in single precision, little endian: point, direction, pressure, curvature, twist.
+fn numbers(frame: &Frame, center: Vec3) -> Vec<u8> {
+    let of_rod = |rod: &super::FrameRod| {
+        let node = |i: usize| {
+            let (p, d) = (rod.points[i] - center, rod.directions[i]);
+            [p.x, p.y, p.z, d.x, d.y, d.z, rod.pressure[i], rod.curvature[i], rod.twist[i]]
+        };
+        (0..rod.points.len()).flat_map(node).flat_map(|x| (x as f32).to_le_bytes()).collect::<Vec<u8>>()
+    };
+    frame.rods.iter().flat_map(of_rod).collect()
+}
+
+/// Text with the characters HTML reserves replaced.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,229 @@
+//! The film of a run, from the files it has left.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::error::InputError;
+use crate::io::detail::{BLOCK, within};
+use crate::io::record::{RodHead, SUMMARY, VIEW, step_of};
+use crate::io::vtk::{VtkData, read_vtp};
+use crate::math::Vec3;
+use crate::observe::report::Observation;
+use crate::scene::Units;
+
+use super::{Film, FilmRod, Frame, FrameRod, Plot, Table};
+
+/// Nodes of a page, all frames together: of 36 bytes each, 4/3 of that as text, they make 29 MB.
+pub const MAX_NODES: usize = 600_000;
+/// Frames that are kept before nodes are left out.
+const MIN_FRAMES: usize = 12;
+/// Distance from the line drawn, in radii, up to which nodes are left out first: it cannot be seen. Doubled until few enough
+/// are left.
+const TOLERANCE: f64 = 0.01;
+
+/// What is read of `summary.json`.
+#[derive(Deserialize)]
+struct Summary {
+    title: String,
+    units: Units,
+    rods: Vec<RodHead>,
+    steps: Vec<Observation>,
+}
+
+/// The film of the run in the folder `dir`: of all steps that have a VTK file there, with the numbers of `summary.json`.
+///
+/// More than `max_nodes` nodes (all frames together) are made fewer: every other step is left out until 12 are left,
+/// the last always among them; then nodes that lie within a hundredth of the radius of the line drawn through the others, or a
+/// multiple of that, in powers of two, until few enough are left. The film's note says so; no stripe is drawn then, for
+/// it may turn by more than half a turn between nodes.
+///
+/// # Errors
+/// [`InputError::File`] or [`InputError::Parse`] if a file is missing or damaged (a run under way has no summary yet),
+/// [`InputError::Inconsistent`] if there are no VTK files.
+pub fn of_run(dir: &Path, max_nodes: usize) -> Result<Film, InputError> {
+    let path = dir.join(SUMMARY);
+    let text =
+        std::fs::read_to_string(&path).map_err(|e| InputError::File { path: path.clone(), reason: e.to_string() })?;
+    let Summary { title, units, rods, steps } = serde_json::from_str(&text)
+        .map_err(|e| InputError::Parse { file: path.display().to_string(), reason: e.to_string() })?;
+    film(dir, &Parts { title: &title, units: &units, rods: &rods, steps: &steps }, max_nodes)
+}
+
+/// Writes `view.html` into the folder of a run, as the run itself has: [`Film::page`] of [`of_run`] with at most
+/// [`MAX_NODES`] nodes. Returns its path.
+///
+/// # Errors
+/// As there; [`InputError::Write`] if it cannot be written.
+pub fn write_page(dir: &Path) -> Result<PathBuf, InputError> {
+    let path = dir.join(VIEW);
+    of_run(dir, MAX_NODES)?.save_page(&path)?;
+    Ok(path)
+}
+
+/// What is known of a run besides its VTK files.
+pub(in crate::io) struct Parts<'a> {
+    pub title: &'a str,
+    pub units: &'a Units,
+    pub rods: &'a [RodHead],
+    pub steps: &'a [Observation],
+}
+
+/// [`of_run`] where the summary is at hand.
+pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<Film, InputError> {
+    let files = step_files(dir, run.steps.len())?;
+    let Some((_, first)) = files.first() else {
+        let reason = "holds no step_….vtp files: they are what is shown (output.vtk = true)".to_owned();
+        return Err(InputError::Inconsistent { field: dir.display().to_string(), reason });
+    };
+    let num_nodes: usize = read_vtp(first)?.iter().map(|rod| rod.points.len()).sum();
+    let (stride, last) = (stride(files.len(), max_nodes / num_nodes.max(1)), files.len() - 1);
+    let shown = files.iter().enumerate().filter(|(k, _)| (last - k).is_multiple_of(stride));
+    let share = max_nodes as f64 / (shown.clone().count() * num_nodes).max(1) as f64;
+    let (mut frames, mut tolerance) = (Vec::new(), 0.0_f64);
+    for (_, (step, path)) in shown {
+        let observation = &run.steps[*step];
+        let mut frame = Frame { step: *step, rods: Vec::new(), forces: forces(observation) };
+        for (index, data) in in_order(read_vtp(path)?, run.rods.len()).into_iter().enumerate() {
+            let link = observation.links.iter().find(|link| link.rod == index);
+            let (rod, left_out) = thinned(data, share, run.rods[index].radius());
+            tolerance = tolerance.max(left_out);
+            frame.rods.push(FrameRod { seam_turns: link.map_or(0.0, |link| link.excess_link), ..rod });
+        }
+        frames.push(frame);
+    }
+    let note = note(&frames, files.len(), num_nodes, tolerance, run.units);
+    let head = |head: &RodHead| FilmRod { name: head.name.clone(), radius: head.radius(), closed: head.closed };
+    let (table, plots) = table(run.steps, run.units);
+    let (title, units) = (run.title.to_owned(), run.units.clone());
+    Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), frames, table, plots, note })
+}
+
+/// Steps that have a VTK file, in order; of steps that the summary does not know there is none of this run.
+fn step_files(dir: &Path, num_steps: usize) -> Result<Vec<(usize, PathBuf)>, InputError> {
+    let refuse = |e: std::io::Error| InputError::File { path: dir.to_owned(), reason: e.to_string() };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(dir).map_err(refuse)? {
+        let path = entry.map_err(refuse)?.path();
+        let step = path.file_name().and_then(|name| name.to_str()).and_then(step_of);
+        files.extend(step.filter(|&step| step < num_steps).map(|step| (step, path)));
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Of how many steps one is shown: a power of two that leaves at most `affordable`, but 12 in any case.
+fn stride(steps: usize, affordable: usize) -> usize {
+    let enough = affordable.max(MIN_FRAMES);
+    let mut stride = 1;
+    while steps.div_ceil(stride) > enough {
+        stride *= 2;
+    }
+    stride
+}
+
+/// Rods in the scene's order; those without points are not in the file.
+fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
+    let mut rods = vec![VtkData::default(); count];
+    data.into_iter().for_each(|rod| {
+        if let Some(place) = rods.get_mut(rod.rod) {
+            *place = rod;
+        }
+    });
+    rods
+}
+
+/// A rod with at most `share` of its nodes, and the distance from the line drawn within which nodes were left out.
+fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
+    let num = data.points.len();
+    // `within` keeps the ends of its blocks in any case
+    let most = ((share * num as f64) as usize).max(num.div_ceil(BLOCK) + 1);
+    let (mut tolerance, mut kept) = (0.0, (0..num).collect::<Vec<_>>());
+    while kept.len() > most {
+        tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { TOLERANCE * radius };
+        kept = within(&data.points, tolerance, usize::MAX);
+    }
+    let empty = Vec::new();
+    let numbers = |name: &str| data.scalars.get(name).unwrap_or(&empty);
+    let none = Vec::new();
+    let vectors = |name: &str| data.vectors.get(name).unwrap_or(&none);
+    let (curvature, twist, force) = (numbers("curvature"), numbers("twist"), vectors("contact_force"));
+    let rod = FrameRod {
+        points: kept.iter().map(|&i| data.points[i]).collect(),
+        directions: if tolerance > 0.0 {
+            vec![Vec3::zeros(); kept.len()]
+        } else {
+            kept.iter().filter_map(|&i| vectors("d1").get(i).copied()).collect()
+        },
+        pressure: kept.iter().filter_map(|&i| force.get(i).map(Vec3::norm)).collect(),
+        curvature: kept.iter().filter_map(|&i| curvature.get(i).copied()).collect(),
+        twist: kept.iter().filter_map(|&i| twist.get(i).copied()).collect(),
+        seam_turns: 0.0,
+    };
+    (rod, tolerance)
+}
+
+/// Forces on both strands of each contact site.
+fn forces(step: &Observation) -> Vec<[Vec3; 2]> {
+    let of = |site: &crate::observe::report::SiteReport| {
+        let (force, feet) = (Vec3::from(site.force_on_a), site.feet.map(Vec3::from));
+        [[feet[0], force], [feet[1], -force]]
+    };
+    step.sites.iter().flat_map(of).collect()
+}
+
+/// What was left out, in words.
+fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Units) -> String {
+    let mut notes = Vec::new();
+    if frames.len() < steps {
+        notes.push(format!("{} of {steps} steps are shown.", frames.len()));
+    }
+    if tolerance > 0.0 {
+        let most = frames.iter().map(|frame| frame.rods.iter().map(|rod| rod.points.len()).sum::<usize>()).max();
+        let (most, unit) = (most.unwrap_or(0), &units.length);
+        let tolerance =
+            if (1e-3..1e4).contains(&tolerance) { format!("{tolerance:.4}") } else { format!("{tolerance:.2e}") };
+        notes.push(format!(
+            "{most} of {nodes} nodes are shown; those left out lie within {tolerance} {unit} of the line through the others."
+        ));
+    }
+    notes.join(" ")
+}
+
+/// The columns that are looked at, and their plots.
+fn table(steps: &[Observation], units: &Units) -> (Table, Vec<Plot>) {
+    let energy = format!("{} {}", units.force, units.length);
+    let (turns, none) = ("turns".to_owned(), String::new());
+    let linked = steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0);
+    let mut columns = vec![("step", none.clone())];
+    if linked {
+        columns.extend([("ΔLk", turns.clone()), ("writhe", turns.clone()), ("twist", turns)]);
+    }
+    let first = columns.len();
+    columns.extend(["bending", "twisting", "stretch", "shear"].map(|name| (name, energy.clone())));
+    columns.extend([("least gap", units.length.clone()), ("sites", none.clone()), ("contact", units.force.clone())]);
+    columns.extend([("unstable", none.clone()), ("iterations", none)]);
+    let row = |step: &Observation| {
+        let (e, link) = (&step.energies, step.links.first());
+        let mut row = vec![step.step as f64];
+        if linked {
+            row.extend(
+                [link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)]
+                    .map(|x| x.unwrap_or(f64::NAN)),
+            );
+        }
+        row.extend([e.bend, e.twist, e.stretch, e.shear]);
+        row.push(step.min_gap.map_or(f64::NAN, |gap| gap.lower));
+        row.extend([step.num_sites as f64, step.total_contact_force, step.num_unstable as f64, step.iterations as f64]);
+        row
+    };
+    let rows: Vec<Vec<f64>> = steps.iter().map(row).collect();
+    let x = usize::from(linked);
+    let mut plots = vec![Plot { x, y: (first..first + 2).collect() }, Plot { x, y: vec![first + 6] }];
+    if linked {
+        plots.insert(0, Plot { x, y: vec![2, 3] });
+    }
+    plots.iter_mut().for_each(|plot| plot.y.retain(|&y| rows.iter().any(|row| row[y] != 0.0)));
+    plots.retain(|plot| !plot.y.is_empty());
+    (Table { columns: columns.into_iter().map(|(name, unit)| (name.to_owned(), unit)).collect(), rows }, plots)
+}

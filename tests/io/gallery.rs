@@ -1,0 +1,55 @@
+//! The numbers of `docs/GALLERY.md`, to the digits printed there.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use supercoil::io::run::options;
+use supercoil::observe::observe;
+use supercoil::scene::Scene;
+use supercoil::solve::{self, Status};
+
+/// Scenes that take seconds.
+const SLOW: [&str; 3] = ["pbr322", "lambda_phage", "cable"];
+
+/// Scene, quantity and value of each row.
+fn rows() -> Vec<[String; 3]> {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/GALLERY.md")).unwrap();
+    let rows = text.lines().filter_map(|line| line.strip_prefix("| `"));
+    let cells = |row: &str| {
+        let mut cells = row.split('|').map(|cell| cell.trim().trim_matches('`').to_owned());
+        std::array::from_fn(|_| cells.next().unwrap())
+    };
+    rows.map(cells).collect()
+}
+
+fn check(scenes: impl Fn(&str) -> bool) {
+    for [name, quantity, printed] in rows().into_iter().filter(|[name, ..]| scenes(name)) {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
+        let scene = Scene::read(&file).unwrap();
+        let choices = options(&scene);
+        let mut last = None;
+        let solution = solve::run(scene.model, &scene.stages, &choices, &mut |progress| {
+            last = Some(observe(progress));
+            ControlFlow::Continue(())
+        });
+        assert_eq!(solution.unwrap().status, Status::Converged, "{name}");
+        let state = last.unwrap();
+        let value = if quantity == "writhe" { state.links[0].writhe } else { state.total_contact_force };
+        let decimals = printed.split('.').nth(1).unwrap().len();
+        assert_eq!(format!("{value:.decimals$}"), printed, "{name}, {quantity} {value}");
+    }
+}
+
+#[test]
+fn gallery_of_quick_scenes() {
+    assert_eq!(rows().len(), 8);
+    check(|name| !SLOW.contains(&name));
+}
+
+#[test]
+#[ignore = "slow: half a minute"]
+fn gallery_of_slow_scenes() {
+    check(|name| SLOW.contains(&name));
+}
