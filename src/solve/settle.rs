@@ -2,8 +2,7 @@
 //!
 //! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
 //! on, a step with contact begins under a core law, with offsets and tensions that already balance the shape
-//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. Where strands do not
-//! press yet, the core law is a barrier: a snap brings them together without letting them sink. By way of one half as
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. By way of one half as
 //! stiff in decades, the law asked for takes the pressures of the core for its own. Then the offsets of the augmented
 //! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
 //! direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
@@ -24,12 +23,6 @@ use crate::solve::step_report::{Status, StepReport};
 /// Depth of the core law that a load step with contact begins under, over the contact distance. With .1 in its place
 /// pUC19 given all of its link takes 464 iterations for 335, a minicircle 442 for 404, tweezers do not come to their end.
 const DEPTH: f64 = 0.4;
-/// The same where no pressures are known, and the offset over the depth with which the law then is a barrier: strands
-/// that snap together feel each other before they touch and do not sink. Magnetic tweezers of 400 nm take 1809
-/// iterations, 2323 if they may sink by [`DEPTH`]. The offset stays below the depth, so that touching strands have a
-/// finite energy.
-const BARRIER_DEPTH: f64 = 0.15;
-const BARRIER_OFFSET: f64 = 0.9;
 /// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
 pub(super) const AT_REST: f64 = 1e-2;
 /// Tolerance of the searches on the way.
@@ -178,8 +171,8 @@ impl Solver {
         if rough { self.search(&Drive::default(), report) } else { Ok(()) }
     }
 
-    /// Puts a core law in force: with offsets such that strands that just touch press against each other as balances the
-    /// state, or as a barrier where none do.
+    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as
+    /// balances the state.
     fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
@@ -199,28 +192,12 @@ impl Solver {
                 // the core's energy would be infinite here
                 return Ok(());
             }
-        } else if overlap < AT_REST {
-            if near {
-                let balance = self.balance(core, pressure)?;
-                (pressures, self.workspace.start_forces) = (balance.pressures, balance.forces);
-            }
-            if pressures.iter().all(|pressure| *pressure == 0.0) {
-                self.start_under_barrier(pressure);
-                return Ok(());
-            }
+        } else if near && overlap < AT_REST {
+            let balance = self.balance(core, pressure)?;
+            (pressures, self.workspace.start_forces) = (balance.pressures, balance.forces);
         }
         self.start_under(core, &pressures);
         Ok(())
-    }
-
-    /// Puts a core law of this pressure \[F/L\] in force that sets in before strands touch and ends where they begin to
-    /// sink.
-    fn start_under_barrier(&mut self, pressure: f64) {
-        let Some(side) = &mut self.engine.contact else { return };
-        let reach = BARRIER_OFFSET * BARRIER_DEPTH * 2.0 * side.min_radius;
-        let offsets = PerContact::uniform(side.offsets.num_nodes(), reach);
-        side.change_law(Law::Core { pressure, depth: BARRIER_DEPTH }, offsets);
-        self.forget_pressures();
     }
 
     /// Pressure of the core law over its depth \[F/L²\].
