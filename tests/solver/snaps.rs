@@ -9,7 +9,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Stage, Support};
+use supercoil::scene::{Contact, Model, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Status, run};
 
 const STRETCHING: f64 = 1e4;
@@ -21,7 +21,7 @@ fn pressed(by: f64, steps: usize) -> Vec<Observation> {
     let rods = vec![Rod::new("strut", &shape, false, section, 16, 3, Natural::Straight).unwrap()];
     let end = NodeRef { rod: 0, node: 48 };
     let supports = [NodeRef { rod: 0, node: 0 }, end].map(Support::clamp).to_vec();
-    let contact = Contact { law: ContactLaw::None, ..Contact::default() };
+    let contact = Contact::NONE;
     let model = Model { rods, supports, contact, ..Model::default() };
     let stage = Stage { ramps: vec![Ramp::Displacement { node: end, to: -Vec3::x() * by }], steps };
     let mut states = Vec::new();
