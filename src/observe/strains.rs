@@ -27,11 +27,11 @@ pub fn strains(engine: &Engine, rod: usize) -> RodStrains {
     for (index, e) in engine.elements_of(rod).enumerate() {
         let nodes = engine.element_nodes(engine.state(), &engine.elements[e]);
         let (strains, natural) = (raw_strains(table, &nodes, length), natural.of(e));
+        let material = engine.body(e).material;
         for (g, point) in table.rule.points.iter().enumerate() {
             out.arc_lengths.push((index as f64 + point) * length);
             out.strains.push(strains[g]);
-            out.stresses
-                .push(engine.body(e).material.stress(g, &std::array::from_fn(|k| strains[g][k] - natural[g][k])));
+            out.stresses.push(material.stress(g, &std::array::from_fn(|k| strains[g][k] - natural[g][k])));
         }
     }
     out

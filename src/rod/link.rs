@@ -42,11 +42,8 @@ impl Rod {
             return Err(InputError::Inconsistent { field, reason });
         }
         if missing != 0.0 {
-            parallel::each(&mut self.frames, GRAIN, &|i, frame| {
-                *frame = Quat::new_normalize((*frame * spin(TAU * missing * (i as f64 / nodes))).into_inner());
-            });
+            self.put_twist_in(missing);
             self.start_excess_link = turns;
-            self.twist_put_in += missing;
         }
         Ok(self)
     }
@@ -71,11 +68,17 @@ impl Rod {
             );
             return Err(InputError::Inconsistent { field, reason });
         }
+        self.put_twist_in(turns);
+        self.check().map(|()| self)
+    }
+
+    /// Turns the frames about d3, evenly from none at s = 0 to so many turns at s = L.
+    fn put_twist_in(&mut self, turns: f64) {
+        let segments = self.num_segments() as f64;
         parallel::each(&mut self.frames, GRAIN, &|i, frame| {
             *frame = Quat::new_normalize((*frame * spin(TAU * turns * (i as f64 / segments))).into_inner());
         });
         self.twist_put_in += turns;
-        self.check().map(|()| self)
     }
 
     /// Link Lk₀ of the relaxed closed rod, turns: ∫K3 ds/2π where it has a natural twist K3, that of the start shape where

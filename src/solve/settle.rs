@@ -328,20 +328,20 @@ impl Solver {
             let floor = potential.potential.total() - unseen(&potential);
             let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
             let fall = potential.potential.total() - self.engine.residual(&self.engine.state).potential.total();
-            if left.converged && fall.abs() <= unseen(&potential) {
-                // it costs nothing: the helix of a rod with two bending stiffnesses turning in a ring
-                self.engine.state = before;
-                self.engine.update_contact(&self.engine.state.clone())?;
-                outcome.num_unstable = 0;
-            } else if !may_leave {
-                self.engine.state = before;
-                self.engine.update_contact(&self.engine.state.clone())?;
-                break;
-            } else {
+            // it costs nothing: the helix of a rod with two bending stiffnesses turning in a ring
+            let is_neutral = left.converged && fall.abs() <= unseen(&potential);
+            if may_leave && !is_neutral {
                 report.departures += 1;
                 report.energy_released += fall;
                 outcome = left;
+                continue;
             }
+            self.engine.state = before;
+            self.engine.update_contact(&self.engine.state.clone())?;
+            if !is_neutral {
+                break;
+            }
+            outcome.num_unstable = 0;
         }
         report.num_unstable = outcome.num_unstable;
         report.status = match (outcome.converged, outcome.num_unstable) {
