@@ -24,7 +24,9 @@ use crate::error::SolveError;
 use crate::rod::element::Six;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
-use crate::solve::newton::{Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual};
+use crate::solve::newton::{
+    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, stress_about,
+};
 use crate::solve::state::{Drive, State};
 use patience::Patience;
 use rest::{Accepted, Rest};
@@ -70,10 +72,7 @@ struct Search {
 impl Search {
     fn new(engine: &Engine, drive: &Drive, forces: &[[[f64; 3]; 3]], rest: Rest) -> Self {
         let state = engine.state.clone();
-        let mut stress = engine.actual_stress(&state);
-        for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
-            point[..3].copy_from_slice(force);
-        }
+        let stress = stress_about(engine, &state, forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         Self { state, stress, remaining, trust: Trust::new(), rest, rejections: 0, report }
