@@ -2,17 +2,18 @@
 
 use std::cell::Cell;
 
-use super::broad_phase::BroadPhase;
-use super::curve::{Cubic, CurveInput, CurveSet, norm};
-use super::detect::{self, Ground, PairForce, PairTerm, Pressures, Want};
-use super::exclusion::{Exclusion, bytes};
-use super::input::{Curve, Shape, Strands};
-use super::interval::{self, Part, Zone};
-use super::law::Law;
-use super::options::{Neighbours, Options};
-use super::site::{self, Minimum, Site};
-use super::vertex::vertex_minima;
-use super::{capsule, closest};
+use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
+use crate::contact::curves::input::{Curve, Shape, Strands};
+use crate::contact::law::Law;
+use crate::contact::law::potential::{self, Ground, PairForce, PairTerm, Pressures, Want};
+use crate::contact::options::{Neighbours, Options};
+use crate::contact::pairs::capsule;
+use crate::contact::sites::closest;
+use crate::contact::sites::site::{self, Minimum, Site};
+use crate::contact::sites::vertex::vertex_minima;
+use crate::contact::tree::broad_phase::BroadPhase;
+use crate::contact::tree::exclusion::{Exclusion, bytes};
+use crate::contact::zones::interval::{self, Part, Zone};
 use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
@@ -193,7 +194,7 @@ impl Detector {
     /// result is kept in buffers.
     ///
     /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
-    /// there, farthest ones between two of them counted off ([`zone`](super::zone)), corners of polylines included. So
+    /// there, farthest ones between two of them counted off ([`zone`](crate::contact::zones)), corners of polylines included. So
     /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
     /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
     /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle
@@ -216,7 +217,7 @@ impl Detector {
                 let mut pieces = Vec::new();
                 for (force, pair) in part.iter_mut().zip(&block[first..]) {
                     let pair = pair.map(|k| k as usize);
-                    *force = if detect::wanted(&strands, &this.exclusion, pair) {
+                    *force = if potential::wanted(&strands, &this.exclusion, pair) {
                         ground.force(pair, &pressures, &mut pieces)
                     } else {
                         PairForce::NONE
@@ -240,15 +241,15 @@ impl Detector {
     pub fn terms(&mut self, curves: &[Curve], law: impl Into<Law>, want: Want) -> Result<Vec<PairTerm>, InputError> {
         let law = checked(law.into())?;
         let strands = self.update(curves, self.options.range.max(0.0))?;
-        let wanted = |p: &&[u32; 2]| detect::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
+        let wanted = |p: &&[u32; 2]| potential::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
         let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
         let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
-        Ok(detect::evaluate_within(&ground, &pairs, &pressures, want))
+        Ok(potential::evaluate_within(&ground, &pairs, &pressures, want))
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
-    /// [`smallest_clearance`](super::clearance::smallest_clearance).
+    /// [`smallest_clearance`](crate::contact::sites::clearance::smallest_clearance).
     ///
     /// # Errors
     /// As [`Detector::detect`].
@@ -257,10 +258,10 @@ impl Detector {
         curves: &[Curve],
         max_gap: f64,
         tol: f64,
-    ) -> Result<Option<super::clearance::Clearance>, InputError> {
+    ) -> Result<Option<crate::contact::sites::clearance::Clearance>, InputError> {
         let strands = self.prepare(curves)?;
         self.place(&strands)?;
-        Ok(super::clearance::smallest_clearance(&self.set, &self.exclusion, max_gap, tol))
+        Ok(crate::contact::sites::clearance::smallest_clearance(&self.set, &self.exclusion, max_gap, tol))
     }
 
     pub(super) fn prepare<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
@@ -442,7 +443,7 @@ impl Detector {
             self.set.set_lengths(&self.lengths);
             return Ok(());
         }
-        let input = |s: &super::input::Strand| CurveInput {
+        let input = |s: &crate::contact::curves::input::Strand| CurveInput {
             segments: (s.first..s.first + s.count).map(|k| strands.cubic(k)).collect(),
             lengths: self.lengths[s.first..s.first + s.count].to_vec(),
             closed: s.closed,

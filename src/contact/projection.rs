@@ -4,7 +4,7 @@
 //! Σ_{i+j=k} C(3,i) C(2,j) / C(5,k) (b_i − x)·(b_{j+1} − b_j); minima are where q rises from − to +. Everything is
 //! relative to x, so the distance from the origin of coordinates costs nothing; there is no absolute tolerance.
 
-use super::curve::{Cubic, CurveSet};
+use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::math::Vec3;
 use crate::math::bernstein::{Crossing, Roots, product_with_quadratic, roots};
 
@@ -224,7 +224,7 @@ pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::curve::CurveInput;
+    use crate::contact::curves::curve::CurveInput;
 
     #[test]
     fn straight_segment() {

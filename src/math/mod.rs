@@ -10,7 +10,6 @@ pub(crate) mod parallel;
 pub mod quadrature;
 pub mod quaternion;
 #[cfg(test)]
-#[path = "../../tests/common/random.rs"] // one generator for unit tests and tests of the public interface
 pub(crate) mod random;
 pub mod shape_functions;
 pub(crate) mod two_sum;

@@ -9,8 +9,8 @@
 use crate::contact::arc::{self, ascending, near};
 use crate::contact::chain::{Link, TOL_FOOT, chains};
 use crate::contact::curve::{CurveSet, angle};
-use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
+use crate::contact::potential::{Meeting, ZonePiece};
 use crate::math::Vec3;
 
 use super::report::{SiteKind, SiteReport};

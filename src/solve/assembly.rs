@@ -8,7 +8,7 @@ mod loads;
 pub(super) use contact::PAIRS;
 pub(super) use elements::symmetric;
 
-use crate::contact::detect::{Besides, Meeting};
+use crate::contact::potential::{Besides, Meeting};
 use crate::rod::element::Six;
 use crate::solve::engine::{Engine, give_to_masters};
 use crate::solve::state::{Drive, State};

@@ -16,7 +16,7 @@
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
-use crate::contact::detect::Meeting;
+use crate::contact::potential::Meeting;
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::solve::engine::Engine;

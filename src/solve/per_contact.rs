@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
-use crate::contact::detect::ZonePiece;
+use crate::contact::potential::ZonePiece;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::contact_side::ContactSide;

@@ -2,8 +2,8 @@
 //! times their stiffness.
 
 use crate::contact::curve::Cubic;
-use crate::contact::detect::surprise::{stiffness_of_gaps, surprise_of_gaps};
-use crate::contact::detect::{self, Besides, Meeting, Pressures};
+use crate::contact::potential::second_order::{stiffness_of_gaps, surprise_of_gaps};
+use crate::contact::potential::{self, Besides, Meeting, Pressures};
 use crate::math::{Vec3, parallel};
 use crate::solve::assembly::{PAIRS, Residual};
 use crate::solve::contact_side::{ContactSide, contact_cubic};
@@ -54,11 +54,11 @@ impl Engine {
     /// are `wanted`, where contact now is.
     pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&Meeting) -> bool, forces: &mut [f64]) {
         let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
-        let ground = detect::Ground::of_set(&side.set);
+        let ground = potential::Ground::of_set(&side.set);
         let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures { law: side.law, offset: &offset, before: None };
         for batch in pairs.chunks(PAIRS) {
-            let found = self.install(|| detect::evaluate_ends(&ground, batch, &pressures, Besides::default()));
+            let found = self.install(|| potential::evaluate_ends(&ground, batch, &pressures, Besides::default()));
             for term in found.into_iter().flatten().filter(|term| wanted(&term.meeting)) {
                 side.scatter(&term.meeting, &term.gradient, forces);
             }

@@ -9,7 +9,7 @@ mod common;
 mod inputs;
 #[path = "../common/plectoneme.rs"]
 mod plectoneme;
-#[path = "../common/random.rs"]
+#[path = "../../src/math/random.rs"]
 mod random;
 
 mod bathe_bolourchi;

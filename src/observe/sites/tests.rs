@@ -1,6 +1,6 @@
 use super::*;
-use crate::contact::detect::{PairTerm, Want, evaluate};
 use crate::contact::law::Law;
+use crate::contact::potential::{PairTerm, Want, evaluate};
 use crate::math::Vec3;
 use crate::math::random::Random;
 

@@ -1,7 +1,7 @@
 //! Contact moved to a state, and what it adds.
 
 use super::{Residual, Sink};
-use crate::contact::detect::{self, Besides};
+use crate::contact::potential::{self, Besides};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
 use crate::solve::contact_side::{ContactSide, contact_cubic_exactly};
@@ -35,16 +35,16 @@ impl Engine {
         if side.broad_phase.pairs().is_empty() {
             return;
         }
-        let ground = detect::Ground::of_set(&side.set);
+        let ground = potential::Ground::of_set(&side.set);
         // second derivatives live for one part of the candidates only: five kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |slave, master| side.offset(slave, master);
             let earlier = side.before.as_ref().filter(|_| sink.is_some());
             let offset_before =
                 |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
-            let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
-            let pressures = detect::Pressures { law: side.law, offset: &offset, before };
-            for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
+            let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
+            let pressures = potential::Pressures { law: side.law, offset: &offset, before };
+            for found in potential::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
                 let nodes = side.nodes_of(&found.meeting);
                 out.potential.contact += found.energy;
                 for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {

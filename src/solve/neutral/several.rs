@@ -5,7 +5,7 @@
 //! along themselves is left to the mesh's ripple.
 
 use super::{Supports, holds_all, is_free, is_loaded, rigid_motions, spin_of, spins, subtract};
-use crate::contact::detect::Meeting;
+use crate::contact::potential::Meeting;
 use crate::math::groups::Groups;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
