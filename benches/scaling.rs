@@ -28,10 +28,10 @@ use std::time::Instant;
 
 use fit::exponent;
 use inputs::Kind;
-use supercoil::contact::capsule::segment_distance;
-use supercoil::contact::detect::Want;
-use supercoil::contact::stages::Stage;
+use supercoil::contact::Want;
 use supercoil::contact::{Curve, Detector, Neighbours, Options};
+use supercoil::internals::capsule::segment_distance;
+use supercoil::internals::steps::Stage;
 use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use supercoil::math::Vec3;
 

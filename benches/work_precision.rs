@@ -452,7 +452,7 @@ fn condition() {
         solver.options_mut().newton.tol_increment = 1e-30;
         solver.options_mut().newton.max_iterations = 12;
         let report = solver.step_to(&[]).unwrap();
-        let least = |of: fn(&supercoil::solve::newton::Iteration) -> f64| {
+        let least = |of: fn(&supercoil::solve::Iteration) -> f64| {
             report.history.iter().flatten().map(of).fold(f64::INFINITY, f64::min)
         };
         let floors = [least(|i| i.residual), least(|i| i.increment), tip];

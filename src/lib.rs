@@ -86,10 +86,10 @@
 //! error  open to all
 //! ```
 //!
-//! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves
+//! * [`math`]: vectors and rotations, topology of closed curves
 //! * [`contact`]: contact of curves with radii; usable without rods
 //! * [`rod`]: sections, shapes, elements
-//! * [`sparse`]: sparse LDLᵀ with inertia
+//! * `sparse` (private): sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: what there is to know of a state
@@ -130,6 +130,8 @@
 pub mod contact;
 pub mod dna;
 pub mod error;
+#[doc(hidden)]
+pub mod internals;
 pub mod io;
 pub mod math;
 #[cfg(feature = "solver")]
@@ -139,7 +141,7 @@ pub mod scene;
 #[cfg(feature = "solver")]
 pub mod solve;
 #[cfg(feature = "solver")]
-pub mod sparse;
+pub(crate) mod sparse;
 
 pub(crate) mod text;
 

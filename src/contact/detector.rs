@@ -194,7 +194,7 @@ impl Detector {
     /// result is kept in buffers.
     ///
     /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
-    /// there, farthest ones between two of them counted off ([`zone`](crate::contact::zones)), corners of polylines included. So
+    /// there, farthest ones between two of them counted off (`contact::zones` says why), corners of polylines included. So
     /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
     /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
     /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle

@@ -14,12 +14,12 @@
 
 mod curves;
 mod detector;
-pub mod law;
+pub(crate) mod law;
 mod options;
 mod pairs;
-mod projection;
+pub(crate) mod projection;
 mod sites;
-mod steps;
+pub(crate) mod steps;
 mod tree;
 mod zones;
 
@@ -27,7 +27,6 @@ mod zones;
 #[cfg(feature = "solver")]
 pub(crate) use curves::arc;
 pub(crate) use curves::curve;
-#[cfg(feature = "solver")]
 pub(crate) use law::potential;
 pub(crate) use pairs::capsule;
 #[cfg(feature = "solver")]
@@ -35,10 +34,13 @@ pub(crate) use sites::chain;
 pub(crate) use sites::clearance;
 pub(crate) use tree::{broad_phase, exclusion};
 
+pub use curves::curve::Cubic;
 pub use curves::input::{Curve, Shape};
 pub use curves::radius::Radius;
 pub use detector::{Contacts, Detector, Forces, detect};
 pub use law::Law;
+pub use law::potential::{Hessian, PairTerm, Want, ZonePiece};
 pub use options::{Neighbours, Options};
+pub use sites::clearance::Clearance;
 pub use sites::site::{Site, SiteKind};
 pub use zones::interval::Zone;

@@ -1,14 +1,13 @@
-//! Cosserat rods: [`section`] (stiffnesses), [`shape`] (where a rod starts), [`Along`] (what varies along
-//! a rod), [`element`] (energy, residual, tangent
-//! of one element), [`Rod`] (a rod as elements and nodes).
+//! Cosserat rods: [`Rod`] (a rod as elements and nodes), [`Section`] (its stiffnesses), [`Shape`] (its start),
+//! [`Along`] (a quantity that varies along it), `element` (energy, residual, tangent of one element).
 
 mod along;
 mod body;
-pub mod element;
+pub(crate) mod element;
 mod link;
 mod refine;
-pub mod section;
-pub mod shape;
+mod section;
+mod shape;
 mod stiffness;
 
 pub use along::{Along, Values};
@@ -17,6 +16,6 @@ pub(crate) use body::STRAINS;
 pub(crate) use body::within;
 pub use body::{MAX_TURN, Natural, NaturalStrains, Rod};
 pub use section::{CrossSection, Section};
-pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot};
+pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot, superhelix_angle};
 pub use stiffness::Stiffness;
 pub(crate) use stiffness::check_stiffness;

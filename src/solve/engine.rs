@@ -208,7 +208,7 @@ impl Engine {
     ///
     /// # Errors
     /// A law out of range; a change from or to no contact, which needs a new engine.
-    pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+    pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
         let law = law.on_mesh(&self.model.rods);
         let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
             let reason = "contact cannot be switched on or off in a running engine".to_owned();
@@ -303,7 +303,7 @@ impl Engine {
     ///
     /// # Errors
     /// `InputError::Inconsistent` when the sizes do not match the model.
-    pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
+    pub(crate) fn set_state(&mut self, state: State) -> Result<(), InputError> {
         let fits = state.positions.len() == self.state.positions.len()
             && state.remainders.len() == self.state.remainders.len()
             && state.frames.len() == self.state.frames.len()

@@ -13,12 +13,12 @@ pub mod two_ply;
 
 use std::ops::ControlFlow;
 
-use supercoil::math::quaternion::to_array;
-use supercoil::math::shape_functions::Table;
+use supercoil::internals::element::{ElementNodes, Six, raw_strains, stiffness};
+use supercoil::internals::quaternion::to_array;
+use supercoil::internals::shape_functions::Table;
 use supercoil::math::{Quat, Vec3};
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::element::{ElementNodes, Six, raw_strains, stiffness};
 use supercoil::rod::{Natural, Rod, Section};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Progress, Solver, StepReport};
@@ -157,7 +157,7 @@ pub fn slender_disc(slenderness: f64) -> Section {
 
 /// The iterations of a report on one line, for messages.
 pub fn history(report: &StepReport) -> String {
-    let line = |i: &supercoil::solve::newton::Iteration| format!("{:.1e}({:.2})", i.increment, i.fraction);
+    let line = |i: &supercoil::solve::Iteration| format!("{:.1e}({:.2})", i.increment, i.fraction);
     let searches = report.history.iter().map(|h| h.iter().map(line).collect::<Vec<_>>().join(" "));
     format!("{:?} {}: {}", report.status, report.iterations, searches.collect::<Vec<_>>().join(" | "))
 }

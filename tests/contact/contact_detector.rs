@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use supercoil::InputError;
-use supercoil::contact::capsule::segment_distance;
-use supercoil::contact::curve::Cubic;
-use supercoil::contact::detect::Want;
-use supercoil::contact::stages::Stage;
+use supercoil::contact::Cubic;
+use supercoil::contact::Want;
 use supercoil::contact::{Contacts, Curve, Detector, Neighbours, Options, detect};
+use supercoil::internals::capsule::segment_distance;
+use supercoil::internals::steps::Stage;
 use supercoil::math::{Mat3, Quat, Vec3};
 
 use crate::inputs;

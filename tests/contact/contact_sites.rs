@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use supercoil::contact::curve::Cubic;
+use supercoil::contact::Cubic;
 use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteKind, detect};
 use supercoil::math::Vec3;
 

@@ -21,9 +21,9 @@
 use crate::common;
 
 use common::{elastic_energy, end_of, fitted_order, history, sci, strains, strains_of, verify};
-use supercoil::math::shape_functions::Table;
+use supercoil::internals::element::stiffness;
+use supercoil::internals::shape_functions::Table;
 use supercoil::math::{Mat3, Quat, Vec3};
-use supercoil::rod::element::stiffness;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};

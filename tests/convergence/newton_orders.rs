@@ -62,7 +62,7 @@ fn under(solver: &Solver, law: ContactLaw) -> Solver {
     model.contact.law = law;
     let mut other = Solver::new(model, Options::default()).unwrap();
     other.options_mut().newton.tol_increment = 1e-12;
-    other.engine_mut().set_state(solver.engine().state().clone()).unwrap();
+    other.set_state(solver.engine().state().clone()).unwrap();
     let report = other.resettle();
     assert_eq!(report.status, Status::Converged, "{}", history(&report));
     other

@@ -17,7 +17,7 @@ use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, Solver, Status};
+use supercoil::solve::{FollowOptions, Options, PathEnd, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -249,7 +249,7 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
     // a step that moves the ends by five diameters at once does not converge
     let mut lowered = 0.0;
     for depth in [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6] {
-        solver.engine_mut().set_contact_law(penalty(1e7)).unwrap();
+        solver.set_contact_law(penalty(1e7)).unwrap();
         let parts = f64::ceil((depth - lowered) / 0.02);
         for part in 1..=parts as u32 {
             let by = lowered + (depth - lowered) * f64::from(part) / parts;
@@ -261,8 +261,8 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
         }
         lowered = depth;
         for decade in 8..=13 {
-            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
-            assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
+            solver.set_contact_law(penalty(10f64.powi(decade))).unwrap();
+            assert_eq!(solver.find_equilibrium().status, Status::Converged);
         }
         let seen = to(&mut solver, &[]);
         // secant on the force
@@ -328,10 +328,10 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         Solver::new(model, Options::default()).unwrap()
     };
     let at = |solver: &mut Solver, factor: f64, top: i32| {
-        solver.engine_mut().set_contact_law(penalty(1e6)).unwrap();
+        solver.set_contact_law(penalty(1e6)).unwrap();
         to(solver, &[Ramp::Load { to: factor * first }]);
         for decade in 7..=top {
-            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
+            solver.set_contact_law(penalty(10f64.powi(decade))).unwrap();
             to(solver, &[]);
         }
         to(solver, &[])
@@ -344,7 +344,7 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     for factor in [2.2, 2.6, 2.9] {
         // a tenfold stiffness is as much of the force as frames leave of a gap by rounding
         let force = at(&mut solver, factor, 12).total_contact_force;
-        solver.engine_mut().set_contact_law(penalty(1e13)).unwrap();
+        solver.set_contact_law(penalty(1e13)).unwrap();
         let seen = to(&mut solver, &[]);
         assert_eq!(seen.sites.len(), 1);
         let site = &seen.sites[0];

@@ -12,7 +12,7 @@ pub type Hessian = [[Mat3; 8]; 8];
 #[derive(Debug, Clone, Copy)]
 pub struct ZonePiece {
     /// Geometry of the piece.
-    pub piece: Piece,
+    pub(crate) piece: Piece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
     /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is counted off.
@@ -21,6 +21,20 @@ pub struct ZonePiece {
     pub half_moments: [f64; 2],
     /// ½∫p n ds \[F\], n from the foot to the slave: this strand's half of the force on the slave.
     pub half_push: Vec3,
+}
+
+impl ZonePiece {
+    /// Slave parameters of both ends, ascending, in \[0, 1\].
+    #[must_use]
+    pub fn u(&self) -> [f64; 2] {
+        self.piece.u
+    }
+
+    /// Parameters of the master at the feet of both ends, in \[0, 1\].
+    #[must_use]
+    pub fn v(&self) -> [f64; 2] {
+        self.piece.v
+    }
 }
 
 /// Contribution of one ordered pair (slave, master) that is in contact.
