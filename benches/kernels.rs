@@ -13,10 +13,10 @@ use supercoil::contact::Cubic;
 use supercoil::contact::Law;
 use supercoil::contact::Want;
 use supercoil::internals::curve::{CurveInput, CurveSet};
-use supercoil::internals::element::{self, Body, ElementNodes, ElementOutput, Plane};
+use supercoil::internals::element::{self, ElementNodes, ElementOutput, ElementProperties, Plane};
 use supercoil::internals::potential::evaluate;
 use supercoil::internals::quaternion::to_array;
-use supercoil::internals::shape_functions::Table;
+use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
@@ -52,7 +52,7 @@ fn rod_element(c: &mut Criterion) {
     let along_x = Quat::rotation_between(&Vec3::z(), &Vec3::x()).map_or([1.0, 0.0, 0.0, 0.0], |q| to_array(&q));
     let plane = Plane::new(&along_x);
     for (order, plane) in (1..=3).flat_map(|order| [(order, None), (order, Some(&plane))]) {
-        let table = Table::new(order);
+        let table = ShapeTable::new(order);
         let mut nodes = ElementNodes::default();
         for a in 0..=order {
             nodes.r[a] = [1.01 * a as f64 / order as f64, 0.0, 0.0];
@@ -60,7 +60,8 @@ fn rod_element(c: &mut Criterion) {
         }
         let material = [1e3, 1e3, 1e4, 1.0, 1.0, 1.5];
         let reference = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3];
-        let body = Body { table: &table, length: 1.0, material: element::Material::Diagonal(&material), plane };
+        let body =
+            ElementProperties { table: &table, length: 1.0, material: element::Material::Diagonal(&material), plane };
         let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; element::MAX_DOF]; element::MAX_DOF]);
         let mut run = |wanted: bool| {
             let tangent = wanted.then_some(&mut tangent);

@@ -17,7 +17,7 @@ pub mod quaternion {
 
 /// Shape functions.
 pub mod shape_functions {
-    pub use crate::math::shape_functions::{Table, lagrange};
+    pub use crate::math::shape_functions::{ShapeTable, lagrange};
 }
 
 /// Sets of curves.
@@ -57,13 +57,13 @@ pub mod clearance {
 
 /// The detector's steps one by one.
 pub mod steps {
-    pub use crate::contact::steps::Stage;
+    pub use crate::contact::steps::DetectorStep;
 }
 
 /// One rod element.
 pub mod element {
     pub use crate::rod::element::{
-        Body, ElementNodes, ElementOutput, ElementTangent, MAX_DOF, Material, Nodes, Plane, Six, evaluate,
-        predicted_stress, raw_strains, stiffness, surprise_force,
+        ElementNodes, ElementOutput, ElementProperties, ElementTangent, MAX_DOF, Material, Nodes, Plane, Strain,
+        Stress, evaluate, predicted_stress, raw_strains, second_order_force, stiffness,
     };
 }

@@ -59,8 +59,8 @@
 //! | r | `positions`, `centerline` | centreline | L |
 //! | d1 d2 d3 | `frames` | material frame, d3 along the rod; q·e1, q·e2, q·e3 of a unit quaternion q | – |
 //! | s, L | `arc`, `length` | reference arc length, of the whole rod | L |
-//! | Γ1 Γ2, Γ3 | `gamma`; first three of `Six` | shear; extension, 1 at rest | – |
-//! | K1 K2, K3 | `kappa`; last three of `Six` | bending; twist | 1/L |
+//! | Γ1 Γ2, Γ3 | `gamma`; first three of `Strain` | shear; extension, 1 at rest | – |
+//! | K1 K2, K3 | `kappa`; last three of `Strain` | bending; twist | 1/L |
 //! | GA1 GA2, EA | `shearing`, `stretching` | stiffnesses against Γ | F |
 //! | EI1 EI2 (B), GJ (C) | `bending`, `twisting` | stiffnesses against K | F·L² |
 //! | ε | `contact_radius` | radius of the tube that contact sees | L |

@@ -3,9 +3,9 @@
 use std::cell::Cell;
 
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
-use crate::contact::curves::input::{Curve, Shape, Strands};
+use crate::contact::curves::input::{Curve, CurveShape, Strands};
 use crate::contact::law::Law;
-use crate::contact::law::potential::{self, Ground, PairForce, PairTerm, Pressures, Want};
+use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairTerm, Pressures, Want};
 use crate::contact::options::{Neighbours, Options};
 use crate::contact::pairs::capsule;
 use crate::contact::sites::closest;
@@ -99,7 +99,7 @@ pub struct Detector {
     minima: Vec<Minimum>,
     /// Parts of zones, by pieces of the candidate list, and what they are joined in.
     parts: Vec<Vec<Part>>,
-    joining: interval::Workspace,
+    joining: interval::JoinBuffers,
     pub(super) contacts: Contacts,
     forces: Forces,
     pair_forces: Vec<PairForce>,
@@ -133,7 +133,7 @@ impl Forces {
             let curve = strands.curve_of(segment as usize);
             let strand = &strands.curves[curve];
             let (k, sums) = (segment as usize - strand.first, &mut self.forces[curve]);
-            if matches!(strand.shape, Shape::Polyline(_)) {
+            if matches!(strand.shape, CurveShape::Polyline(_)) {
                 sums[k] += force[0];
                 let next = if k + 1 < sums.len() { k + 1 } else { 0 };
                 sums[next] += force[3];
@@ -209,7 +209,7 @@ impl Detector {
         forces.clear(&strands);
         let mut found = std::mem::take(&mut self.pair_forces);
         let this = &*self;
-        let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
+        let geometry = ContactGeometry::new(strands.clone(), &this.lengths, Some(&this.exclusion));
         let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
         for block in this.broad.pairs().chunks(BLOCK) {
             found.resize(block.len(), PairForce::NONE);
@@ -218,7 +218,7 @@ impl Detector {
                 for (force, pair) in part.iter_mut().zip(&block[first..]) {
                     let pair = pair.map(|k| k as usize);
                     *force = if potential::wanted(&strands, &this.exclusion, pair) {
-                        ground.force(pair, &pressures, &mut pieces)
+                        geometry.force(pair, &pressures, &mut pieces)
                     } else {
                         PairForce::NONE
                     };
@@ -244,8 +244,8 @@ impl Detector {
         let wanted = |p: &&[u32; 2]| potential::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
         let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
-        let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
-        Ok(potential::evaluate_within(&ground, &pairs, &pressures, want))
+        let geometry = ContactGeometry::new(strands, &self.lengths, Some(&self.exclusion));
+        Ok(potential::evaluate_within(&geometry, &pairs, &pressures, want))
     }
 
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see

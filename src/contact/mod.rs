@@ -35,12 +35,12 @@ pub(crate) use sites::clearance;
 pub(crate) use tree::{broad_phase, exclusion};
 
 pub use curves::curve::Cubic;
-pub use curves::input::{Curve, Shape};
+pub use curves::input::{Curve, CurveShape};
 pub use curves::radius::Radius;
 pub use detector::{Contacts, Detector, Forces, detect};
 pub use law::Law;
 pub use law::potential::{Hessian, PairTerm, Want, ZonePiece};
 pub use options::{Neighbours, Options};
 pub use sites::clearance::Clearance;
-pub use sites::site::{Site, SiteKind};
+pub use sites::site::{Site, SiteLocation};
 pub use zones::interval::Zone;

@@ -7,7 +7,7 @@ use crate::error::InputError;
 
 /// One step of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum DetectorStep {
     /// Input check and exclusion of neighbours.
     Prepare,
     /// Boxes and tree.
@@ -38,30 +38,30 @@ impl Detector {
     /// # Errors
     /// As [`Detector::detect`].
     #[doc(hidden)]
-    pub fn run_stage(&mut self, curves: &[Curve], stage: Stage) -> Result<usize, InputError> {
-        if stage == Stage::Prepare {
+    pub fn run_stage(&mut self, curves: &[Curve], stage: DetectorStep) -> Result<usize, InputError> {
+        if stage == DetectorStep::Prepare {
             return Ok(self.prepare(curves)?.len());
         }
         let strands = crate::contact::curves::input::Strands::view(curves);
         let range = self.options.range;
         Ok(match stage {
-            Stage::Prepare | Stage::Refit => {
+            DetectorStep::Prepare | DetectorStep::Refit => {
                 self.broad.refit(&strands, 0.5 * range);
                 strands.len()
             }
-            Stage::Boxes | Stage::Candidates => {
-                let reach = (stage == Stage::Candidates).then_some(range);
+            DetectorStep::Boxes | DetectorStep::Candidates => {
+                let reach = (stage == DetectorStep::Candidates).then_some(range);
                 self.broad.search(&strands, &self.exclusion, reach);
                 self.broad.pairs().len()
             }
-            Stage::Sites => {
+            DetectorStep::Sites => {
                 self.measure(&strands);
                 let mut sites = std::mem::take(&mut self.contacts.sites);
                 self.find_sites(&strands, &mut sites);
                 self.contacts.sites = sites;
                 self.contacts.sites.len()
             }
-            Stage::Zones => {
+            DetectorStep::Zones => {
                 self.measure(&strands);
                 self.find_zones(&strands).len()
             }

@@ -2,19 +2,20 @@
 //! [`Along`] (a quantity that varies along it), `element` (energy, residual, tangent of one element).
 
 mod along;
-mod body;
 pub(crate) mod element;
 mod link;
 mod refine;
+#[allow(clippy::module_inception)] // the rod itself
+mod rod;
 mod section;
 mod shape;
 mod stiffness;
 
 pub use along::{Along, Values};
-pub(crate) use body::STRAINS;
+pub(crate) use rod::STRAINS;
 #[cfg(feature = "scenes")]
-pub(crate) use body::within;
-pub use body::{MAX_TURN, Natural, NaturalStrains, Rod};
+pub(crate) use rod::within;
+pub use rod::{MAX_TURN, Natural, NaturalStrains, Rod};
 pub use section::{CrossSection, Section};
 pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot, superhelix_angle};
 pub use stiffness::Stiffness;

@@ -84,7 +84,7 @@ impl Solver {
     fn overlaps(&self) -> Vec<Felt> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut felt = vec![Felt::default(); side.set.len()];
-        for term in self.engine.residual(&self.engine.state).meetings {
+        for term in self.engine.residual(&self.engine.state).contact_pairs {
             let here = &mut felt[term.slave];
             let offset = side.offset(term.slave, term.master);
             let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];

@@ -10,7 +10,7 @@ pub(crate) const JOINT: f64 = 1e-9;
 
 /// Where the centreline runs.
 #[derive(Clone, Copy, Debug)]
-pub enum Shape<'a> {
+pub enum CurveShape<'a> {
     /// Straight segments through the points \[L\], consecutive ones different; at least 2 points (3 if closed, where
     /// the last is joined to the first by one more segment). 24 bytes a segment.
     Polyline(&'a [Vec3]),
@@ -23,7 +23,7 @@ pub enum Shape<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Curve<'a> {
     /// Where it runs.
-    pub shape: Shape<'a>,
+    pub shape: CurveShape<'a>,
     /// Contact radius \[L\], greater than 0: one number or one for each segment.
     pub radius: Radius<'a>,
     /// Whether its end is joined to its start.
@@ -34,13 +34,13 @@ impl<'a> Curve<'a> {
     /// Open polyline through `points`; `radius` is a number or a borrowed list with one for each segment.
     #[must_use]
     pub fn polyline(points: &'a [Vec3], radius: impl Into<Radius<'a>>) -> Self {
-        Self { shape: Shape::Polyline(points), radius: radius.into(), closed: false }
+        Self { shape: CurveShape::Polyline(points), radius: radius.into(), closed: false }
     }
 
     /// Open curve of cubic pieces.
     #[must_use]
     pub fn cubics(pieces: &'a [Cubic], radius: impl Into<Radius<'a>>) -> Self {
-        Self { shape: Shape::Cubics(pieces), radius: radius.into(), closed: false }
+        Self { shape: CurveShape::Cubics(pieces), radius: radius.into(), closed: false }
     }
 
     /// The same curve with its end joined to its start.
@@ -51,9 +51,9 @@ impl<'a> Curve<'a> {
 
     fn num_segments(&self) -> usize {
         match self.shape {
-            Shape::Polyline(points) if self.closed => points.len(),
-            Shape::Polyline(points) => points.len().saturating_sub(1),
-            Shape::Cubics(pieces) => pieces.len(),
+            CurveShape::Polyline(points) if self.closed => points.len(),
+            CurveShape::Polyline(points) => points.len().saturating_sub(1),
+            CurveShape::Cubics(pieces) => pieces.len(),
         }
     }
 
@@ -61,8 +61,8 @@ impl<'a> Curve<'a> {
     fn check(&self, index: usize) -> Result<(), InputError> {
         let field = |what: &str| format!("curves[{index}].{what}");
         match self.shape {
-            Shape::Polyline(points) => check_points(points, self.closed, &field)?,
-            Shape::Cubics(pieces) => check_pieces(pieces, self.closed, &field)?,
+            CurveShape::Polyline(points) => check_points(points, self.closed, &field)?,
+            CurveShape::Cubics(pieces) => check_pieces(pieces, self.closed, &field)?,
         }
         self.radius.check(self.num_segments(), &field)
     }
@@ -133,7 +133,7 @@ pub(crate) fn upper(a: &Vec3, b: &Vec3) -> Vec3 {
 /// One curve with its place in the common numbering of segments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strand<'a> {
-    pub(crate) shape: Shape<'a>,
+    pub(crate) shape: CurveShape<'a>,
     pub(crate) radius: Radius<'a>,
     pub(crate) closed: bool,
     pub(crate) first: usize,
@@ -144,8 +144,8 @@ impl Strand<'_> {
     /// Points of a polyline, or four for each cubic.
     pub(crate) fn num_control_points(&self) -> usize {
         match self.shape {
-            Shape::Polyline(points) => points.len(),
-            Shape::Cubics(pieces) => 4 * pieces.len(),
+            CurveShape::Polyline(points) => points.len(),
+            CurveShape::Cubics(pieces) => 4 * pieces.len(),
         }
     }
 }
@@ -187,11 +187,11 @@ impl<'a> Strands<'a> {
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
         Self::join(set.curves.iter().map(|c| {
-            (Shape::Cubics(&set.segments[c.first..c.first + c.count]), set.radius_between(c), c.closed, c.count)
+            (CurveShape::Cubics(&set.segments[c.first..c.first + c.count]), set.radius_between(c), c.closed, c.count)
         }))
     }
 
-    fn join(parts: impl Iterator<Item = (Shape<'a>, Radius<'a>, bool, usize)>) -> Self {
+    fn join(parts: impl Iterator<Item = (CurveShape<'a>, Radius<'a>, bool, usize)>) -> Self {
         let mut len = 0;
         let curves: Vec<_> = parts
             .map(|(shape, radius, closed, count)| {
@@ -270,26 +270,26 @@ impl<'a> Strands<'a> {
         let strand = self.strand(segment);
         let k = segment - strand.first;
         match strand.shape {
-            Shape::Polyline(points) => (points[k], points[if k + 1 < points.len() { k + 1 } else { 0 }]),
-            Shape::Cubics(pieces) => (pieces[k].b[0], pieces[k].b[3]),
+            CurveShape::Polyline(points) => (points[k], points[if k + 1 < points.len() { k + 1 } else { 0 }]),
+            CurveShape::Cubics(pieces) => (pieces[k].b[0], pieces[k].b[3]),
         }
     }
 
     /// True if the segment is a straight line at constant speed by construction.
     #[inline]
     pub(crate) fn is_straight(&self, segment: usize) -> bool {
-        matches!(self.strand(segment).shape, Shape::Polyline(_))
+        matches!(self.strand(segment).shape, CurveShape::Polyline(_))
     }
 
     /// The segment as a cubic.
     pub(crate) fn cubic(&self, segment: usize) -> Cubic {
         let strand = self.strand(segment);
         match strand.shape {
-            Shape::Polyline(_) => {
+            CurveShape::Polyline(_) => {
                 let (a, b) = self.ends(segment);
                 Cubic::straight(a, b)
             }
-            Shape::Cubics(pieces) => pieces[segment - strand.first],
+            CurveShape::Cubics(pieces) => pieces[segment - strand.first],
         }
     }
 
@@ -298,11 +298,11 @@ impl<'a> Strands<'a> {
     pub(crate) fn bounds(&self, segment: usize) -> (Vec3, Vec3) {
         let strand = self.strand(segment);
         match strand.shape {
-            Shape::Polyline(_) => {
+            CurveShape::Polyline(_) => {
                 let (a, b) = self.ends(segment);
                 (lower(&a, &b), upper(&a, &b))
             }
-            Shape::Cubics(pieces) => {
+            CurveShape::Cubics(pieces) => {
                 let [b0, b1, b2, b3] = &pieces[segment - strand.first].b;
                 (lower(&lower(b0, b1), &lower(b2, b3)), upper(&upper(b0, b1), &upper(b2, b3)))
             }
@@ -335,8 +335,8 @@ impl<'a> Strands<'a> {
     pub(crate) fn control_points(&self) -> impl Iterator<Item = &'a [Vec3]> + use<'a, '_> {
         self.curves.iter().flat_map(|strand| {
             let (points, pieces): (&'a [Vec3], &'a [Cubic]) = match strand.shape {
-                Shape::Polyline(points) => (points, &[]),
-                Shape::Cubics(pieces) => (&[], pieces),
+                CurveShape::Polyline(points) => (points, &[]),
+                CurveShape::Cubics(pieces) => (&[], pieces),
             };
             std::iter::once(points).filter(|p| !p.is_empty()).chain(pieces.iter().map(|c| c.b.as_slice()))
         })

@@ -11,22 +11,22 @@
 //! complement of the foot.
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
-use crate::contact::curves::input::{Shape, Strands};
+use crate::contact::curves::input::{CurveShape, Strands};
 use crate::contact::law::Law;
 use crate::contact::pairs::capsule::Capsule;
 use crate::contact::projection::smooth_joint;
 use crate::contact::tree::exclusion::Exclusion;
 use crate::contact::zones::facing::Facing;
 use crate::contact::zones::straight::Lines;
-use crate::contact::zones::{Joint, Pair, Piece};
+use crate::contact::zones::{BranchPiece, SegmentPair, SmoothJoint};
 use crate::math::{Vec3, parallel};
-use integral::{Follow, Found};
-use pressure::Local;
+use integral::{PairIntegral, Projector};
 pub use pressure::Offsets;
+use pressure::PairLaw;
 pub(crate) use pressure::Pressures;
-use stiffness::{Coordinates, Stiffness};
-pub(crate) use term::{Besides, EndTerm, PairForce};
-pub use term::{Hessian, Meeting, PairTerm, Want, ZonePiece};
+use stiffness::{Coordinates, PairStiffness};
+pub use term::{ContactPair, Hessian, PairTerm, Want, ZonePiece};
+pub(crate) use term::{EndTerm, PairForce, Request};
 
 mod guess;
 mod integral;
@@ -45,11 +45,11 @@ const SEGMENTS: usize = 256;
 /// where contact goes on from one segment to the next, on either strand, it is to do so too. Parallel over candidates
 /// in the current rayon pool; the result does not depend on the number of threads.
 pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
-    evaluate_within(&Ground::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
+    evaluate_within(&ContactGeometry::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
 }
 
 /// The curves that terms are evaluated on.
-pub(crate) struct Ground<'a> {
+pub(crate) struct ContactGeometry<'a> {
     strands: Strands<'a>,
     /// Reference length of each segment \[L\].
     lengths: &'a [f64],
@@ -63,7 +63,7 @@ pub(crate) struct Ground<'a> {
     remainders: &'a [[Vec3; 4]],
 }
 
-impl<'a> Ground<'a> {
+impl<'a> ContactGeometry<'a> {
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
         Self { remainders: &set.remainders, ..Self::new(Strands::of_set(set), &set.lengths, None) }
@@ -72,7 +72,7 @@ impl<'a> Ground<'a> {
     /// Curves with the reference lengths of their segments \[L\], and the neighbours that are not among the candidates.
     pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64], exclusion: Option<&'a Exclusion>) -> Self {
         let mut capsules = Vec::new();
-        if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
+        if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
             let capsule = |k: usize| Capsule::new(&strands.cubic(k));
             capsules = parallel::map(strands.len(), SEGMENTS, &capsule);
         }
@@ -91,33 +91,33 @@ impl<'a> Ground<'a> {
 
 /// [`evaluate`] for callers that go through the candidates in parts.
 pub(crate) fn evaluate_within(
-    ground: &Ground,
+    geometry: &ContactGeometry,
     candidates: &[[u32; 2]],
     pressures: &Pressures,
     want: Want,
 ) -> Vec<PairTerm> {
     let add =
-        |pair, pieces: &mut _, out: &mut Vec<_>| ground.terms(pair, pressures, want, pieces, |term| out.push(term));
+        |pair, pieces: &mut _, out: &mut Vec<_>| geometry.terms(pair, pressures, want, pieces, |term| out.push(term));
     in_chunks(candidates, add).into_iter().flatten().collect()
 }
 
 /// The terms of [`evaluate_within`] with respect to the segments' ends, in parts: they are large, and moved no more
 /// than need be.
 pub(crate) fn evaluate_ends(
-    ground: &Ground,
+    geometry: &ContactGeometry,
     candidates: &[[u32; 2]],
     pressures: &Pressures,
-    besides: Besides,
+    request: Request,
 ) -> Vec<Vec<EndTerm>> {
     in_chunks(candidates, |pair, pieces, out| {
-        ground.each(pair, pressures, besides.zones, pieces, |found| out.push(ground.end_term(found, besides)));
+        geometry.each(pair, pressures, request.zones, pieces, |found| out.push(geometry.end_term(found, request)));
     })
 }
 
 /// Calls `add(pair, scratch, out)` for every pair; what is put out, in the order of the pairs, in parts.
 fn in_chunks<T: Send>(
     candidates: &[[u32; 2]],
-    add: impl Fn([usize; 2], &mut Vec<Piece>, &mut Vec<T>) + Sync,
+    add: impl Fn([usize; 2], &mut Vec<BranchPiece>, &mut Vec<T>) + Sync,
 ) -> Vec<Vec<T>> {
     const CHUNK: usize = 64;
     parallel::map_ranges(candidates.len(), CHUNK, &|range| {
@@ -127,14 +127,14 @@ fn in_chunks<T: Send>(
     })
 }
 
-impl Ground<'_> {
+impl ContactGeometry<'_> {
     /// The terms of one candidate pair, either way round. `pieces` is scratch.
     fn terms(
         &self,
         pair: [usize; 2],
         pressures: &Pressures,
         want: Want,
-        pieces: &mut Vec<Piece>,
+        pieces: &mut Vec<BranchPiece>,
         mut found: impl FnMut(PairTerm),
     ) {
         self.each(pair, pressures, true, pieces, |place| found(place.pair_term(want)));
@@ -147,8 +147,8 @@ impl Ground<'_> {
         [i, j]: [usize; 2],
         pressures: &Pressures,
         nearest: bool,
-        pieces: &mut Vec<Piece>,
-        mut found: impl FnMut(&Found),
+        pieces: &mut Vec<BranchPiece>,
+        mut found: impl FnMut(&PairIntegral),
     ) {
         let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         let distance = self.nearest(i, j);
@@ -157,26 +157,26 @@ impl Ground<'_> {
             if distance >= reach[0].max(reach[1]) {
                 continue;
             }
-            let local = self.local(slave, master, reach, contact_distance, pressures);
+            let pair_law = self.pair_law(slave, master, reach, contact_distance, pressures);
             pieces.clear();
-            let mut collect = |touch: &Follow, pieces: &mut Vec<Piece>| {
-                self.keep_rings([slave, master], &local, touch, pieces);
+            let mut collect = |project: &Projector, pieces: &mut Vec<BranchPiece>| {
+                self.keep_rings([slave, master], &pair_law, project, pieces);
                 if !pieces.is_empty() {
-                    found(&Found { slave, master, local: &local, pieces, touch });
+                    found(&PairIntegral { slave, master, pair_law: &pair_law, pieces, project });
                 }
             };
-            if let Some(lines) = self.lines(slave, master, &local) {
+            if let Some(lines) = self.lines(slave, master, &pair_law) {
                 lines.pieces(|piece| pieces.push(piece));
-                collect(&|u, _, branch| lines.touch(u, branch), pieces);
+                collect(&|u, _, branch| lines.project(u, branch), pieces);
                 continue;
             }
-            self.with_pair(slave, master, local.reach, |pair, facing| match facing {
+            self.with_pair(slave, master, pair_law.reach, |pair, facing| match facing {
                 Some(facing) if facing.pieces(pair, nearest, pieces) => {
-                    collect(&|u, guess, _| (facing.touch(pair, u, guess), 1.0), pieces);
+                    collect(&|u, guess, _| (facing.project(pair, u, guess), 1.0), pieces);
                 }
                 _ => {
                     pair.pieces(pieces);
-                    collect(&|t, guess, branch| pair.touch(t, guess, branch), pieces);
+                    collect(&|t, guess, branch| pair.project(t, guess, branch), pieces);
                 }
             });
         }
@@ -191,21 +191,21 @@ impl Ground<'_> {
         cubic
     }
 
-    fn end_term(&self, found: &Found, besides: Besides) -> EndTerm {
+    fn end_term(&self, found: &PairIntegral, request: Request) -> EndTerm {
         let origin = self.strands.ends(found.slave).0;
         let coordinates = Coordinates::ends(&self.near(found.slave, &origin), &self.near(found.master, &origin));
-        let mut stiffness = besides.tangent.then(|| Stiffness::new(coordinates));
-        let term = found.sum(besides, stiffness.as_mut());
+        let mut stiffness = request.tangent.then(|| PairStiffness::new(coordinates));
+        let term = found.sum(request, stiffness.as_mut());
         EndTerm {
             energy: term.energy,
             gradient: coordinates.pull(&term.gradient),
             tangent: stiffness.map(|s| s.finish(&term.gradient)),
-            meeting: term.into(),
+            pair: term.into(),
         }
     }
 
-    /// The sum of [`Ground::terms`] without the terms.
-    pub(crate) fn force(&self, [i, j]: [usize; 2], pressures: &Pressures, pieces: &mut Vec<Piece>) -> PairForce {
+    /// The sum of [`ContactGeometry::terms`] without the terms.
+    pub(crate) fn force(&self, [i, j]: [usize; 2], pressures: &Pressures, pieces: &mut Vec<BranchPiece>) -> PairForce {
         let mut sum = PairForce::NONE;
         if !(self.strands.is_straight(i) && self.strands.is_straight(j)) {
             self.terms([i, j], pressures, Want::Gradient, pieces, |term| {
@@ -219,16 +219,16 @@ impl Ground<'_> {
             if reach[0].max(reach[1]) <= 0.0 {
                 continue;
             }
-            let local = self.local(slave, master, reach, contact_distance, pressures);
-            let Some(lines) = self.lines(slave, master, &local) else { continue };
+            let pair_law = self.pair_law(slave, master, reach, contact_distance, pressures);
+            let Some(lines) = self.lines(slave, master, &pair_law) else { continue };
             if !self.may_be_ring(slave, master) {
-                lines.pieces(|piece| sum.add_lines(&lines, &piece, &local, slave != i));
+                lines.pieces(|piece| sum.add_lines(&lines, &piece, &pair_law, slave != i));
                 continue;
             }
             pieces.clear();
             lines.pieces(|piece| pieces.push(piece));
-            self.keep_rings([slave, master], &local, &|u, _, branch| lines.touch(u, branch), pieces);
-            pieces.iter().for_each(|piece| sum.add_lines(&lines, piece, &local, slave != i));
+            self.keep_rings([slave, master], &pair_law, &|u, _, branch| lines.project(u, branch), pieces);
+            pieces.iter().for_each(|piece| sum.add_lines(&lines, piece, &pair_law, slave != i));
         }
         sum
     }
@@ -239,14 +239,14 @@ impl Ground<'_> {
     }
 
     /// What holds all along the slave.
-    fn local<'a>(
+    fn pair_law<'a>(
         &self,
         slave: usize,
         master: usize,
         reach: [f64; 2],
         contact_distance: f64,
         pressures: &'a Pressures<'a>,
-    ) -> Local<'a> {
+    ) -> PairLaw<'a> {
         let (length, offset) = (self.lengths[slave], (pressures.offset)(slave, master));
         let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
         let span = if straight {
@@ -255,13 +255,13 @@ impl Ground<'_> {
         } else {
             length
         };
-        Local { pressures, contact_distance, reach, offset, length, straight, span }
+        PairLaw { pressures, contact_distance, reach, offset, length, straight, span }
     }
 
     /// The pair as lines, if both are straight and the reach does not vary along the slave.
-    fn lines(&self, slave: usize, master: usize, local: &Local) -> Option<Lines> {
-        let lines = local.straight && local.reach[0] == local.reach[1];
-        lines.then(|| Lines::new(&self.strands, slave, master, local.reach[0], self.kinks(slave, master)))
+    fn lines(&self, slave: usize, master: usize, pair_law: &PairLaw) -> Option<Lines> {
+        let lines = pair_law.straight && pair_law.reach[0] == pair_law.reach[1];
+        lines.then(|| Lines::new(&self.strands, slave, master, pair_law.reach[0], self.kinks(slave, master)))
     }
 
     /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is
@@ -274,7 +274,13 @@ impl Ground<'_> {
     /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen
     /// to have no foot: far from the origin the ends of zones would be lost in rounding, and looked for in vain. The
     /// same origin for every master, so that two that meet at a joint find the same bits there.
-    fn with_pair(&self, slave: usize, master: usize, reach: [f64; 2], with: impl FnOnce(&Pair, Option<&Facing>)) {
+    fn with_pair(
+        &self,
+        slave: usize,
+        master: usize,
+        reach: [f64; 2],
+        with: impl FnOnce(&SegmentPair, Option<&Facing>),
+    ) {
         let origin = self.strands.ends(slave).0;
         let near = |k: usize| self.near(k, &origin);
         let (own, foreign) = (near(slave), near(master));
@@ -288,9 +294,9 @@ impl Ground<'_> {
             return;
         }
         let [before, after] = beyond.map(|k| k.map(near));
-        let joints = Joint::both(before, &foreign, after, &origin);
+        let joints = SmoothJoint::both(before, &foreign, after, &origin);
         let tangents = [before.map(|before| before.end_tangent()), after.map(|after| after.start_tangent())];
-        let pair = Pair {
+        let pair = SegmentPair {
             slave: &own,
             master: &foreign,
             open_start: !goes_on[0],

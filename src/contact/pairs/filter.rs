@@ -16,7 +16,7 @@
 //! has twice the lanes and a far cheaper division). Only differences of f64 coordinates are cast, so offsets do not
 //! matter, and the projections are shortened by [`SAFETY`]: pairs within 2e-6 of their size of the limit are kept.
 
-use crate::contact::curves::input::{Shape, Strand, Strands};
+use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::contact::curves::radius::Radius;
 use crate::math::Vec3;
 
@@ -136,7 +136,7 @@ pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[
         if sane && limit < LARGEST { (limit as f32).next_up() } else { f32::INFINITY }
     };
     // The usual case without looking up curve and radius for each pair.
-    if let [Strand { shape: Shape::Polyline(points), radius: Radius::Constant(radius), .. }] = strands.curves[..] {
+    if let [Strand { shape: CurveShape::Polyline(points), radius: Radius::Constant(radius), .. }] = strands.curves[..] {
         let ends = |k: usize| (points[k], points[if k + 1 < points.len() { k + 1 } else { 0 }]);
         let limit = limit(radius + radius + reach);
         return filter(ends, |_, _| limit, unit, pairs, out);

@@ -5,7 +5,7 @@
 
 use crate::contact::curves::arc::near;
 use crate::contact::curves::curve::CurveSet;
-use crate::contact::law::potential::{Meeting, ZonePiece};
+use crate::contact::law::potential::{ContactPair, ZonePiece};
 
 /// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
 const TOL_ARC: f64 = 1e-6;
@@ -14,7 +14,7 @@ pub(crate) const TOL_FOOT: f64 = 1e-2;
 
 /// A piece with its place on both strands, the slave's first.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Link<'a> {
+pub(crate) struct ChainPiece<'a> {
     pub(crate) segments: [usize; 2],
     pub(crate) curves: [usize; 2],
     /// Arc lengths of both ends \[L\]: ascending on the slave; their feet, descending where the strands run against
@@ -25,7 +25,7 @@ pub(crate) struct Link<'a> {
 
 /// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is
 /// counted off is left out.
-pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Link<'a>>> {
+pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec<ChainPiece<'a>>> {
     let links = links(set, terms);
     let next = successors(set, &links);
     let mut follows = vec![false; links.len()];
@@ -50,18 +50,18 @@ pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Vec<Lin
 }
 
 /// The pieces of one pair, but what is counted off.
-pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a Meeting) -> impl Iterator<Item = Link<'a>> {
+pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
     let segments = [term.slave, term.master];
     term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()).map(move |zone| {
         let arcs = [(term.slave, zone.piece.u), (term.master, zone.piece.v)];
         let arcs = arcs.map(|(segment, ends)| ends.map(|u| set.arc_length(segment, u)));
-        Link { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone }
+        ChainPiece { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone }
     })
 }
 
-fn links<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Link<'a>> {
-    let mut links: Vec<Link> = terms.iter().flat_map(|term| pieces(set, term)).collect();
-    let place = |x: &Link| [x.arcs[0][0], x.arcs[1][0]];
+fn links<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<ChainPiece<'a>> {
+    let mut links: Vec<ChainPiece> = terms.iter().flat_map(|term| pieces(set, term)).collect();
+    let place = |x: &ChainPiece| [x.arcs[0][0], x.arcs[1][0]];
     links.sort_by(|x, y| {
         let ([a, b], [c, d]) = (place(x), place(y));
         x.curves.cmp(&y.curves).then(a.total_cmp(&c)).then(b.total_cmp(&d))
@@ -70,7 +70,7 @@ fn links<'a>(set: &'a CurveSet, terms: &'a [Meeting]) -> Vec<Link<'a>> {
 }
 
 /// For each piece the one that continues it.
-fn successors(set: &CurveSet, links: &[Link]) -> Vec<Option<usize>> {
+fn successors(set: &CurveSet, links: &[ChainPiece]) -> Vec<Option<usize>> {
     let mut taken = vec![false; links.len()];
     let mut successors = Vec::with_capacity(links.len());
     let mut first = 0;
@@ -83,7 +83,7 @@ fn successors(set: &CurveSet, links: &[Link]) -> Vec<Option<usize>> {
             for shift in [Some(0.0), period_a].into_iter().flatten() {
                 let end = link.arcs[0][1] - shift;
                 let from = same.partition_point(|x| x.arcs[0][0] < end - tol_arc);
-                let meets = |x: &&Link| x.arcs[0][0] <= end + tol_arc;
+                let meets = |x: &&ChainPiece| x.arcs[0][0] <= end + tol_arc;
                 for (k, other) in same[from..].iter().take_while(meets).enumerate() {
                     let jump = (near(other.arcs[1][0], link.arcs[1][1], period_b) - link.arcs[1][1]).abs();
                     let index = first + from + k;

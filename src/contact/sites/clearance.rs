@@ -23,7 +23,7 @@ use crate::contact::pairs::capsule::{Capsule, distance_lower_bound};
 use crate::contact::projection::{Feet, end_is_local_min, local_minima};
 use crate::contact::tree::broad_phase::BroadPhase;
 use crate::contact::tree::exclusion::Exclusion;
-use pieces::{Local, at, extent, halves};
+use pieces::{PowerForm, at, extent, halves};
 
 mod pieces;
 #[cfg(test)]
@@ -79,7 +79,7 @@ pub fn smallest_clearance(set: &CurveSet, exclusion: &Exclusion, max_gap: f64, t
     }
     let mut broad = BroadPhase::new();
     let pairs = broad.candidates(set, exclusion, max_gap, 0.0).ok()?;
-    let mut search = Search {
+    let mut search = ClearanceSearch {
         set,
         exclusion,
         best: None,
@@ -131,7 +131,7 @@ impl Ord for Box2 {
     }
 }
 
-struct Search<'a> {
+struct ClearanceSearch<'a> {
     set: &'a CurveSet,
     exclusion: &'a Exclusion,
     /// Place of the best gap found (segment and parameter twice).
@@ -145,13 +145,13 @@ struct Search<'a> {
 }
 
 /// What became of the neighbour test for a pair of pieces.
-enum Neighbours {
+enum ExcludedPart {
     Yes,
     Partly,
     No,
 }
 
-impl Search<'_> {
+impl ClearanceSearch<'_> {
     fn run(&mut self, pairs: &[[u32; 2]]) -> Option<Clearance> {
         let capsules: Vec<Capsule> = self.set.segments.iter().map(Capsule::new).collect();
         for &[i, j] in pairs {
@@ -253,8 +253,8 @@ impl Search<'_> {
     fn refine(&mut self, top: &Box2) {
         let (i, j) = (top.i as usize, top.j as usize);
         match self.neighbours(top) {
-            Neighbours::Yes => return,
-            Neighbours::Partly if top.straddle < MAX_STRADDLE => {
+            ExcludedPart::Yes => return,
+            ExcludedPart::Partly if top.straddle < MAX_STRADDLE => {
                 let next = Box2 { straddle: top.straddle + 1, depth: top.depth + 1, ..*top };
                 for u in halves(top.u) {
                     for v in halves(top.v) {
@@ -265,7 +265,7 @@ impl Search<'_> {
             }
             _ => {}
         }
-        let local = Local::new(&self.set.segments[i], &self.set.segments[j], top.u, top.v);
+        let local = PowerForm::new(&self.set.segments[i], &self.set.segments[j], top.u, top.v);
         let convexity = local.convexity();
         if convexity <= 0.0 || !convexity.is_finite() {
             self.split_box(top, &local);
@@ -298,7 +298,7 @@ impl Search<'_> {
     fn bound(&mut self, piece: &Box2) {
         let (i, j) = (piece.i as usize, piece.j as usize);
         let radii = self.radii(i, j);
-        let local = Local::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
+        let local = PowerForm::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
         let bound = local.fourth_order(local.convexity());
         // Never worse than what is known already.
         let lower = (bound.lower - radii).max(piece.lower);
@@ -309,7 +309,7 @@ impl Search<'_> {
     }
 
     /// Halves the longer of the two pieces.
-    fn split_box(&mut self, top: &Box2, local: &Local) {
+    fn split_box(&mut self, top: &Box2, local: &PowerForm) {
         self.offer_at(top, 0.5, 0.5);
         if top.depth >= MAX_DEPTH {
             self.heap.push(Box2 { last: true, ..*top });
@@ -325,7 +325,7 @@ impl Search<'_> {
 
     fn push_capsule(&mut self, piece: Box2) {
         let (i, j) = (piece.i as usize, piece.j as usize);
-        let local = Local::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
+        let local = PowerForm::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
         let lower = (distance_lower_bound(&local.a, &local.b) * local.scale - self.radii(i, j)).max(piece.lower);
         self.push(Box2 { lower, ..piece });
     }
@@ -340,22 +340,22 @@ impl Search<'_> {
     }
 
     /// Is less than π of turning between all (some, no) points of the two pieces?
-    fn neighbours(&self, piece: &Box2) -> Neighbours {
+    fn neighbours(&self, piece: &Box2) -> ExcludedPart {
         let (i, j) = (piece.i as usize, piece.j as usize);
         if self.set.curve_of(i) != self.set.curve_of(j) {
-            return Neighbours::No;
+            return ExcludedPart::No;
         }
         if self.exclusion.turns_between_at_least(self.set, i, j, PI) {
-            return Neighbours::No;
+            return ExcludedPart::No;
         }
         let turning = |a, u, b, v| self.exclusion.turning_between(self.set, a, u, b, v);
         let (u, v) = (piece.u, piece.v);
         if turning(i, u[0], j, v[1]) < PI || turning(j, v[0], i, u[1]) < PI {
-            Neighbours::Yes
+            ExcludedPart::Yes
         } else if turning(i, u[1], j, v[0]) < PI || turning(j, v[1], i, u[0]) < PI {
-            Neighbours::Partly
+            ExcludedPart::Partly
         } else {
-            Neighbours::No
+            ExcludedPart::No
         }
     }
 

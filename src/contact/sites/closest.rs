@@ -68,7 +68,7 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, m
     }
     let (a, b) = (Cubic { b: a.map(|p| p / scale) }, Cubic { b: b.map(|p| p / scale) });
     let search =
-        Search { a, b, reach: max_distance / scale * (1.0 + 1e-14), noise: 16.0 * f64::EPSILON * (far / scale) };
+        MinimumSearch { a, b, reach: max_distance / scale * (1.0 + 1e-14), noise: 16.0 * f64::EPSILON * (far / scale) };
     let mut found = search.run(CELLS * sampling);
     // The same minimum may have been found in two cells.
     found.sort_by_key(|x| x.flat);
@@ -81,7 +81,7 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, m
 }
 
 /// Two cubics with coordinates of order one.
-struct Search {
+struct MinimumSearch {
     a: Cubic,
     b: Cubic,
     reach: f64,
@@ -89,7 +89,7 @@ struct Search {
     noise: f64,
 }
 
-enum Verdict {
+enum CellVerdict {
     Dropped,
     Minimum(Closest),
     /// D does not change along it as far as can be told.
@@ -100,7 +100,7 @@ enum Verdict {
     Two([Cell; 2]),
 }
 
-impl Search {
+impl MinimumSearch {
     fn run(&self, max_cells: usize) -> Vec<Closest> {
         let mut found = Vec::new();
         let mut undecided = Vec::new();
@@ -113,12 +113,12 @@ impl Search {
                 continue;
             }
             match self.look_at(&cell) {
-                Verdict::Dropped => {}
-                Verdict::Minimum(closest) => found.push(closest),
-                Verdict::Level => undecided.push((cell, true)),
-                Verdict::Undecided => undecided.push((cell, false)),
-                Verdict::One(cell) => stack.push(cell),
-                Verdict::Two(cells) => stack.extend(cells),
+                CellVerdict::Dropped => {}
+                CellVerdict::Minimum(closest) => found.push(closest),
+                CellVerdict::Level => undecided.push((cell, true)),
+                CellVerdict::Undecided => undecided.push((cell, false)),
+                CellVerdict::One(cell) => stack.push(cell),
+                CellVerdict::Two(cells) => stack.extend(cells),
             }
         }
         if !undecided.is_empty() {
@@ -132,11 +132,11 @@ impl Search {
         if cell.flipped { (&self.b, &self.a) } else { (&self.a, &self.b) }
     }
 
-    fn look_at(&self, cell: &Cell) -> Verdict {
+    fn look_at(&self, cell: &Cell) -> CellVerdict {
         let (a, b) = self.curves(cell);
         let [low, high] = cell.v_range();
         if low > 1.0 + BORDER || high < -BORDER {
-            return Verdict::Dropped;
+            return CellVerdict::Dropped;
         }
         let wide = cell.enlarged();
         let bounds = Bounds::new(a, b, &wide);
@@ -144,7 +144,7 @@ impl Search {
         let level = bounds.level(self.noise);
         let [along_t, along_u] = bounds.slopes();
         if bounds.beyond(self.reach) || along_t || (along_u && !level) {
-            return Verdict::Dropped;
+            return CellVerdict::Dropped;
         }
         let curvatures = bounds.curvatures();
         let [tt, _, uu] = curvatures;
@@ -154,13 +154,13 @@ impl Search {
         // At a corner of the square the way down may lead into another pair of segments.
         let corner = (cell.u[0] <= 0.0 || cell.u[1] >= 1.0) && (low <= 0.0 || high >= 1.0);
         if tt[1] < 0.0 || (uu[1] < 0.0 && !corner) {
-            return Verdict::Dropped;
+            return CellVerdict::Dropped;
         }
         let convexity = convexity(&curvatures);
         if convexity > 0.0 {
             match self.newton(&wide, convexity, &curvatures) {
-                Newton::At(found) => return Verdict::Minimum(found),
-                Newton::Outside => return Verdict::Dropped,
+                Newton::At(found) => return CellVerdict::Minimum(found),
+                Newton::Outside => return CellVerdict::Dropped,
                 Newton::Unsure => {}
             }
         }
@@ -168,10 +168,10 @@ impl Search {
     }
 
     /// Narrower, along a valley, or in two; a level cell only across.
-    fn cut(&self, cell: &Cell, wide: &Cell, bounds: &Bounds, curvatures: &[[f64; 2]; 3], level: bool) -> Verdict {
+    fn cut(&self, cell: &Cell, wide: &Cell, bounds: &Bounds, curvatures: &[[f64; 2]; 3], level: bool) -> CellVerdict {
         let [part_u, part_t] = bounds.clipped();
         let part_u = if level { Some([0.0, 1.0]) } else { part_u };
-        let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return Verdict::Dropped };
+        let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return CellVerdict::Dropped };
         // Not to less than a part of it at once: bounds of second derivatives over very narrow cells are lost in
         // rounding.
         let narrowed = |range: [f64; 2], wide: [f64; 2], part: [f64; 2]| {
@@ -186,7 +186,7 @@ impl Search {
         };
         let (u, t) = (narrowed(cell.u, wide.u, part_u), narrowed(cell.t, wide.t, part_t));
         if u[0] > u[1] || t[0] > t[1] {
-            return Verdict::Dropped;
+            return CellVerdict::Dropped;
         }
         let [du, dt] = cell.width();
         let narrow = cell.with_t(t).with_u(u);
@@ -194,18 +194,18 @@ impl Search {
         // Strips thinner than the borders gain nothing.
         let gains = |new: f64, old: f64| new < WORTH * old && old > BORDER;
         if gains(new_du, du) || gains(new_dt, dt) {
-            return Verdict::One(narrow);
+            return CellVerdict::One(narrow);
         }
         if level {
-            return Verdict::Level;
+            return CellVerdict::Level;
         }
         if let Some(sheared) = self.along_valley(&narrow, curvatures) {
-            return Verdict::One(sheared);
+            return CellVerdict::One(sheared);
         }
         if du.max(dt) <= SMALLEST {
-            return Verdict::Undecided;
+            return CellVerdict::Undecided;
         }
-        Verdict::Two(self.halves(&narrow))
+        CellVerdict::Two(self.halves(&narrow))
     }
 
     /// The cell laid along the valley that crosses it, if that is shown to be one and the cell lies across it by much

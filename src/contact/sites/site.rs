@@ -13,7 +13,7 @@ use crate::math::Vec3;
 
 /// Where on its curves a site lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SiteKind {
+pub enum SiteLocation {
     /// Both points are inside their curves (also at joints).
     Interior,
     /// At least one point is an open end of its curve.
@@ -46,7 +46,7 @@ pub struct Site {
     /// Angle between the lines of the two tangents, rad, in \[0, π/2\].
     pub angle: f64,
     /// Interior or end.
-    pub kind: SiteKind,
+    pub kind: SiteLocation,
     /// The minimum is not isolated as far as can be told: one point of it, for parallel segments the middle of what
     /// this pair has of it. (Straight cubics 1e12 of their length apart are flat as well: the distance changes along
     /// them by less than its rounding.)
@@ -163,7 +163,7 @@ pub(crate) fn dress(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &
         gap: distance - (strands.radius_at(i, u) + strands.radius_at(j, v)),
         normal: if distance > 0.0 { scaled.normalize() } else { Vec3::zeros() },
         angle: crossing_angle(&da, &db),
-        kind: if open(i, u) || open(j, v) { SiteKind::End } else { SiteKind::Interior },
+        kind: if open(i, u) || open(j, v) { SiteLocation::End } else { SiteLocation::Interior },
         flat: found.flat,
     }
 }

@@ -35,7 +35,7 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 
 use crate::contact::curves::curve::CurveSet;
-use crate::contact::curves::input::{Shape, Strands, lower, upper};
+use crate::contact::curves::input::{CurveShape, Strands, lower, upper};
 use crate::contact::pairs::filter::keep_near;
 use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
@@ -206,7 +206,7 @@ impl BroadPhase {
             self.fit_tree();
         }
         self.bulges.clear();
-        if strands.curves.iter().any(|c| matches!(c.shape, Shape::Cubics(_))) {
+        if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
             let bulge = |i| if strands.is_straight(i) { 0.0 } else { strands.cubic(i).bulge() };
             self.bulges.resize(strands.len(), 0.0);
             parallel::each(&mut self.bulges, MIN_LEN, &|k, place| *place = bulge(k));
@@ -272,7 +272,7 @@ impl BroadPhase {
             self.far.extend((curve.first..=last).map(|i| (i + (last - i).min(reaches[i] as usize)) as u32));
         }
         let leaf_pairs = self.leaf_pairs();
-        let compare = Comparison {
+        let compare = LeafComparison {
             strands,
             exclusion,
             seams: strands.curves.iter().any(|c| c.closed),
@@ -298,7 +298,7 @@ impl BroadPhase {
 }
 
 /// What the segments of two leaves are compared by.
-struct Comparison<'a> {
+struct LeafComparison<'a> {
     strands: &'a Strands<'a>,
     exclusion: &'a Exclusion,
     seams: bool,
@@ -309,7 +309,7 @@ struct Comparison<'a> {
     bulges: &'a [f64],
 }
 
-impl Comparison<'_> {
+impl LeafComparison<'_> {
     /// Pairs within one leaf.
     fn within(&self, p: usize, found: &mut Vec<[u32; 2]>) {
         if self.firsts[p + 1] - 1 > self.far[self.firsts[p] as usize] {

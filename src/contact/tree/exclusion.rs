@@ -15,7 +15,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::contact::curves::curve::{Cubic, CurveSet, angle};
-use crate::contact::curves::input::{Shape, Strand, Strands};
+use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::error::SolveError;
 use crate::math::Vec3;
 
@@ -251,7 +251,7 @@ fn piece(c: &Cubic, u: f64, v: f64) -> Cubic {
 fn turning(curve: &Strand, k: usize) -> (f64, f64) {
     let next = if k + 1 < curve.count { Some(k + 1) } else { curve.closed.then_some(0) };
     match curve.shape {
-        Shape::Polyline(points) => {
+        CurveShape::Polyline(points) => {
             let wrap = |i: usize| if i < points.len() { i } else { i - points.len() };
             let joint = next.map_or(0.0, |_| {
                 let (a, b) = (points[wrap(k + 1)] - points[k], points[wrap(k + 2)] - points[wrap(k + 1)]);
@@ -259,7 +259,7 @@ fn turning(curve: &Strand, k: usize) -> (f64, f64) {
             });
             (0.0, joint)
         }
-        Shape::Cubics(pieces) => {
+        CurveShape::Cubics(pieces) => {
             let joint = next.map_or(0.0, |n| angle(&pieces[k].end_tangent(), &pieces[n].start_tangent()));
             (pieces[k].turning_bound(), joint)
         }

@@ -1,6 +1,6 @@
 //! One branch of the projection: its foot followed along the slave, and cut where distance − reach changes sign.
 
-use super::{Branch, FootKind, Pair, Piece, Sample, Touch, unit};
+use super::{Branch, BranchPiece, FootKind, Projection, Sample, SegmentPair, unit};
 use crate::math::Vec3;
 
 /// Samples per branch interval; the bracketing misses only dips narrower than the wiggles of one cubic between them.
@@ -10,7 +10,7 @@ const MAX_ROOT_ITERATIONS: usize = 100;
 
 /// Function whose root is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Target {
+enum RootOf {
     /// distance − reach.
     Excess,
     /// Its slope in u.
@@ -19,10 +19,10 @@ enum Target {
     Slope,
 }
 
-impl Pair<'_> {
+impl SegmentPair<'_> {
     /// What a potential asks where a branch has come to `t`, what it is followed by, from a guess of the other
     /// parameter; and how fast the slave's parameter changes with it, less than nothing where it is counted off.
-    pub(in crate::contact) fn touch(&self, t: f64, guess: f64, branch: &Branch) -> (Touch, f64) {
+    pub(in crate::contact) fn project(&self, t: f64, guess: f64, branch: &Branch) -> (Projection, f64) {
         let (u, v, rate) = if branch.kind == FootKind::Fold {
             let u = self.slave_of(t, guess, branch);
             (u, t, self.rate(u, t))
@@ -32,7 +32,7 @@ impl Pair<'_> {
         let (b, tangent, curvature) = self.master.derivatives(v);
         let chord = self.slave.point(u) - b;
         let distance = chord.norm();
-        (Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }, branch.sign * rate)
+        (Projection { u, v, distance, normal: unit(&chord, distance), tangent, curvature }, branch.sign * rate)
     }
 
     fn foot_of(&self, a: &Vec3, guess: f64, branch: &Branch) -> f64 {
@@ -100,7 +100,7 @@ impl Pair<'_> {
     }
 
     /// Pieces of a branch over parameters [start, end], from a guess of the other parameter in the middle.
-    pub(super) fn branch(&self, start: f64, end: f64, guess: f64, branch: Branch, out: &mut Vec<Piece>) {
+    pub(super) fn branch(&self, start: f64, end: f64, guess: f64, branch: Branch, out: &mut Vec<BranchPiece>) {
         let none = Sample { u: 0.0, v: 0.0, distance: 0.0, t: 0.0, rate: 0.0, slope: 0.0, curvature: 0.0 };
         let mut samples = [none; NUM_SAMPLES];
         let half = NUM_SAMPLES / 2;
@@ -120,15 +120,15 @@ impl Pair<'_> {
             let (s0, s1) = (&samples[k], &samples[k + 1]);
             let (h0, h1) = (self.excess(s0), self.excess(s1));
             if (h0 < 0.0) != (h1 < 0.0) {
-                crossings[count] = Some(self.root(s0, s1, &branch, Target::Excess));
+                crossings[count] = Some(self.root(s0, s1, &branch, RootOf::Excess));
                 count += 1;
             } else {
                 let (d0, d1) = (self.excess_slope(s0), self.excess_slope(s1));
                 if (h0 >= 0.0 && d0 < 0.0 && d1 > 0.0) || (h0 < 0.0 && d0 > 0.0 && d1 < 0.0) {
-                    let extremum = self.root(s0, s1, &branch, Target::ExcessSlope);
+                    let extremum = self.root(s0, s1, &branch, RootOf::ExcessSlope);
                     if (self.excess(&extremum) < 0.0) != (h0 < 0.0) {
-                        crossings[count] = Some(self.root(s0, &extremum, &branch, Target::Excess));
-                        crossings[count + 1] = Some(self.root(&extremum, s1, &branch, Target::Excess));
+                        crossings[count] = Some(self.root(s0, &extremum, &branch, RootOf::Excess));
+                        crossings[count + 1] = Some(self.root(&extremum, s1, &branch, RootOf::Excess));
                         count += 2;
                     }
                 }
@@ -158,11 +158,11 @@ impl Pair<'_> {
     }
 
     /// Root of the target between two samples where it has opposite signs: Newton kept inside a shrinking bracket.
-    fn root(&self, s0: &Sample, s1: &Sample, branch: &Branch, target: Target) -> Sample {
+    fn root(&self, s0: &Sample, s1: &Sample, branch: &Branch, target: RootOf) -> Sample {
         let value = |s: &Sample| match target {
-            Target::Excess => (self.excess(s), self.excess_slope(s)),
-            Target::ExcessSlope => (self.excess_slope(s), s.curvature),
-            Target::Slope => (s.slope, s.curvature),
+            RootOf::Excess => (self.excess(s), self.excess_slope(s)),
+            RootOf::ExcessSlope => (self.excess_slope(s), s.curvature),
+            RootOf::Slope => (s.slope, s.curvature),
         };
         let (mut low, mut high) = (*s0, *s1);
         let sign = value(&low).0 < 0.0;
@@ -194,7 +194,7 @@ impl Pair<'_> {
         sample
     }
 
-    fn finish(&self, first: &Sample, last: &Sample, samples: &[Sample], branch: Branch, out: &mut Vec<Piece>) {
+    fn finish(&self, first: &Sample, last: &Sample, samples: &[Sample], branch: Branch, out: &mut Vec<BranchPiece>) {
         if last.t - first.t <= 0.0 {
             return;
         }
@@ -206,14 +206,14 @@ impl Pair<'_> {
                 nearest = *sample;
             }
             if previous.slope < 0.0 && sample.slope > 0.0 {
-                let minimum = self.root(&previous, sample, &branch, Target::Slope);
+                let minimum = self.root(&previous, sample, &branch, RootOf::Slope);
                 if minimum.distance < nearest.distance {
                     nearest = minimum;
                 }
             }
             previous = *sample;
         }
-        out.push(Piece { u: [first.u, last.u], v: [first.v, last.v], branch, nearest });
+        out.push(BranchPiece { u: [first.u, last.u], v: [first.v, last.v], branch, nearest });
     }
 }
 

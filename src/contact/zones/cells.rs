@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 
 use super::branch::falling_root;
 use super::facing::convexity;
-use super::{Branch, FootKind, NARROW, Pair, Piece, Sample, Side};
+use super::{Branch, BranchPiece, FootKind, NARROW, Sample, SegmentPair, Side};
 use crate::contact::curves::curve::Cubic;
 use crate::contact::pairs::capsule;
 use crate::contact::projection::stationarity;
@@ -33,12 +33,12 @@ const ROUNDING: f64 = 1e-13;
 /// Least |∂f/∂u| over its largest that is trusted at a smooth joint.
 const STEEP: f64 = 1e-6;
 
-struct Cell {
+struct ParameterCell {
     u: [f64; 2],
     v: [f64; 2],
 }
 
-enum Verdict {
+enum BranchVerdict {
     Empty,
     /// One branch of this sign along the slave.
     Along(f64),
@@ -49,14 +49,14 @@ enum Verdict {
 
 /// Bounds of a function over a cell.
 #[derive(Clone, Copy)]
-struct Bounds {
+struct FunctionBounds {
     low: f64,
     high: f64,
     /// Of the roundings in it.
     noise: f64,
 }
 
-impl Bounds {
+impl FunctionBounds {
     fn of(values: impl IntoIterator<Item = f64>, noise: f64) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         values.into_iter().for_each(|x| (low, high) = (low.min(x), high.max(x)));
@@ -85,39 +85,40 @@ fn largest(vectors: &[Vec3]) -> f64 {
 }
 
 /// Bounds of ∂f/∂v = −D_vv, to a factor.
-fn sense(a: &Cubic, b: &Cubic) -> Bounds {
+fn sense(a: &Cubic, b: &Cubic) -> FunctionBounds {
     let [least, most] = convexity(a, b);
     let (size, edges) = (largest(&a.b).max(largest(&b.b)), largest(&b.edges()));
-    Bounds { low: -most, high: -least, noise: 100.0 * ROUNDING * edges * edges.max(size) }
+    FunctionBounds { low: -most, high: -least, noise: 100.0 * ROUNDING * edges * edges.max(size) }
 }
 
 /// `joined`: the part of the master ends at a smooth joint, where the tangent that both segments share decides, not
 /// this one's rounding. `even`: how little the slope of f may vary, so that what is integrated is smooth.
-fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64, even: f64) -> Verdict {
+fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64, even: f64) -> BranchVerdict {
     if capsule::distance_lower_bound(a, b) > reach {
-        return Verdict::Empty;
+        return BranchVerdict::Empty;
     }
     let (p, e) = (a.edges(), b.edges());
     let size = largest(&a.b).max(largest(&b.b));
     let noise = 100.0 * ROUNDING * size * largest(&e);
-    if !joined && Bounds::of(a.b.iter().flat_map(|x| stationarity(b, x)), noise).sign() != 0.0 {
-        return Verdict::Empty;
+    if !joined && FunctionBounds::of(a.b.iter().flat_map(|x| stationarity(b, x)), noise).sign() != 0.0 {
+        return BranchVerdict::Empty;
     }
     let along = sense(a, b);
     if along.evenness() > even {
-        return Verdict::Along(-along.sign());
+        return BranchVerdict::Along(-along.sign());
     }
     // At a joint the two segments' tangents may differ by the rounding of coordinates far from the origin: nothing to
     // be steep about.
     let noise = if joined { STEEP } else { 10.0 * ROUNDING };
-    let across = Bounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
+    let across =
+        FunctionBounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
     if across.evenness() > even {
-        return Verdict::Across(across.sign());
+        return BranchVerdict::Across(across.sign());
     }
-    Verdict::Unclear
+    BranchVerdict::Unclear
 }
 
-impl Pair<'_> {
+impl SegmentPair<'_> {
     /// No slave point has more than one foot on the master: a bound that holds wherever the master is curved less than
     /// 1 over the distance.
     pub(super) fn has_one_branch(&self) -> bool {
@@ -125,9 +126,9 @@ impl Pair<'_> {
     }
 
     /// Pieces of all feet, cell by cell.
-    pub(super) fn cells(&self, sides: &[Side; 2], out: &mut Vec<Piece>) {
+    pub(super) fn cells(&self, sides: &[Side; 2], out: &mut Vec<BranchPiece>) {
         let reach = self.reach[0].max(self.reach[1]);
-        let mut queue = VecDeque::from([Cell { u: [0.0, 1.0], v: [0.0, 1.0] }]);
+        let mut queue = VecDeque::from([ParameterCell { u: [0.0, 1.0], v: [0.0, 1.0] }]);
         let mut seen = 0;
         while let Some(cell) = queue.pop_front() {
             seen += 1;
@@ -136,10 +137,10 @@ impl Pair<'_> {
             let [du, dv] = [cell.u, cell.v].map(|r| r[1] - r[0]);
             let even = if du.max(dv) > SMALL { EVEN } else { 0.0 };
             match judge(&a, &b, joined, reach, even) {
-                Verdict::Empty => {}
-                Verdict::Along(sign) => self.follow_in(&cell, sides, FootKind::Orthogonal, sign, out),
-                Verdict::Across(sign) => self.fold(&cell, &b, sign, out),
-                Verdict::Unclear => {
+                BranchVerdict::Empty => {}
+                BranchVerdict::Along(sign) => self.follow_in(&cell, sides, FootKind::Orthogonal, sign, out),
+                BranchVerdict::Across(sign) => self.fold(&cell, &b, sign, out),
+                BranchVerdict::Unclear => {
                     if seen + queue.len() >= MAX_CELLS || du.max(dv) <= SMALLEST {
                         self.follow_in(&cell, sides, FootKind::Held, 1.0, out);
                         continue;
@@ -148,9 +149,9 @@ impl Pair<'_> {
                     let long = largest(&a.edges()) > largest(&b.edges());
                     let halves = |r: [f64; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
                     if dv <= 0.125 * du || long && du > 0.125 * dv {
-                        queue.extend(halves(cell.u).map(|u| Cell { u, v: cell.v }));
+                        queue.extend(halves(cell.u).map(|u| ParameterCell { u, v: cell.v }));
                     } else {
-                        queue.extend(halves(cell.v).map(|v| Cell { u: cell.u, v }));
+                        queue.extend(halves(cell.v).map(|v| ParameterCell { u: cell.u, v }));
                     }
                 }
             }
@@ -158,7 +159,14 @@ impl Pair<'_> {
     }
 
     /// Follows the branch of one cell along the slave. Cells that meet at a v judge by one function there.
-    fn follow_in(&self, cell: &Cell, sides: &[Side; 2], kind: FootKind, sign: f64, out: &mut Vec<Piece>) {
+    fn follow_in(
+        &self,
+        cell: &ParameterCell,
+        sides: &[Side; 2],
+        kind: FootKind,
+        sign: f64,
+        out: &mut Vec<BranchPiece>,
+    ) {
         let border = |v: f64| {
             let (point, tangent, _) = self.master.derivatives(v);
             Side::new(self.slave, &point, &tangent, true)
@@ -169,7 +177,7 @@ impl Pair<'_> {
     }
 
     /// Follows the branch of one cell along the master, whose part there is `part`.
-    fn fold(&self, cell: &Cell, part: &Cubic, sign: f64, out: &mut Vec<Piece>) {
+    fn fold(&self, cell: &ParameterCell, part: &Cubic, sign: f64, out: &mut Vec<BranchPiece>) {
         let [v0, v1] = cell.v;
         let ends = cell.u.map(|u| stationarity(part, &self.slave.point(u)));
         let mut breaks = vec![0.0, 1.0];

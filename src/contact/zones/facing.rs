@@ -1,4 +1,4 @@
-//! Pairs of cubics where no point of the slave has more than one foot on the master: what [`Pair`] finds for all
+//! Pairs of cubics where no point of the slave has more than one foot on the master: what [`SegmentPair`] finds for all
 //! cubics, for a fraction of the work.
 //!
 //! With D(u, v) = ½|b(v) − a(u)|² the foot v(u) is a root of D_v. If D_vv > 0 on the whole square \[0, 1\]², shown by
@@ -12,9 +12,9 @@
 //! ```
 //!
 //! With φ linear between the feet of the ends, |w|² is of degree six: mostly its coefficients tell that a slave is in
-//! reach all along, or nowhere. What they leave open, folds and open ends is for [`Pair`].
+//! reach all along, or nowhere. What they leave open, folds and open ends is for [`SegmentPair`].
 
-use super::{Branch, NARROW, Pair, Piece, Sample, Side, Touch, unit};
+use super::{Branch, BranchPiece, NARROW, Projection, Sample, SegmentPair, Side, unit};
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, product_with_quadratic, roots};
@@ -28,7 +28,7 @@ const LAST_STEP: f64 = 1e-9;
 const MAX_STEPS: usize = 10;
 /// Roundings of squared distances, relative.
 const ROUNDING: f64 = 1e-13;
-/// Feet nearer to an end than this are left to [`Pair`].
+/// Feet nearer to an end than this are left to [`SegmentPair`].
 const NEAR_JOINT: f64 = 1e-7;
 
 /// A master seen from a slave along all of which D_vv > 0.
@@ -42,7 +42,7 @@ pub(in crate::contact) struct Facing {
 }
 
 /// A foot and what the master does there.
-struct Foot {
+struct FootDerivatives {
     v: f64,
     point: Vec3,
     tangent: Vec3,
@@ -68,7 +68,7 @@ impl Facing {
     }
 
     /// The foot of x near `guess`; `None` if Newton's method does not find it on the master.
-    fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
+    fn foot(&self, x: &Vec3, guess: f64) -> Option<FootDerivatives> {
         let [c0, c1, c2, c3] = &self.power;
         let mut v = guess.clamp(0.0, 1.0);
         for _ in 0..MAX_STEPS {
@@ -83,7 +83,7 @@ impl Facing {
             if step.abs() <= LAST_STEP {
                 // the rest of Taylor's series is below rounding
                 let point = point + (tangent + curvature * (0.5 * step)) * step;
-                return Some(Foot {
+                return Some(FootDerivatives {
                     v,
                     point,
                     tangent: tangent + curvature * step,
@@ -94,20 +94,20 @@ impl Facing {
         None
     }
 
-    /// [`Pair::touch`] of an orthogonal branch.
-    pub(in crate::contact) fn touch(&self, pair: &Pair, u: f64, guess: f64) -> Touch {
+    /// [`SegmentPair::project`] of an orthogonal branch.
+    pub(in crate::contact) fn project(&self, pair: &SegmentPair, u: f64, guess: f64) -> Projection {
         let a = pair.slave.point(u);
-        let Some(Foot { v, point, tangent, curvature }) = self.foot(&a, guess) else {
-            return pair.touch(u, guess, &Branch::ONLY).0;
+        let Some(FootDerivatives { v, point, tangent, curvature }) = self.foot(&a, guess) else {
+            return pair.project(u, guess, &Branch::ONLY).0;
         };
         let chord = a - point;
         let distance = chord.norm();
-        Touch { u, v, distance, normal: unit(&chord, distance), tangent, curvature }
+        Projection { u, v, distance, normal: unit(&chord, distance), tangent, curvature }
     }
 
-    /// [`Pair::pieces`] of this pair, but for [`Piece::nearest`], which is an end of the piece unless `nearest` is
+    /// [`SegmentPair::pieces`] of this pair, but for [`BranchPiece::nearest`], which is an end of the piece unless `nearest` is
     /// asked for; false if that has to do it. The master must go on before its start and beyond its end.
-    pub(in crate::contact) fn pieces(&self, pair: &Pair, nearest: bool, out: &mut Vec<Piece>) -> bool {
+    pub(in crate::contact) fn pieces(&self, pair: &SegmentPair, nearest: bool, out: &mut Vec<BranchPiece>) -> bool {
         let Some([start, end]) = between(&pair.sides()) else { return false };
         if end - start <= NARROW {
             return true;
@@ -128,7 +128,7 @@ impl Facing {
                 Some(true) => {
                     let nearest = if first.distance <= last.distance { first } else { last };
                     let (u, v) = ([start, end], [first.v, last.v]);
-                    out.push(Piece { u, v, branch: Branch::ONLY, nearest });
+                    out.push(BranchPiece { u, v, branch: Branch::ONLY, nearest });
                     return true;
                 }
                 Some(false) => return true,
@@ -139,7 +139,7 @@ impl Facing {
         true
     }
 
-    fn sample(&self, pair: &Pair, u: f64, guess: f64) -> Option<Sample> {
+    fn sample(&self, pair: &SegmentPair, u: f64, guess: f64) -> Option<Sample> {
         let a = pair.slave.point(u);
         let foot = self.foot(&a, guess)?;
         let distance = (a - foot.point).norm();
@@ -147,7 +147,7 @@ impl Facing {
     }
 
     /// Whether the slave is in reach all along between two samples (true) or nowhere (false), if the bounds tell.
-    fn in_reach(&self, pair: &Pair, first: &Sample, last: &Sample) -> Option<bool> {
+    fn in_reach(&self, pair: &SegmentPair, first: &Sample, last: &Sample) -> Option<bool> {
         let (a, b) = (pair.slave.restrict(first.u, last.u), pair.master.restrict(first.v, last.v));
         let w: [Vec3; 4] = std::array::from_fn(|k| a.b[k] - b.b[k]);
         let d = |i: usize, j: usize| w[i].dot(&w[j]);

@@ -2,7 +2,7 @@
 //!
 //! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so
 //! the part of a line within range of it is one interval, its ends roots of quadratics. Cubics go through
-//! [`Pair::pieces`](crate::contact::zones::Pair::pieces). The intervals of pairs of segments are then joined where both they and
+//! [`SegmentPair::pieces`](crate::contact::zones::SegmentPair::pieces). The intervals of pairs of segments are then joined where both they and
 //! their partner intervals touch.
 
 use std::cell::Cell;
@@ -12,7 +12,7 @@ use crate::contact::curves::input::Strands;
 use crate::contact::pairs::capsule::segment_distance;
 use crate::contact::tree::exclusion::bytes;
 use crate::contact::zones::straight::{chord, cut};
-use crate::contact::zones::{Joint, Pair, Piece};
+use crate::contact::zones::{BranchPiece, SegmentPair, SmoothJoint};
 use crate::math::Vec3;
 use crate::math::groups::Groups;
 
@@ -99,20 +99,20 @@ pub(crate) fn parts(
         (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
         _ => true,
     };
-    let pair = Pair {
+    let pair = SegmentPair {
         slave: &slave,
         master: &master,
         open_start: corner(strands.prev(j).filter(thick), Some(j)),
         open_end: corner(Some(j), strands.next(j).filter(thick)),
         reach: [reach; 2],
-        joints: Joint::both(strands.prev(j).map(near), &master, strands.next(j).map(near), &origin),
+        joints: SmoothJoint::both(strands.prev(j).map(near), &master, strands.next(j).map(near), &origin),
         kinks: [None; 2],
     };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
     // Farthest points lie in zones of nearer ones.
     for piece in pieces.iter().filter(|piece| !piece.branch.is_counted_off()) {
-        let Piece { u, v, .. } = piece.ascending();
+        let BranchPiece { u, v, .. } = piece.ascending();
         push(u, v, piece.nearest.distance - radii);
     }
 }
@@ -174,14 +174,14 @@ const UNIT: [f64; 2] = [0.0, 1.0];
 
 /// What [`join`] works in, kept from call to call: at 72 bytes a part, fresh memory would cost a quarter of the time.
 #[derive(Debug, Default)]
-pub(crate) struct Workspace {
+pub(crate) struct JoinBuffers {
     parts: Vec<Part>,
     place: Vec<u32>,
     groups: Vec<u32>,
     zone_of: Vec<u32>,
 }
 
-impl Workspace {
+impl JoinBuffers {
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
         bytes(&self.parts) + bytes(&self.place) + bytes(&self.groups) + bytes(&self.zone_of)
@@ -194,11 +194,11 @@ pub(crate) fn join(
     lists: &[Vec<Part>],
     num_segments: usize,
     tolerance: impl Fn(usize) -> f64,
-    workspace: &mut Workspace,
+    workspace: &mut JoinBuffers,
 ) -> Vec<Zone> {
     let key = |p: &Part| (p.curve, p.partner);
     in_order(lists, num_segments, workspace);
-    let Workspace { parts, groups, zone_of, .. } = workspace;
+    let JoinBuffers { parts, groups, zone_of, .. } = workspace;
     let mut groups = Groups::apart(parts.len(), groups);
     // Parts that reach as far as the present start.
     let mut active: Vec<usize> = Vec::new();
@@ -234,8 +234,8 @@ pub(crate) fn join(
 
 /// All parts ordered by curve, partner, start, partner's start, end. Sorted by counting the segments they lie on, which
 /// is the order along the curves but for ties at joints and several parts of one segment.
-fn in_order(lists: &[Vec<Part>], num_segments: usize, workspace: &mut Workspace) {
-    let Workspace { parts, place, .. } = workspace;
+fn in_order(lists: &[Vec<Part>], num_segments: usize, workspace: &mut JoinBuffers) {
+    let JoinBuffers { parts, place, .. } = workspace;
     place.clear();
     place.resize(num_segments + 1, 0);
     for part in lists.iter().flatten() {

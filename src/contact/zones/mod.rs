@@ -47,15 +47,15 @@ use crate::contact::projection::smooth_joint;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
-pub(super) use piece::Touch;
-pub use piece::{Branch, FootKind, Piece, Sample};
+pub(super) use piece::Projection;
+pub use piece::{Branch, BranchPiece, FootKind, Sample};
 
 /// Intervals of u narrower than this are rounding.
 const NARROW: f64 = 16.0 * f64::EPSILON;
 
 /// A slave and a master segment with what their curves do at the master's ends.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair<'a> {
+pub struct SegmentPair<'a> {
     /// Slave segment.
     pub slave: &'a Cubic,
     /// Master segment.
@@ -67,7 +67,7 @@ pub struct Pair<'a> {
     /// Reach at u = 0 and u = 1, linear between \[L\].
     pub reach: [f64; 2],
     /// Where the master continues smoothly before its start and beyond its end.
-    pub joints: [Option<Joint>; 2],
+    pub joints: [Option<SmoothJoint>; 2],
     /// Tangents of the curve before the master's start and beyond its end, of any length, where it has a kink that this
     /// pair is to count.
     pub kinks: [Option<Vec3>; 2],
@@ -76,12 +76,12 @@ pub struct Pair<'a> {
 /// A smooth joint at an end of the master. A foot that rests on it all along belongs to the segment after it: rounding
 /// must neither lose it nor count it twice, so both segments judge by one tangent, that of the segment before.
 #[derive(Debug, Clone, Copy)]
-pub struct Joint {
+pub struct SmoothJoint {
     /// Tangent of the curve there, of any length.
     pub tangent: Vec3,
 }
 
-impl Joint {
+impl SmoothJoint {
     /// Joints at the start and the end of `own`, whose curve goes on as `before` and `after`, none where it has a kink.
     ///
     /// All three relative to `origin` \[L\], the same for the segments that meet: each of them must find the same bits.
@@ -134,7 +134,7 @@ impl Side {
     }
 }
 
-impl Pair<'_> {
+impl SegmentPair<'_> {
     fn reach_at(&self, u: f64) -> f64 {
         self.reach[0] + (self.reach[1] - self.reach[0]) * u
     }
@@ -144,7 +144,7 @@ impl Pair<'_> {
     }
 
     /// All pieces of this pair, appended to `out`.
-    pub fn pieces(&self, out: &mut Vec<Piece>) {
+    pub fn pieces(&self, out: &mut Vec<BranchPiece>) {
         let sides = self.sides();
         if self.has_one_branch() {
             self.follow([&sides[0], &sides[1]], [0.0, 1.0], Branch::ONLY, out);
@@ -155,7 +155,7 @@ impl Pair<'_> {
     }
 
     /// Pieces over slave parameters in `range` of the feet between two points of the master.
-    fn follow(&self, sides: [&Side; 2], range: [f64; 2], branch: Branch, out: &mut Vec<Piece>) {
+    fn follow(&self, sides: [&Side; 2], range: [f64; 2], branch: Branch, out: &mut Vec<BranchPiece>) {
         let (breaks, count) = breaks(range, sides);
         for window in breaks[..count].windows(2) {
             let (start, end) = (window[0], window[1]);
@@ -175,7 +175,7 @@ impl Pair<'_> {
     }
 
     /// Pieces whose foot is an end of the master: caps of open ends, and wedges of kinks.
-    fn ends(&self, sides: &[Side; 2], out: &mut Vec<Piece>) {
+    fn ends(&self, sides: &[Side; 2], out: &mut Vec<BranchPiece>) {
         let open = [self.open_start, self.open_end];
         let points = [self.master.b[0], self.master.b[3]];
         for (k, kind) in [FootKind::Start, FootKind::End].into_iter().enumerate() {

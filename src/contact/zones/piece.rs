@@ -40,7 +40,7 @@ pub struct Sample {
 
 /// What a contact potential asks at one slave parameter.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::contact) struct Touch {
+pub(in crate::contact) struct Projection {
     /// Slave parameter.
     pub(in crate::contact) u: f64,
     /// Foot parameter on the master.
@@ -56,7 +56,7 @@ pub(in crate::contact) struct Touch {
 
 /// A maximal interval of one branch with distance < reach.
 #[derive(Debug, Clone, Copy)]
-pub struct Piece {
+pub struct BranchPiece {
     /// Slave parameters of the ends.
     pub u: [f64; 2],
     /// Foot parameters at the ends.
@@ -98,7 +98,7 @@ impl Branch {
     }
 }
 
-impl Piece {
+impl BranchPiece {
     /// What the branch is followed by, at its ends, and the other parameter there.
     pub(in crate::contact) fn along(&self) -> [[f64; 2]; 2] {
         if self.branch.kind == FootKind::Fold { [self.v, self.u] } else { [self.u, self.v] }

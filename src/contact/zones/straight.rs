@@ -1,4 +1,4 @@
-//! Contact zones of a pair of straight segments in closed form: what [`Pair`](super::Pair) computes for cubics, for
+//! Contact zones of a pair of straight segments in closed form: what [`SegmentPair`](super::SegmentPair) computes for cubics, for
 //! lines.
 //!
 //! ```text
@@ -12,7 +12,7 @@
 //! The foot leaves the master where a linear function of u vanishes, the distance passes the reach at the roots of a
 //! quadratic.
 
-use super::{Branch, FootKind, NARROW, Piece, Sample, Touch, unit};
+use super::{Branch, BranchPiece, FootKind, NARROW, Projection, Sample, unit};
 use crate::contact::curves::input::Strands;
 use crate::contact::projection::same_direction;
 use crate::math::Vec3;
@@ -92,7 +92,7 @@ impl Lines {
     }
 
     /// All pieces of this pair: those of feet ascending in u, then those of kinks.
-    pub(in crate::contact) fn pieces(&self, mut push: impl FnMut(Piece)) {
+    pub(in crate::contact) fn pieces(&self, mut push: impl FnMut(BranchPiece)) {
         let [[s0, k0], [s1, k1]] = self.sides;
         let whole = [0.0, 1.0];
         // Ours are feet after the start and before the end; those that rest on a joint after us, or on a kink, are not.
@@ -127,7 +127,7 @@ impl Lines {
         }
     }
 
-    fn within_reach(&self, range: [f64; 2], kind: FootKind, sign: f64, push: &mut impl FnMut(Piece)) {
+    fn within_reach(&self, range: [f64; 2], kind: FootKind, sign: f64, push: &mut impl FnMut(BranchPiece)) {
         // Written so that NaN is an empty range.
         let wide = range[1] - range[0] > NARROW;
         if !wide {
@@ -141,7 +141,7 @@ impl Lines {
             let nearest = if inside[0].is_finite() { 0.5 * (inside[0] + inside[1]) } else { u[0] };
             let nearest = nearest.clamp(u[0], u[1]);
             let branch = Branch::of(kind, sign);
-            push(Piece { u, v: u.map(|u| self.foot(u, kind)), branch, nearest: self.sample(nearest, kind) });
+            push(BranchPiece { u, v: u.map(|u| self.foot(u, kind)), branch, nearest: self.sample(nearest, kind) });
         }
     }
 
@@ -172,13 +172,14 @@ impl Lines {
     }
 
     /// What the potential asks at slave parameter `u`, and the sign it counts with.
-    pub(in crate::contact) fn touch(&self, u: f64, branch: &Branch) -> (Touch, f64) {
+    pub(in crate::contact) fn project(&self, u: f64, branch: &Branch) -> (Projection, f64) {
         let [x, y] = self.connection(branch.kind);
         let w = x + y * u;
         let distance = w.norm();
         let v = self.foot(u, branch.kind);
-        let touch = Touch { u, v, distance, normal: unit(&w, distance), tangent: self.e, curvature: Vec3::zeros() };
-        (touch, branch.sign)
+        let project =
+            Projection { u, v, distance, normal: unit(&w, distance), tangent: self.e, curvature: Vec3::zeros() };
+        (project, branch.sign)
     }
 }
 

@@ -8,8 +8,16 @@ fn line(from: [f64; 3], to: [f64; 3]) -> Cubic {
     Cubic::straight(Vec3::from(from), Vec3::from(to))
 }
 
-fn pair<'a>(slave: &'a Cubic, master: &'a Cubic, reach: f64) -> Pair<'a> {
-    Pair { slave, master, open_start: false, open_end: false, reach: [reach; 2], joints: [None; 2], kinks: [None; 2] }
+fn pair<'a>(slave: &'a Cubic, master: &'a Cubic, reach: f64) -> SegmentPair<'a> {
+    SegmentPair {
+        slave,
+        master,
+        open_start: false,
+        open_end: false,
+        reach: [reach; 2],
+        joints: [None; 2],
+        kinks: [None; 2],
+    }
 }
 
 /// Perpendicular straight strands at height h: the zone is |x| < √(reach² − h²), exactly.
@@ -32,7 +40,7 @@ fn parallel_lines_are_cut_where_the_foot_leaves_the_master() {
     pair(&a, &b, 0.3).pieces(&mut pieces);
     assert_eq!(pieces.len(), 1);
     assert!((pieces[0].u[0] - 0.25).abs() < 1e-15 && (pieces[0].u[1] - 0.5).abs() < 1e-15);
-    let open = Pair { open_start: true, open_end: true, ..pair(&a, &b, 0.3) };
+    let open = SegmentPair { open_start: true, open_end: true, ..pair(&a, &b, 0.3) };
     pieces.clear();
     open.pieces(&mut pieces);
     pieces.sort_by(|p, q| p.u[0].total_cmp(&q.u[0]));
@@ -71,10 +79,10 @@ fn a_zone_whose_foot_rests_on_a_joint_is_covered_once() {
         let after = Cubic::from_hermite(joint, t * 0.7, joint + t + bend, t);
         let off = t * [0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-12, -1e-9][trial % 7];
         let slave = Cubic::straight(joint + off + m * 0.3 - n, joint + off + m * 0.3 + n);
-        let shared = Some(Joint { tangent: before.b[3] - before.b[2] });
+        let shared = Some(SmoothJoint { tangent: before.b[3] - before.b[2] });
         let mut pieces = Vec::new();
-        Pair { joints: [None, shared], ..pair(&slave, &before, 0.5) }.pieces(&mut pieces);
-        Pair { joints: [shared, None], ..pair(&slave, &after, 0.5) }.pieces(&mut pieces);
+        SegmentPair { joints: [None, shared], ..pair(&slave, &before, 0.5) }.pieces(&mut pieces);
+        SegmentPair { joints: [shared, None], ..pair(&slave, &after, 0.5) }.pieces(&mut pieces);
         let covered: f64 = pieces.iter().map(|p| 2.0 * p.branch.sign * (p.u[1] - p.u[0])).sum();
         assert!((covered - exact).abs() < 0.02, "trial {trial}: {covered} {exact} {pieces:?}");
     }
@@ -91,7 +99,7 @@ fn curved_pairs_agree_with_dense_sampling() {
         let a = Cubic { b: [point(-1.0, 0.0, 0.2), point(-0.3, 0.0, 0.2), point(0.3, 0.0, 0.2), point(1.0, 0.0, 0.2)] };
         let b =
             Cubic { b: [point(-0.7, -0.7, 0.0), point(-0.2, -0.2, 0.0), point(0.2, 0.2, 0.0), point(0.7, 0.7, 0.0)] };
-        let p = Pair { open_end: true, reach: [0.25, 0.35], ..pair(&a, &b, 0.0) };
+        let p = SegmentPair { open_end: true, reach: [0.25, 0.35], ..pair(&a, &b, 0.0) };
         let mut pieces = Vec::new();
         p.pieces(&mut pieces);
         num_pieces += pieces.len();

@@ -1,11 +1,11 @@
 //! The integral over pieces of zones: quadrature points, and what each adds to a term.
 
 use super::guess::Interpolation;
-use super::pressure::{Local, without_limit};
-use super::stiffness::{Coordinates, Stiffness};
-use super::term::{Besides, PairForce, PairTerm, Touched, Want, ZonePiece};
+use super::pressure::{PairLaw, without_limit};
+use super::stiffness::{Coordinates, PairStiffness};
+use super::term::{PairForce, PairTerm, QuadraturePoint, Request, Want, ZonePiece};
 use crate::contact::zones::straight::Lines;
-use crate::contact::zones::{Branch, FootKind, Piece, Touch};
+use crate::contact::zones::{Branch, BranchPiece, FootKind, Projection};
 use crate::math::bernstein::{cubic_slopes, cubic_weights};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
@@ -18,22 +18,22 @@ const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
 const PARTS_OF_FOLD: f64 = 4.0;
 
 /// Where one ordered pair is in contact.
-pub(super) struct Found<'a> {
+pub(super) struct PairIntegral<'a> {
     pub(super) slave: usize,
     pub(super) master: usize,
-    pub(super) local: &'a Local<'a>,
-    pub(super) pieces: &'a [Piece],
-    pub(super) touch: &'a Follow<'a>,
+    pub(super) pair_law: &'a PairLaw<'a>,
+    pub(super) pieces: &'a [BranchPiece],
+    pub(super) project: &'a Projector<'a>,
 }
 
 /// The geometry of a branch at the parameter it is followed by, from a guess of the other, and by what the slave's
 /// parameter changes with that: less than nothing where it is counted off.
-pub(super) type Follow<'a> = dyn Fn(f64, f64, &Branch) -> (Touch, f64) + 'a;
+pub(super) type Projector<'a> = dyn Fn(f64, f64, &Branch) -> (Projection, f64) + 'a;
 
-impl Found<'_> {
+impl PairIntegral<'_> {
     pub(super) fn pair_term(&self, want: Want) -> PairTerm {
-        let mut stiffness = (want == Want::Hessian).then(|| Stiffness::new(Coordinates::Points));
-        let mut term = self.sum(Besides { zones: true, tangent: false }, stiffness.as_mut());
+        let mut stiffness = (want == Want::Hessian).then(|| PairStiffness::new(Coordinates::Points));
+        let mut term = self.sum(Request { zones: true, tangent: false }, stiffness.as_mut());
         term.hessian = stiffness.map(|stiffness| {
             let sum = stiffness.finish(&term.gradient);
             let block = |m: usize, n: usize| Mat3::from_fn(|i, j| if m <= n { sum[3 * m + i][3 * n + j] } else { 0.0 });
@@ -43,7 +43,7 @@ impl Found<'_> {
     }
 
     /// The integral over the pieces, its second derivative in `stiffness`; with the tangent, the points in contact.
-    pub(super) fn sum(&self, besides: Besides, mut stiffness: Option<&mut Stiffness>) -> PairTerm {
+    pub(super) fn sum(&self, request: Request, mut stiffness: Option<&mut PairStiffness>) -> PairTerm {
         let mut term = PairTerm {
             slave: self.slave,
             master: self.master,
@@ -51,23 +51,24 @@ impl Found<'_> {
             gradient: [Vec3::zeros(); 8],
             hessian: None,
             zones: Vec::new(),
-            touched: Vec::new(),
+            points: Vec::new(),
         };
         for piece in self.pieces {
             // ½∫p uᵏ ds
             let mut moments = [0.0; 3];
             let mut half_push = Vec3::zeros();
             let kind = piece.branch.kind;
-            self.local.integrate(piece, |t, guess, weight| {
-                let (touch, rate) = (self.touch)(t, guess, &piece.branch);
+            self.pair_law.integrate(piece, |t, guess, weight| {
+                let (touch, rate) = (self.project)(t, guess, &piece.branch);
                 let weight = weight * rate;
-                let force = weight * add_touch(&mut term, stiffness.as_deref_mut(), kind, &touch, weight, self.local);
+                let force =
+                    weight * add_point(&mut term, stiffness.as_deref_mut(), kind, &touch, weight, self.pair_law);
                 // farthest points, counted off, are followed by no one
-                if besides.tangent && weight > 0.0 {
-                    let (law, carried) = self.local.response(touch.u, touch.distance);
+                if request.tangent && weight > 0.0 {
+                    let (law, carried) = self.pair_law.response(touch.u, touch.distance);
                     let known = carried > 0.0 && law.stiffness.is_finite();
-                    let point = Touched { u: touch.u, v: touch.v, kind, stiffness: weight * law.stiffness };
-                    term.touched.extend(known.then_some(point));
+                    let point = QuadraturePoint { u: touch.u, v: touch.v, kind, stiffness: weight * law.stiffness };
+                    term.points.extend(known.then_some(point));
                 }
                 moments[0] += force;
                 moments[1] += force * touch.u;
@@ -77,9 +78,9 @@ impl Found<'_> {
                 }
                 if kind == FootKind::Fold { touch.u } else { touch.v }
             });
-            if besides.zones {
+            if request.zones {
                 let [half_force, first, second] = moments;
-                let min_gap = piece.nearest.distance - self.local.contact_distance;
+                let min_gap = piece.nearest.distance - self.pair_law.contact_distance;
                 let piece = piece.ascending();
                 term.zones.push(ZonePiece { piece, min_gap, half_force, half_moments: [first, second], half_push });
             }
@@ -88,11 +89,11 @@ impl Found<'_> {
     }
 }
 
-impl Local<'_> {
+impl PairLaw<'_> {
     /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t what it
     /// is followed by, which returns the other parameter; long pieces are divided so that each part is shorter than the
     /// contact distance. Guesses are interpolated between the ends of the piece and what was returned.
-    fn integrate(&self, piece: &Piece, mut add: impl FnMut(f64, f64, f64) -> f64) {
+    fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let [t, other] = piece.along();
         let width = t[1] - t[0];
         let extent = width * self.span / self.contact_distance;
@@ -117,13 +118,13 @@ impl Local<'_> {
 
 impl PairForce {
     /// Adds one piece of a pair of lines; `swapped` if the slave is j.
-    pub(super) fn add_lines(&mut self, lines: &Lines, piece: &Piece, local: &Local, swapped: bool) {
+    pub(super) fn add_lines(&mut self, lines: &Lines, piece: &BranchPiece, pair_law: &PairLaw, swapped: bool) {
         // ∫p n ds, and the same weighted by u and by v
         let (mut plain, mut at_u, mut at_v) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
-        local.integrate(piece, |u, _, weight| {
-            let (touch, sign) = lines.touch(u, &piece.branch);
+        pair_law.integrate(piece, |u, _, weight| {
+            let (touch, sign) = lines.project(u, &piece.branch);
             let weight = weight * sign;
-            let (law, _) = local.response(u, touch.distance);
+            let (law, _) = pair_law.response(u, touch.distance);
             if without_limit(&law, weight) {
                 return touch.v;
             }
@@ -134,7 +135,7 @@ impl PairForce {
             at_v += push * touch.v;
             touch.v
         });
-        self.min_gap = self.min_gap.min(piece.nearest.distance - local.contact_distance);
+        self.min_gap = self.min_gap.min(piece.nearest.distance - pair_law.contact_distance);
         let [own, other] = if swapped { [1, 0] } else { [0, 1] };
         self.force[own][0] += plain - at_u;
         self.force[own][3] += at_u;
@@ -144,16 +145,16 @@ impl PairForce {
 }
 
 /// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
-fn add_touch(
+fn add_point(
     term: &mut PairTerm,
-    stiffness: Option<&mut Stiffness>,
+    stiffness: Option<&mut PairStiffness>,
     kind: FootKind,
-    touch: &Touch,
+    touch: &Projection,
     weight: f64,
-    local: &Local,
+    pair_law: &PairLaw,
 ) -> f64 {
-    let Touch { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
-    let (law, carried) = local.response(u, distance);
+    let Projection { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
+    let (law, carried) = pair_law.response(u, distance);
     if carried == 0.0 || without_limit(&law, weight) {
         return 0.0;
     }

@@ -24,7 +24,7 @@ impl Pressures<'_> {
 }
 
 /// What holds all along the slave of an ordered pair.
-pub(super) struct Local<'a> {
+pub(super) struct PairLaw<'a> {
     pub(super) pressures: &'a Pressures<'a>,
     pub(super) contact_distance: f64,
     /// Of the slave \[L\].
@@ -38,7 +38,7 @@ pub(super) struct Local<'a> {
     pub(super) span: f64,
 }
 
-impl Local<'_> {
+impl PairLaw<'_> {
     /// The response at a slave parameter and distance \[L\], and the pressure that the geometric stiffness belongs to.
     pub(super) fn response(&self, u: f64, distance: f64) -> (Response, f64) {
         let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * u;

@@ -1,10 +1,10 @@
 //! Closed curves that lie as a whole in the ball about a point of another strand.
 
-use super::Ground;
-use super::integral::Follow;
-use super::pressure::Local;
+use super::ContactGeometry;
+use super::integral::Projector;
+use super::pressure::PairLaw;
 use crate::contact::projection::{smooth_joint, stationarity};
-use crate::contact::zones::{FootKind, Piece};
+use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
@@ -13,26 +13,26 @@ const TIE: f64 = 1e-9;
 /// Points that differ by less of the reach are the same.
 const SAME: f64 = 1e-6;
 
-impl Ground<'_> {
+impl ContactGeometry<'_> {
     /// A closed curve that lies in the ball about a slave point as a whole is a strand there, though its nearest and
     /// farthest points are as many: the farthest of all is not counted off.
     pub(super) fn keep_rings(
         &self,
         [slave, master]: [usize; 2],
-        local: &Local,
-        touch: &Follow,
-        pieces: &mut Vec<Piece>,
+        pair_law: &PairLaw,
+        project: &Projector,
+        pieces: &mut Vec<BranchPiece>,
     ) {
-        let off = |piece: &Piece| piece.branch.is_counted_off() || piece.branch.kind == FootKind::Fold;
+        let off = |piece: &BranchPiece| piece.branch.is_counted_off() || piece.branch.kind == FootKind::Fold;
         if !self.may_be_ring(slave, master) || !pieces.iter().any(off) {
             return;
         }
         let curve = self.strands.curve_of(master);
-        let reach = local.reach[0].max(local.reach[1]);
+        let reach = pair_law.reach[0].max(pair_law.reach[1]);
         let own = self.strands.cubic(slave);
-        let farthest_of_all = |piece: &Piece, fraction: f64| {
+        let farthest_of_all = |piece: &BranchPiece, fraction: f64| {
             let [t, other] = piece.along().map(|ends| ends[0] + (ends[1] - ends[0]) * fraction);
-            let (touch, weight) = touch(t, other, &piece.branch);
+            let (touch, weight) = project(t, other, &piece.branch);
             let foot = own.point(touch.u) - touch.normal * touch.distance;
             let here = |(segment, v): (usize, f64)| match piece.branch.kind {
                 FootKind::Held => segment == master && piece.branch.may_be_at(v),

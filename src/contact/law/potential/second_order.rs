@@ -7,7 +7,7 @@
 //! them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
 
 use super::stiffness::Coordinates;
-use super::term::{Meeting, Touched};
+use super::term::{ContactPair, QuadraturePoint};
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::contact::zones::FootKind;
 use crate::math::Vec3;
@@ -24,8 +24,8 @@ const SAME_DIRECTION: f64 = 0.01;
 /// the term was evaluated): the gradient, six coordinates an end, of a law that went on linearly. `change` is the
 /// linear motion of the control points, slave's four and master's four \[L\]. Also the segments that the first and the
 /// last point in contact have gone to.
-pub(crate) fn surprise_of_gaps(
-    term: &Meeting,
+pub(crate) fn second_order_of_gaps(
+    term: &ContactPair,
     cubics: [&Cubic; 2],
     change: &[Vec3; 8],
     moved: &CurveSet,
@@ -65,7 +65,7 @@ fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
 
 /// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`surprise_of_gaps`]: what the stiffness of contact along its normals makes
 /// of a motion.
-pub(crate) fn stiffness_of_gaps(term: &Meeting, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
+pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }
 
@@ -81,13 +81,13 @@ struct Here {
 
 /// Σ W k e ∂gap/∂x.
 fn sum_of_gaps(
-    term: &Meeting,
+    term: &ContactPair,
     [slave, master]: [&Cubic; 2],
     change: &[Vec3; 8],
-    mut e: impl FnMut(&Touched, &Here) -> f64,
+    mut e: impl FnMut(&QuadraturePoint, &Here) -> f64,
 ) -> [f64; 24] {
     let mut sum = [Vec3::zeros(); 8];
-    for point in &term.touched {
+    for point in &term.points {
         let chord = slave.point(point.u) - master.point(point.v);
         let distance = chord.norm();
         if distance == 0.0 {

@@ -27,7 +27,7 @@ pub(super) enum Coordinates {
 
 /// Second derivative with respect to 24 coordinates: blocks of six rows p ≤ six columns q filled, those on the diagonal
 /// in full.
-pub(crate) type Blocks = [[f64; 24]; 24];
+pub(crate) type PairTangent = [[f64; 24]; 24];
 
 /// Vectors kept before their products are added.
 const PENDING: usize = 10;
@@ -75,9 +75,9 @@ fn points(end: usize) -> (usize, usize) {
 }
 
 /// Sum over the points of one ordered pair.
-pub(super) struct Stiffness {
+pub(super) struct PairStiffness {
     coordinates: Coordinates,
-    sum: Box<Blocks>,
+    sum: Box<PairTangent>,
     /// Σ W p/d w_m w_n for m ≤ n.
     spread: [[f64; 8]; 8],
     pending: [[f64; 24]; PENDING],
@@ -85,7 +85,7 @@ pub(super) struct Stiffness {
     count: usize,
 }
 
-impl Stiffness {
+impl PairStiffness {
     pub(super) fn new(coordinates: Coordinates) -> Self {
         Self {
             coordinates,
@@ -145,7 +145,7 @@ impl Stiffness {
     }
 
     /// The sum; `gradient` is that of the potential by the control points, which turning handles curve.
-    pub(super) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<Blocks> {
+    pub(super) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<PairTangent> {
         self.flush();
         match self.coordinates {
             Coordinates::Points => {

@@ -1,8 +1,8 @@
 //! Terms of the contact potential: what a pair of segments in contact gives.
 
-use super::stiffness::Blocks;
+use super::stiffness::PairTangent;
 use crate::contact::curves::input::Strands;
-use crate::contact::zones::{FootKind, Piece};
+use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::{Mat3, Vec3};
 
 /// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
@@ -12,7 +12,7 @@ pub type Hessian = [[Mat3; 8]; 8];
 #[derive(Debug, Clone, Copy)]
 pub struct ZonePiece {
     /// Geometry of the piece.
-    pub(crate) piece: Piece,
+    pub(crate) piece: BranchPiece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
     /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is counted off.
@@ -53,7 +53,7 @@ pub struct PairTerm {
     /// Zones of this pair.
     pub zones: Vec<ZonePiece>,
     /// Points in contact, if the solver asks for the tangent.
-    pub(crate) touched: Vec<Touched>,
+    pub(crate) points: Vec<QuadraturePoint>,
 }
 
 impl PairTerm {
@@ -86,7 +86,7 @@ impl PairTerm {
 
 /// A quadrature point in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Touched {
+pub(crate) struct QuadraturePoint {
     pub(super) u: f64,
     pub(super) v: f64,
     pub(super) kind: FootKind,
@@ -105,7 +105,7 @@ pub enum Want {
 
 /// Where one ordered pair (slave, master) is in contact: what is kept of its term once that is summed.
 #[derive(Debug, Clone)]
-pub struct Meeting {
+pub struct ContactPair {
     /// Slave segment.
     pub slave: usize,
     /// Master segment.
@@ -113,29 +113,29 @@ pub struct Meeting {
     /// Zones of this pair; none unless asked for.
     pub zones: Box<[ZonePiece]>,
     /// Points in contact; none unless the tangent was asked for.
-    pub(crate) touched: Box<[Touched]>,
+    pub(crate) points: Box<[QuadraturePoint]>,
 }
 
-impl From<PairTerm> for Meeting {
-    fn from(PairTerm { slave, master, zones, touched, .. }: PairTerm) -> Self {
-        Self { slave, master, zones: zones.into(), touched: touched.into() }
+impl From<PairTerm> for ContactPair {
+    fn from(PairTerm { slave, master, zones, points, .. }: PairTerm) -> Self {
+        Self { slave, master, zones: zones.into(), points: points.into() }
     }
 }
 
 /// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six
 /// coordinates each (displacement, rotation vector), slave's start and end, master's start and end.
 pub(crate) struct EndTerm {
-    pub(crate) meeting: Meeting,
+    pub(crate) pair: ContactPair,
     /// Energy \[F·L\].
     pub(crate) energy: f64,
     pub(crate) gradient: [f64; 24],
     /// Second derivative; none unless asked for.
-    pub(crate) tangent: Option<Box<Blocks>>,
+    pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
 /// What is computed besides energy and gradient.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Besides {
+pub(crate) struct Request {
     pub(crate) tangent: bool,
     pub(crate) zones: bool,
 }

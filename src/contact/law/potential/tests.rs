@@ -21,12 +21,13 @@ fn moved(a: &Cubic, b: &Cubic, dof: usize, step: f64) -> (Cubic, Cubic) {
 }
 
 fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
-    let pair = Pair { slave: a, master: b, open_start: false, open_end, reach, joints: [None; 2], kinks: [None; 2] };
+    let pair =
+        SegmentPair { slave: a, master: b, open_start: false, open_end, reach, joints: [None; 2], kinks: [None; 2] };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
     assert!(!pieces.is_empty());
     let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_, _| [0.0; 2], before: None };
-    let local = Local {
+    let pair_law = PairLaw {
         pressures: &pressures,
         contact_distance: 0.05,
         length: 1.3,
@@ -35,8 +36,8 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
         straight: false,
         span: 1.3,
     };
-    let touch = |t, guess, branch: &Branch| pair.touch(t, guess, branch);
-    Found { slave: 0, master: 1, local: &local, pieces: &pieces, touch: &touch }.pair_term(Want::Hessian)
+    let touch = |t, guess, branch: &Branch| pair.project(t, guess, branch);
+    PairIntegral { slave: 0, master: 1, pair_law: &pair_law, pieces: &pieces, project: &touch }.pair_term(Want::Hessian)
 }
 
 /// Gradient and Hessian of the integrated potential, moving zone ends included, against finite differences: crossing,
@@ -119,16 +120,17 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
         let [master, slave] = polylines(&mut random, case, away);
         let curves = [Curve::polyline(&master, 0.2), Curve::polyline(&slave, 0.3)];
         let lengths = [1.1, 0.9, 1.0, 1.3];
-        let ground = Ground::new(Strands::view(&curves), &lengths, None);
+        let geometry = ContactGeometry::new(Strands::view(&curves), &lengths, None);
         let pressures = penalty(3.0);
         for (own, foreign) in [(3, 0), (3, 1), (3, 2), (1, 3)] {
-            let distance = ground.strands.radius_of(own) + ground.strands.radius_of(foreign);
-            let local = ground.local(own, foreign, pressures.reach(own, foreign, distance), distance, &pressures);
+            let distance = geometry.strands.radius_of(own) + geometry.strands.radius_of(foreign);
+            let pair_law =
+                geometry.pair_law(own, foreign, pressures.reach(own, foreign, distance), distance, &pressures);
             let (mut ours, mut general) = (Vec::new(), Vec::new());
-            let lines = ground.lines(own, foreign, &local).unwrap();
+            let lines = geometry.lines(own, foreign, &pair_law).unwrap();
             lines.pieces(|piece| ours.push(piece));
             let mut seen = ours.is_empty();
-            ground.with_pair(own, foreign, local.reach, |pair, _| {
+            geometry.with_pair(own, foreign, pair_law.reach, |pair, _| {
                 seen = true;
                 pair.pieces(&mut general);
                 // pieces narrower than rounding may be found by one only
@@ -148,11 +150,12 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
                     }
                     assert!((p.nearest.distance - q.nearest.distance).abs() < 1e-12, "case {case}: {p:?} {q:?}");
                 }
-                let term = |pieces: &[Piece], touch: &Follow| {
-                    Found { slave: own, master: foreign, local: &local, pieces, touch }.pair_term(Want::Hessian)
+                let term = |pieces: &[BranchPiece], project: &Projector| {
+                    PairIntegral { slave: own, master: foreign, pair_law: &pair_law, pieces, project }
+                        .pair_term(Want::Hessian)
                 };
-                let a = term(&ours, &|u, _, branch| lines.touch(u, branch));
-                let b = term(&general, &|t, guess, branch| pair.touch(t, guess, branch));
+                let a = term(&ours, &|u, _, branch| lines.project(u, branch));
+                let b = term(&general, &|t, guess, branch| pair.project(t, guess, branch));
                 assert!((a.energy - b.energy).abs() < 1e-12 * (1.0 + b.energy), "case {case}");
                 let (x, y) = (a.hessian.unwrap(), b.hessian.unwrap());
                 for m in 0..8 {
@@ -187,11 +190,11 @@ fn energy_by_sampling(slave: &[Vec3], master: &[Vec3], length: f64, reach: f64, 
 }
 
 /// Two polylines, radii .2 and .3, with fixed lengths of their segments.
-fn with_ground<T>(points: &[Vec<Vec3>; 2], see: impl FnOnce(&Ground) -> T) -> T {
+fn with_ground<T>(points: &[Vec<Vec3>; 2], see: impl FnOnce(&ContactGeometry) -> T) -> T {
     let curves = [Curve::polyline(&points[0], 0.2), Curve::polyline(&points[1], 0.3)];
     let strands = Strands::view(&curves);
     let lengths = &[1.1, 0.9, 1.0, 1.3][4 - strands.len()..];
-    see(&Ground::new(strands, lengths, None))
+    see(&ContactGeometry::new(strands, lengths, None))
 }
 
 /// Overlaps deeper than this \[L\], a fifth of the contact distance, are beyond the accuracy asked of the quadrature
@@ -202,9 +205,9 @@ const DEEP: f64 = -0.1;
 fn force(points: &[Vec<Vec3>; 2]) -> (f64, Vec<Vec3>, f64) {
     let count = points[0].len() - 1;
     let mut sum = (0.0, vec![Vec3::zeros(); count + 3], f64::INFINITY);
-    with_ground(points, |ground| {
+    with_ground(points, |geometry| {
         for k in 0..count {
-            let found = ground.force([k, count], &penalty(3.0), &mut Vec::new());
+            let found = geometry.force([k, count], &penalty(3.0), &mut Vec::new());
             sum.0 += found.energy;
             sum.2 = sum.2.min(found.min_gap);
             for (side, node) in [k, count + 1].into_iter().enumerate() {
@@ -232,9 +235,9 @@ fn tangent(points: &[Vec<Vec3>; 2]) -> (f64, Vec<Vec3>, Vec<Vec<Mat3>>) {
         }
     };
     let mut add = add;
-    with_ground(points, |ground| {
+    with_ground(points, |geometry| {
         for k in 0..count {
-            ground.terms([k, count], &penalty(3.0), Want::Hessian, &mut Vec::new(), &mut add);
+            geometry.terms([k, count], &penalty(3.0), Want::Hessian, &mut Vec::new(), &mut add);
         }
     });
     (energy, force, hessian)
@@ -360,10 +363,10 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
         let OverJoint { axes: [t, _, _], far, joint, slave } = OverJoint::new(&mut random, trial);
         let master = [joint - t * 1.3, joint, joint + t * 0.7];
         let curves = [Curve::polyline(&master, 0.25), Curve::polyline(&slave, 0.25)];
-        let ground = Ground::new(Strands::view(&curves), &[1.3, 0.7, 2.0], None);
+        let geometry = ContactGeometry::new(Strands::view(&curves), &[1.3, 0.7, 2.0], None);
         let mut covered = 0.0;
         for pair in [[0, 2], [1, 2]] {
-            ground.terms(pair, &penalty(1.0), Want::Gradient, &mut Vec::new(), |term| {
+            geometry.terms(pair, &penalty(1.0), Want::Gradient, &mut Vec::new(), |term| {
                 let length = |zone: &ZonePiece| 2.0 * (zone.piece.u[1] - zone.piece.u[0]);
                 covered += if term.slave == 2 { term.zones.iter().map(length).sum() } else { 0.0 };
             });
@@ -385,7 +388,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         let (old_offset, new_offset) = (|_: usize, _: usize| old, |_: usize, _: usize| new);
         let pressures = Pressures { law, offset: &new_offset, before: Some((before, &old_offset)) };
         let reach = old.map(|c| contact_distance + c);
-        let local = Local {
+        let pair_law = PairLaw {
             pressures: &pressures,
             contact_distance,
             length: 1.0,
@@ -397,7 +400,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         for (u, distance) in [(0.0, 0.45), (0.3, 0.49), (1.0, 0.505), (0.6, 0.42)] {
             let carried =
                 before.response(contact_distance + old[0] + (old[1] - old[0]) * u - distance, contact_distance);
-            let (here, geometric) = local.response(u, distance);
+            let (here, geometric) = pair_law.response(u, distance);
             assert_eq!(geometric, carried.pressure, "the pressures stay");
             // The overlap of the new law with this pressure, and how the linearised law goes about it.
             let overlap = law.overlap(carried.pressure, contact_distance);

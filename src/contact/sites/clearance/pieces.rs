@@ -9,7 +9,7 @@ use crate::math::bernstein::{Roots, derivative, eval, product_with_quadratic, ro
 const SAFETY: f64 = 1e-14;
 
 /// Two pieces in coordinates relative to the second's start and the pair's size.
-pub(super) struct Local {
+pub(super) struct PowerForm {
     pub(super) a: Cubic,
     pub(super) b: Cubic,
     pub(super) scale: f64,
@@ -24,7 +24,7 @@ pub(super) struct Bound {
     pub(super) v: f64,
 }
 
-impl Local {
+impl PowerForm {
     pub(super) fn new(a: &Cubic, b: &Cubic, u: [f64; 2], v: [f64; 2]) -> Self {
         let origin = b.b[0];
         let (a, b) = (a.b.map(|p| p - origin), b.b.map(|p| p - origin));
@@ -181,7 +181,7 @@ mod tests {
             let b = Cubic::from_hermite(offset, Vec3::x() + vector(0.7), offset + Vec3::x(), Vec3::x() + vector(0.7));
             for unit in [1.0, 1e-100] {
                 let scaled = |c: &Cubic| Cubic { b: c.b.map(|p| p * unit) };
-                let local = Local::new(&scaled(&a), &scaled(&b), [0.0, 1.0], [0.0, 1.0]);
+                let local = PowerForm::new(&scaled(&a), &scaled(&b), [0.0, 1.0], [0.0, 1.0]);
                 let m = local.convexity();
                 if m <= 0.0 {
                     continue;
@@ -215,7 +215,7 @@ mod tests {
             Cubic::from_hermite(at(from).0, at(from).1 * h, at(to).0, at(to).1 * h)
         };
         let error = |h: f64| {
-            let local = Local::new(&arc(0.0, 0.4, 0.4 + h), &arc(2.9, 0.1, 1.0), [0.0, 1.0], [0.0, 1.0]);
+            let local = PowerForm::new(&arc(0.0, 0.4, 0.4 + h), &arc(2.9, 0.1, 1.0), [0.0, 1.0], [0.0, 1.0]);
             let m = local.convexity();
             assert!(m > 0.0);
             let bound = local.fourth_order(m);

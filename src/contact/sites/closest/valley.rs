@@ -1,7 +1,7 @@
 //! Valleys that cannot be decided: one minimum for each, by ordinary numerics.
 
 use super::cell::{BORDER, Cell};
-use super::{Closest, Derivatives, Search};
+use super::{Closest, Derivatives, MinimumSearch};
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 
@@ -28,11 +28,11 @@ impl Rectangle {
     }
 }
 
-impl Search {
+impl MinimumSearch {
     /// One minimum for each group of cells that hang together; with each cell whether it is level.
     pub(super) fn valleys(&self, cells: &[(Cell, bool)], out: &mut Vec<Closest>) {
         let cells: Vec<Rectangle> = cells.iter().map(Rectangle::of).collect();
-        let touch = |x: [f64; 2], y: [f64; 2]| x[0] <= y[1] + BORDER && y[0] <= x[1] + BORDER;
+        let project = |x: [f64; 2], y: [f64; 2]| x[0] <= y[1] + BORDER && y[0] <= x[1] + BORDER;
         let mut done = vec![false; cells.len()];
         for k in 0..cells.len() {
             if done[k] {
@@ -45,7 +45,7 @@ impl Search {
                 let c = &cells[group[next]];
                 next += 1;
                 for (m, other) in cells.iter().enumerate() {
-                    if !done[m] && touch(c.u, other.u) && touch(c.v, other.v) {
+                    if !done[m] && project(c.u, other.u) && project(c.v, other.v) {
                         done[m] = true;
                         group.push(m);
                     }
@@ -74,8 +74,8 @@ fn ends_here(group: &[&Rectangle]) -> bool {
 }
 
 /// The nearest level point of a group of boxes; of equally near ones the one nearest to the group's middle.
-fn deepest(search: &Search, group: &[&Rectangle]) -> Option<Closest> {
-    let Search { a, b, reach, noise } = search;
+fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
+    let MinimumSearch { a, b, reach, noise } = search;
     let (hu, hv) = (hull(group, |c| c.u), hull(group, |c| c.v));
     let middle = (0.5 * (hu[0] + hu[1]), 0.5 * (hv[0] + hv[1]));
     let mut points: Vec<(f64, f64, f64)> = Vec::with_capacity(group.len() + 1);

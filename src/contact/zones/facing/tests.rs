@@ -30,7 +30,7 @@ fn what_faces_plainly_is_found_as_in_general() {
         let (slave, master) = strands(&mut random, wild, away);
         let Some(facing) = Facing::new(&slave, &master) else { continue };
         let reach = [0.5, 0.5 + 0.01 * random.unit()];
-        let pair = Pair {
+        let pair = SegmentPair {
             slave: &slave,
             master: &master,
             open_start: false,
@@ -71,7 +71,7 @@ fn what_faces_plainly_is_found_as_in_general() {
             assert!((n.nearest.distance - q.nearest.distance).abs() < 1e-14, "case {case}: {n:?} {q:?}");
             for share in [0.1, 0.5, 0.8] {
                 let at = |ends: [f64; 2]| ends[0] + share * (ends[1] - ends[0]);
-                let (a, b) = (facing.touch(&pair, at(q.u), at(q.v)), pair.touch(at(q.u), at(q.v), &q.branch).0);
+                let (a, b) = (facing.project(&pair, at(q.u), at(q.v)), pair.project(at(q.u), at(q.v), &q.branch).0);
                 assert!((a.v - b.v).abs() < 1e-14 / CONVEX, "case {case}: {a:?} {b:?}");
                 assert!((a.distance - b.distance).abs() < 1e-14 && (a.normal - b.normal).norm() < 1e-12);
                 assert!((a.tangent - b.tangent).norm() < 1e-12 && (a.curvature - b.curvature).norm() < 1e-12);
@@ -100,7 +100,7 @@ fn a_line_of_contact_is_decided_by_bounds() {
     for k in 0..40 {
         let master = arc(std::f64::consts::PI, 0.01 + 0.25 * f64::from(k) - 4.0);
         for (covered, reach) in covered.iter_mut().zip([2.0005, 1.9995]) {
-            let pair = Pair {
+            let pair = SegmentPair {
                 slave: &slave,
                 master: &master,
                 open_start: false,

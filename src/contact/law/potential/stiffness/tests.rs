@@ -31,9 +31,9 @@ fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
 fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let set = crossing();
     let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize, _: usize| [0.01, -0.01]);
-    let (ground, pressures) = (Ground::of_set(&set), Pressures { law, offset: &offset, before: None });
-    let points = evaluate_within(&ground, &[[0, 1]], &pressures, Want::Hessian);
-    let ends = evaluate_ends(&ground, &[[0, 1]], &pressures, Besides { tangent: true, zones: false });
+    let (geometry, pressures) = (ContactGeometry::of_set(&set), Pressures { law, offset: &offset, before: None });
+    let points = evaluate_within(&geometry, &[[0, 1]], &pressures, Want::Hessian);
+    let ends = evaluate_ends(&geometry, &[[0, 1]], &pressures, Request { tangent: true, zones: false });
     let ends: Vec<_> = ends.into_iter().flatten().collect();
     assert_eq!((points.len(), ends.len()), (2, 2));
     for (by_points, by_ends) in points.iter().zip(&ends) {

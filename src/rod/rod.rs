@@ -5,7 +5,7 @@ use crate::math::quadrature::gauss;
 use crate::math::quaternion::spin;
 use crate::math::{LARGEST, Quat, Vec3};
 use crate::rod::along::{Along, Values};
-use crate::rod::element::Six;
+use crate::rod::element::Strain;
 use crate::rod::stiffness::{Stiffness, check_stiffness};
 use crate::rod::{Section, Shape};
 
@@ -52,7 +52,7 @@ pub type NaturalStrains = nalgebra::Vector6<f64>;
 
 impl Natural {
     /// Natural strains at arc length `s`; `None` where they are those of the start shape.
-    pub(crate) fn at(&self, s: f64) -> Option<Six> {
+    pub(crate) fn at(&self, s: f64) -> Option<Strain> {
         match self {
             Self::Straight => Some([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
             Self::Uniform { kappa: [k1, k2, k3] } => Some([0.0, 0.0, 1.0, *k1, *k2, *k3]),
@@ -390,7 +390,7 @@ impl Rod {
     }
 }
 
-/// Names of the strains, in the order of [`Six`].
+/// Names of the strains, in the order of [`Strain`].
 pub(crate) const STRAINS: [&str; 6] = ["gamma1", "gamma2", "gamma3", "kappa1", "kappa2", "kappa3"];
 const ALLOWED_STRAINS: &str = "a finite number, gamma3 greater than 0";
 
