@@ -1,22 +1,17 @@
 //! Guesses of feet along a piece of contact, from those found so far: projections start near their end.
 
-use super::integral::POINTS_PER_PIECE;
-
-/// Both ends of a piece and all points of its rule.
-const MAX_PLACES: usize = POINTS_PER_PIECE + 2;
-
-/// A polynomial through known places, up to a few, to guess the next.
-pub(super) struct Interpolation {
-    u: [f64; MAX_PLACES],
+/// A polynomial through known places, at most `N`, to guess the next.
+pub(super) struct Interpolation<const N: usize> {
+    u: [f64; N],
     /// Divided differences of the last place and those before.
-    slopes: [f64; MAX_PLACES],
+    slopes: [f64; N],
     count: usize,
 }
 
-impl Interpolation {
+impl<const N: usize> Interpolation<N> {
     /// The line through two places (u, v).
     pub(super) fn between(first: [f64; 2], last: [f64; 2]) -> Self {
-        let mut line = Self { u: [0.0; MAX_PLACES], slopes: [0.0; MAX_PLACES], count: 0 };
+        let mut line = Self { u: [0.0; N], slopes: [0.0; N], count: 0 };
         line.add(first[0], first[1]);
         line.add(last[0], last[1]);
         line

@@ -11,7 +11,9 @@ use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 
 /// Points of the Gauss rule on each piece of a zone.
-pub(super) const POINTS_PER_PIECE: usize = 5;
+const POINTS_PER_PIECE: usize = 5;
+/// Both ends of a piece and the points of its rule.
+const MAX_PLACES: usize = POINTS_PER_PIECE + 2;
 /// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well: polylines have many.
 const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
 /// Parts that a piece through a fold is divided into: there and back on the slave.
@@ -105,7 +107,7 @@ impl PairLaw<'_> {
         let rule = gauss(points.map_or(POINTS_PER_PIECE, |(_, points)| *points));
         let mut last = [t[0], other[0]];
         for part in 0..parts as usize {
-            let mut known = Interpolation::between(last, [t[1], other[1]]);
+            let mut known = Interpolation::<MAX_PLACES>::between(last, [t[1], other[1]]);
             for (&x, &w) in rule.points.iter().zip(rule.weights) {
                 let t = t[0] + width * (part as f64 + x) / parts;
                 let other = add(t, known.at(t), 0.5 * w * width * self.length / parts);

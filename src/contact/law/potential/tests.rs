@@ -427,7 +427,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
 /// one place, which guessed NaN for every foot.
 #[test]
 fn a_known_place_does_not_spoil_the_guess() {
-    let mut line = Interpolation::between([0.3, 0.5], [0.3, 0.5]);
+    let mut line = Interpolation::<3>::between([0.3, 0.5], [0.3, 0.5]);
     assert_eq!(line.at(0.7), 0.5);
     line.add(0.4, 0.7);
     assert!((line.at(0.5) - 0.9).abs() < 1e-12);
