@@ -19,12 +19,16 @@
 //! (Magisano, Leonetti & Garcea 2017) passes the stress predicted by the previous linear solve.
 
 use crate::math::shape_functions::ShapeTable;
-use crate::rod::Section;
+use blocks::{NodeBlocks, add_nodal_gradient};
 use kinematics::{InPlane, Space, inner};
+use material::MaterialLaw;
 
+mod blocks;
 mod kinematics;
+mod material;
 
 pub use kinematics::{Nodes, Plane};
+pub use material::{Material, stiffness};
 
 /// Strains Γ1 Γ2 Γ3 K1 K2 K3 at an integration point: shear, shear, extension, bending, bending, twist. Γ is a number,
 /// K is in 1/L.
@@ -51,79 +55,6 @@ pub struct ElementProperties<'a> {
     /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y,
     /// frames turned about z) are computed there, with the same results to rounding.
     pub plane: Option<&'a Plane>,
-}
-
-/// The material matrix C of an element, in the order of [`Strain`].
-#[derive(Debug, Clone, Copy)]
-pub enum Material<'a> {
-    /// A diagonal one, the same everywhere.
-    Diagonal(&'a Strain),
-    /// A full symmetric one for each integration point.
-    Full(&'a [[Strain; 6]; 3]),
-}
-
-impl Material<'_> {
-    /// Stress of a strain at integration point `g`.
-    #[must_use]
-    pub fn stress(&self, g: usize, strain: &Stress) -> Stress {
-        match self {
-            Self::Diagonal(material) => material.stress(g, strain),
-            Self::Full(material) => material.stress(g, strain),
-        }
-    }
-}
-
-/// Products with the material matrix. The diagonal has its own, which is what most rods pay for.
-trait MaterialLaw<const S: usize> {
-    /// C ε at integration point `g`.
-    fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];
-
-    /// C B for the rows of B.
-    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; S]) -> [[f64; N]; S];
-}
-
-impl<const S: usize> MaterialLaw<S> for [f64; S] {
-    #[inline]
-    fn stress(&self, _: usize, strain: &[f64; S]) -> [f64; S] {
-        std::array::from_fn(|i| self[i] * strain[i])
-    }
-
-    #[inline]
-    fn of_rows<const N: usize>(&self, _: usize, b: &[[f64; N]; S]) -> [[f64; N]; S] {
-        std::array::from_fn(|i| std::array::from_fn(|k| self[i] * b[i][k]))
-    }
-}
-
-impl MaterialLaw<6> for [[Strain; 6]; 3] {
-    #[inline]
-    fn stress(&self, g: usize, strain: &Stress) -> Stress {
-        std::array::from_fn(|i| inner(&self[g][i], strain))
-    }
-
-    #[inline]
-    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; 6]) -> [[f64; N]; 6] {
-        let mut out = [[0.0; N]; 6];
-        for (row, entries) in out.iter_mut().zip(&self[g]) {
-            for (entry, b) in entries.iter().zip(b) {
-                for k in 0..N {
-                    row[k] += entry * b[k];
-                }
-            }
-        }
-        out
-    }
-}
-
-/// Diagonal of the material matrix, in the order of [`Strain`].
-pub fn stiffness(section: &Section) -> Strain {
-    [
-        section.shearing[0],
-        section.shearing[1],
-        section.stretching,
-        section.bending[0],
-        section.bending[1],
-        section.twisting,
-    ]
 }
 
 /// The interpolated numbers y = (r', z, z') at one integration point.
@@ -486,113 +417,6 @@ pub fn evaluate(
         }
         (None, Material::Full(material)) => {
             Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
-        }
-    }
-}
-
-fn add_nodal_gradient<const R: usize, const Z: usize, const N: usize>(
-    grad: &[f64; N],
-    n: &[f64; 4],
-    d: &[f64; 4],
-    weight: f64,
-    num_nodes: usize,
-    grad_r: &mut [[f64; R]; 4],
-    grad_q: &mut [[f64; Z]; 4],
-) {
-    for a in 0..num_nodes {
-        let (na, da) = (weight * n[a], weight * d[a]);
-        for k in 0..R {
-            grad_r[a][k] += da * grad[k];
-        }
-        for k in 0..Z {
-            grad_q[a][k] += na * grad[R + k] + da * grad[R + Z + k];
-        }
-    }
-}
-
-/// ∂²E/∂(r, q)² by pairs of nodes, and ∂E/∂q of the stresses that its geometric part is made with.
-struct NodeBlocks<const R: usize, const Z: usize> {
-    rr: [[[[f64; R]; R]; 4]; 4],
-    rq: [[[[f64; Z]; R]; 4]; 4],
-    qq: [[[[f64; Z]; Z]; 4]; 4],
-    grad_q: [[f64; Z]; 4],
-}
-
-impl<const R: usize, const Z: usize> Default for NodeBlocks<R, Z> {
-    fn default() -> Self {
-        Self {
-            rr: [[[[0.0; R]; R]; 4]; 4],
-            rq: [[[[0.0; Z]; R]; 4]; 4],
-            qq: [[[[0.0; Z]; Z]; 4]; 4],
-            grad_q: [[0.0; Z]; 4],
-        }
-    }
-}
-
-impl<const R: usize, const Z: usize> NodeBlocks<R, Z> {
-    /// Adds the second derivative by y at a point.
-    #[inline]
-    fn add<const N: usize>(&mut self, h: &[[f64; N]; N], n: &[f64; 4], d: &[f64; 4], weight: f64, num_nodes: usize) {
-        for a in 0..num_nodes {
-            for c in a..num_nodes {
-                let (nn, nd, dn, dd) =
-                    (weight * n[a] * n[c], weight * n[a] * d[c], weight * d[a] * n[c], weight * d[a] * d[c]);
-                for k in 0..R {
-                    for l in 0..R {
-                        self.rr[a][c][k][l] += dd * h[k][l];
-                    }
-                    for l in 0..Z {
-                        self.rq[a][c][k][l] += dn * h[k][R + l] + dd * h[k][R + Z + l];
-                    }
-                }
-                for k in 0..Z {
-                    for l in 0..Z {
-                        self.qq[a][c][k][l] += nn * h[R + k][R + l]
-                            + nd * h[R + k][R + Z + l]
-                            + dn * h[R + Z + k][R + l]
-                            + dd * h[R + Z + k][R + Z + l];
-                    }
-                }
-                if a != c {
-                    let (nd, dd) = (weight * d[c] * n[a], weight * d[c] * d[a]);
-                    for k in 0..R {
-                        for l in 0..Z {
-                            self.rq[c][a][k][l] += nd * h[k][R + l] + dd * h[k][R + Z + l];
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Turns the blocks of nodes a ≤ c into those in (δr, θ).
-    fn write<const T: usize>(
-        &self,
-        tangent: &mut ElementTangent,
-        [a, c]: [usize; 2],
-        first_rotation: usize,
-        ways: &[[[f64; Z]; T]; 4],
-    ) {
-        let (row, col) = (6 * a, 6 * c);
-        for k in 0..R {
-            for l in 0..R {
-                tangent[row + k][col + l] = self.rr[a][c][k][l];
-            }
-            for l in 0..T {
-                tangent[row + k][col + first_rotation + l] = inner(&self.rq[a][c][k], &ways[c][l]);
-                tangent[row + first_rotation + l][col + k] = inner(&self.rq[c][a][k], &ways[a][l]);
-            }
-        }
-        for k in 0..T {
-            let mut product = [0.0; Z];
-            for m in 0..Z {
-                for l in 0..Z {
-                    product[l] += ways[a][k][m] * self.qq[a][c][m][l];
-                }
-            }
-            for l in 0..T {
-                tangent[row + first_rotation + k][col + first_rotation + l] = inner(&product, &ways[c][l]);
-            }
         }
     }
 }

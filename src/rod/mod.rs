@@ -2,8 +2,10 @@
 //! [`Along`] (a quantity that varies along it), `element` (energy, residual, tangent of one element).
 
 mod along;
+mod check;
 pub(crate) mod element;
 mod link;
+mod natural;
 mod refine;
 #[allow(clippy::module_inception)] // the rod itself
 mod rod;
@@ -12,10 +14,11 @@ mod shape;
 mod stiffness;
 
 pub use along::{Along, Values};
-pub(crate) use rod::STRAINS;
 #[cfg(feature = "scenes")]
-pub(crate) use rod::within;
-pub use rod::{MAX_TURN, Natural, NaturalStrains, Rod};
+pub(crate) use check::within;
+pub(crate) use natural::STRAINS;
+pub use natural::{Natural, NaturalStrains};
+pub use rod::{MAX_TURN, Rod};
 pub use section::{CrossSection, Section};
 pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot, superhelix_angle};
 pub use stiffness::Stiffness;

@@ -25,7 +25,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
 /// Foreign crates that a single file names.
 const NAMED_ONCE: [(&str, &str); 8] = [
     ("rayon", "math/parallel.rs"),
-    ("parry3d", "contact/tree/broad_phase.rs"),
+    ("parry3d", "contact/tree/leaves.rs"),
     ("faer", "sparse/factor.rs"),
     ("gltf_json", "io/view/glb.rs"),
     ("base64", "io/view/page.rs"),

@@ -1,4 +1,4 @@
-//! Broad phase: candidate segment pairs from a bounding-volume tree (parry3d; the only file that names it), kept while
+//! Broad phase: candidate segment pairs from a bounding-volume tree (`leaves`), kept while
 //! nothing has moved far.
 //!
 //! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: far offsets and
@@ -30,15 +30,12 @@
 
 use std::ops::Range;
 
-use parry3d::bounding_volume::Aabb;
-use parry3d::math::Vector;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
-
 use crate::contact::curves::curve::CurveSet;
-use crate::contact::curves::input::{CurveShape, Strands, lower, upper};
+use crate::contact::curves::input::{CurveShape, Strands};
 use crate::contact::pairs::filter::keep_near;
-use crate::contact::tree::boxes::{Block, Box3, WIDTH};
+use crate::contact::tree::boxes::{Block, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
+use crate::contact::tree::leaves::Leaves;
 use crate::error::InputError;
 use crate::math::{Vec3, parallel};
 
@@ -46,12 +43,6 @@ use crate::math::{Vec3, parallel};
 const MIN_LEN: usize = 4096;
 /// Leaves or pairs of leaves per task of the search.
 const TASK: usize = 1024;
-/// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders
-/// dislike 1 or 2 leaves).
-const SMALL: usize = 8;
-/// A tree whose inner boxes have grown by this factor relative to its leaves is built anew.
-const SPOILT: f64 = 1.5;
-
 /// Finds candidate pairs and keeps them from one call to the next.
 #[derive(Default)]
 pub struct BroadPhase {
@@ -60,13 +51,7 @@ pub struct BroadPhase {
     bulges: Vec<f64>,
     /// Last segment of the same curve excluded with each segment; never decreases.
     far: Vec<u32>,
-    /// First segment of each leaf, and the number of segments.
-    firsts: Vec<u32>,
-    /// Boxes of each leaf's segments.
-    blocks: Vec<Block>,
-    /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tried.
-    tree: Option<Tree>,
-    workspace: BvhWorkspace,
+    leaves: Leaves,
     /// The list before the present one.
     earlier: Vec<[u32; 2]>,
     /// Scratch of the sort.
@@ -78,12 +63,6 @@ impl std::fmt::Debug for BroadPhase {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("BroadPhase").field("pairs", &self.pairs.len()).field("generation", &self.generation).finish()
     }
-}
-
-struct Tree {
-    bvh: Bvh,
-    /// [`looseness`] right after the build.
-    fresh: f64,
 }
 
 /// What the present list was built for.
@@ -175,90 +154,19 @@ impl BroadPhase {
     /// Bytes held, but for scratch of the tree's library (a second copy of its nodes).
     pub(crate) fn memory(&self) -> usize {
         let built = self.built.as_ref().map_or(0, |b| bytes(&b.points) + bytes(&b.radii) + bytes(&b.reach));
-        let lists =
-            bytes(&self.pairs) + bytes(&self.bulges) + bytes(&self.far) + bytes(&self.firsts) + bytes(&self.starts);
-        built + lists + bytes(&self.blocks) + self.tree.as_ref().map_or(0, |t| t.bvh.heap_memory_size())
+        let lists = bytes(&self.pairs) + bytes(&self.bulges) + bytes(&self.far) + bytes(&self.starts);
+        built + lists + self.leaves.memory()
     }
 
     /// Boxes, inflated by the radius and `inflate`, and the tree.
     pub(crate) fn refit(&mut self, strands: &Strands, inflate: f64) {
-        let firsts = leaves(strands);
-        if firsts != self.firsts {
-            self.firsts = firsts;
-            self.tree = None;
-        }
-        let (centre, size) = frame(strands, inflate);
-        let firsts = &self.firsts;
-        let num_leaves = firsts.len() - 1;
-        let block = |leaf: usize| {
-            let first = firsts[leaf] as usize;
-            Block::gather(firsts[leaf + 1] as usize - first, |lane| {
-                // A negative range may shrink boxes, but not inside out.
-                let r = (strands.reach_of(first + lane) + inflate).max(0.0);
-                outward(strands.bounds(first + lane), r, &centre, size)
-            })
-        };
-        self.blocks.resize(num_leaves, Block::default());
-        parallel::each(&mut self.blocks, MIN_LEN / WIDTH, &|leaf, place| *place = block(leaf));
-        if num_leaves < SMALL || !sane(size) {
-            self.tree = None;
-        } else {
-            self.fit_tree();
-        }
+        self.leaves.refit(strands, inflate);
         self.bulges.clear();
         if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
             let bulge = |i| if strands.is_straight(i) { 0.0 } else { strands.cubic(i).bulge() };
             self.bulges.resize(strands.len(), 0.0);
             parallel::each(&mut self.bulges, MIN_LEN, &|k, place| *place = bulge(k));
         }
-    }
-
-    /// Brings the tree to the present blocks: refitted, or built if there is none or it is spoilt.
-    fn fit_tree(&mut self) {
-        let aabb = |block: &Block| {
-            let (lo, hi) = block.union();
-            Aabb::new(Vector::from_array(lo), Vector::from_array(hi))
-        };
-        if let Some(tree) = &mut self.tree {
-            for (leaf, block) in self.blocks.iter().enumerate() {
-                tree.bvh.insert_or_update_partially(aabb(block), leaf as u32, 0.0);
-            }
-            fit(&mut tree.bvh, &mut self.workspace);
-            if looseness(&tree.bvh) <= SPOILT * tree.fresh {
-                return;
-            }
-        }
-        let boxes: Vec<Aabb> = self.blocks.iter().map(aabb).collect();
-        let mut bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        // Puts the nodes in the order of the traversal.
-        fit(&mut bvh, &mut self.workspace);
-        let fresh = looseness(&bvh);
-        self.tree = Some(Tree { bvh, fresh });
-    }
-
-    /// Pairs p < q of leaves whose boxes overlap and whose segments are not all excluded, in the order of the tree:
-    /// neighbours in space follow one another, so that their boxes and points are still in the cache (sorted by leaf,
-    /// every second one would be a cache miss in a crowd).
-    fn leaf_pairs(&mut self) -> Vec<[u32; 2]> {
-        let (far, firsts) = (&self.far, &self.firsts);
-        let num_leaves = (firsts.len() - 1) as u32;
-        // The last segment of q is excluded with the first of p: all pairs between are.
-        let wanted = |a: u32, b: u32| {
-            let (p, q) = if a < b { (a, b) } else { (b, a) };
-            (firsts[q as usize + 1] - 1 > far[firsts[p as usize] as usize]).then_some([p, q])
-        };
-        let Some(tree) = &self.tree else {
-            return (0..num_leaves).flat_map(|p| (p + 1..num_leaves).filter_map(move |q| wanted(p, q))).collect();
-        };
-        #[cfg(feature = "parallel")]
-        if !parallel::is_serial() {
-            // The same pairs in the same order.
-            let overlapping = tree.bvh.traverse_bvtt_single_tree_parallel::<false>();
-            return overlapping.iter().filter_map(|&(a, b)| wanted(a, b)).collect();
-        }
-        let mut found = Vec::new();
-        tree.bvh.traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| found.extend(wanted(a, b)));
-        found
     }
 
     /// Fills the list from the tree: pairs not excluded whose boxes overlap and, if `reach` is given, whose capsules
@@ -271,18 +179,18 @@ impl BroadPhase {
             let last = curve.first + curve.count - 1;
             self.far.extend((curve.first..=last).map(|i| (i + (last - i).min(reaches[i] as usize)) as u32));
         }
-        let leaf_pairs = self.leaf_pairs();
+        let leaf_pairs = self.leaves.pairs(&self.far);
         let compare = LeafComparison {
             strands,
             exclusion,
             seams: strands.curves.iter().any(|c| c.closed),
             reach,
-            firsts: &self.firsts,
-            blocks: &self.blocks,
+            firsts: &self.leaves.firsts,
+            blocks: &self.leaves.blocks,
             far: &self.far,
             bulges: &self.bulges,
         };
-        let num_leaves = self.blocks.len();
+        let num_leaves = self.leaves.blocks.len();
         let mut lists = parallel::map_ranges(num_leaves, TASK, &|leaves| {
             let mut found = Vec::new();
             leaves.for_each(|p| compare.within(p, &mut found));
@@ -342,36 +250,6 @@ impl LeafComparison<'_> {
         }
         list
     }
-}
-
-/// First segment of each leaf, and the number of segments: each curve in runs of four.
-fn leaves(strands: &Strands) -> Vec<u32> {
-    let mut firsts = Vec::with_capacity(strands.len().div_ceil(WIDTH) + strands.curves.len() + 1);
-    for curve in &strands.curves {
-        firsts.extend((curve.first..curve.first + curve.count).step_by(WIDTH).map(|i| i as u32));
-    }
-    firsts.push(strands.len() as u32);
-    firsts
-}
-
-/// Boxes of all nodes from those of the leaves, by as many threads as there are.
-fn fit(bvh: &mut Bvh, workspace: &mut BvhWorkspace) {
-    #[cfg(feature = "parallel")]
-    bvh.refit_parallel(workspace);
-    #[cfg(not(feature = "parallel"))]
-    bvh.refit(workspace);
-}
-
-/// Surface of the inner boxes relative to that of the leaves: what a traversal costs, whatever the unit.
-fn looseness(bvh: &Bvh) -> f64 {
-    let (mut inner, mut leaves) = (0.0, 0.0);
-    bvh.traverse(|node| {
-        let e = node.maxs() - node.mins();
-        let surface = f64::from(e.x * e.y + e.y * e.z + e.z * e.x);
-        *(if node.is_leaf() { &mut leaves } else { &mut inner }) += surface;
-        TraversalAction::Continue
-    });
-    inner / leaves
 }
 
 /// All pairs of the lists, sorted: counting by the first index (below `rows`), then each row by the second. `starts` is
@@ -449,41 +327,6 @@ fn curves_of<'a>(strands: &'a Strands) -> impl Iterator<Item = (usize, usize, bo
 
 fn radii_of<'a>(strands: &'a Strands) -> impl Iterator<Item = &'a f64> + 'a {
     strands.curves.iter().flat_map(|c| c.radius.list().unwrap_or_default())
-}
-
-/// Centre and half-size of everything, inflation included.
-fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
-    let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    let grow = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lower(&lo, p), upper(&hi, p));
-    let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (lower(&a.0, &b.0), upper(&a.1, &b.1));
-    let of_run = |run: &[Vec3]| {
-        let parts = parallel::map_ranges(run.len(), MIN_LEN, &|part| run[part].iter().fold(none, grow));
-        parts.into_iter().fold(none, join)
-    };
-    let (lo, hi) = strands.control_points().map(of_run).fold(none, join);
-    let radius = strands.largest_radius();
-    // Halved first: the sum of two huge coordinates may overflow.
-    let size = (hi * 0.5 - lo * 0.5).amax() + (radius + inflate).max(0.0);
-    (lo * 0.5 + hi * 0.5, size)
-}
-
-/// Whether a frame is neither too small nor too large for f64.
-fn sane(size: f64) -> bool {
-    (1e-290..1e290).contains(&size)
-}
-
-/// f32 box in the frame, grown by `r` and rounded outward. In a frame too small or large for f64 everything is one box.
-#[inline]
-fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
-    if !sane(size) {
-        return ([-2.0; 3], [2.0; 3]);
-    }
-    let scale = 1.0 / size;
-    // Coordinates are within ±1 (to rounding): 2⁻²⁴ covers the cast, 1e-13 the f64 roundings before it.
-    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + 1e-13);
-    let below = |k: usize| ((lo[k] - centre[k]) * scale - grow) as f32;
-    let above = |k: usize| ((hi[k] - centre[k]) * scale + grow) as f32;
-    (std::array::from_fn(below), std::array::from_fn(above))
 }
 
 /// What [`BroadPhase::candidates`] must contain, by trying all pairs with the capsule bound: those not excluded and

@@ -3,3 +3,4 @@
 pub mod boxes;
 pub mod broad_phase;
 pub mod exclusion;
+mod leaves;
