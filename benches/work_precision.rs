@@ -225,7 +225,7 @@ fn beams(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let rods = vec![beam("lower", Vec3::zeros()).ok()?, beam("upper", Vec3::y() * (2.0 * radius + gap)).ok()?];
     let last = rods[0].num_nodes() - 1;
     let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
-    let line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    let line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let model = Model { rods, supports, line_loads, contact: law(knobs), planar: true, ..Model::default() };
     let touch = 192.0 * gap;
     go(model, knobs, &[Stage { ramps: vec![Ramp::Load { to: 12.0 * touch }], steps: knobs.steps.max(2) }])

@@ -4,7 +4,7 @@ use crate::error::InputError;
 use crate::math::quadrature::gauss;
 use crate::math::{LARGEST, Vec3};
 use crate::rod::natural::{Natural, STRAINS};
-use crate::rod::rod::{MAX_TURN, Rod};
+use crate::rod::rod::{MAX_TURN, Rod, check_order};
 use crate::rod::stiffness::check_stiffness;
 
 const ALLOWED_STRAINS: &str = "a finite number, gamma3 greater than 0";
@@ -143,24 +143,4 @@ impl Rod {
         }
         Ok(())
     }
-}
-
-pub(super) fn check_order(path: &str, order: usize) -> Result<(), InputError> {
-    if (1..=3).contains(&order) {
-        return Ok(());
-    }
-    Err(InputError::Count { field: format!("{path}.order"), value: order, allowed: "1, 2 or 3" })
-}
-
-/// Puts `path` in front of the field an error names.
-pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
-    match &mut error {
-        InputError::Value { field, .. }
-        | InputError::Count { field, .. }
-        | InputError::Vector { field, .. }
-        | InputError::Name { field, .. }
-        | InputError::Inconsistent { field, .. } => *field = format!("{path}.{field}"),
-        InputError::Parse { .. } | InputError::File { .. } | InputError::Write { .. } => {}
-    }
-    error
 }

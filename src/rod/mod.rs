@@ -14,10 +14,10 @@ mod shape;
 mod stiffness;
 
 pub use along::{Along, Values};
-#[cfg(feature = "scenes")]
-pub(crate) use check::within;
 pub(crate) use natural::STRAINS;
 pub use natural::{Natural, NaturalStrains};
+#[cfg(feature = "scenes")]
+pub(crate) use rod::within;
 pub use rod::{MAX_TURN, Rod};
 pub use section::{CrossSection, Section};
 pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot, superhelix_angle};

@@ -5,7 +5,6 @@ use crate::math::quadrature::gauss;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
 use crate::rod::along::{Along, Values};
-use crate::rod::check::{check_order, within};
 use crate::rod::natural::Natural;
 use crate::rod::stiffness::Stiffness;
 use crate::rod::{Section, Shape};
@@ -181,6 +180,26 @@ impl Rod {
     pub fn arc_of_node(&self, node: usize) -> f64 {
         self.length * (node as f64 / self.num_segments() as f64)
     }
+}
+
+pub(super) fn check_order(path: &str, order: usize) -> Result<(), InputError> {
+    if (1..=3).contains(&order) {
+        return Ok(());
+    }
+    Err(InputError::Count { field: format!("{path}.order"), value: order, allowed: "1, 2 or 3" })
+}
+
+/// Puts `path` in front of the field an error names.
+pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
+    match &mut error {
+        InputError::Value { field, .. }
+        | InputError::Count { field, .. }
+        | InputError::Vector { field, .. }
+        | InputError::Name { field, .. }
+        | InputError::Inconsistent { field, .. } => *field = format!("{path}.{field}"),
+        InputError::Parse { .. } | InputError::File { .. } | InputError::Write { .. } => {}
+    }
+    error
 }
 
 #[cfg(test)]

@@ -84,6 +84,13 @@ pub struct LineLoad {
     pub force: Vec3,
 }
 
+impl LineLoad {
+    /// A force per length \[F/L\] alone.
+    pub fn of_force(rod: usize, force: Vec3) -> Self {
+        Self { rod, force }
+    }
+}
+
 /// How contact is enforced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactLaw {

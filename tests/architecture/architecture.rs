@@ -107,7 +107,7 @@ fn offences(file: &str, text: &str) -> Vec<String> {
 fn lower_layers_know_nothing_of_higher_ones() {
     let broken: Vec<String> = sources()
         .iter()
-        .filter(|(file, _)| !["lib.rs", "main.rs", "progress.rs"].contains(&file.as_str()))
+        .filter(|(file, _)| !["lib.rs", "internals.rs", "main.rs", "progress.rs"].contains(&file.as_str()))
         .flat_map(|(file, text)| offences(file, text))
         .collect();
     assert!(broken.is_empty(), "{broken:#?}");

@@ -81,7 +81,7 @@ fn parallel(gap: f64, law: ContactLaw) -> (Solver, [Ramp; 1]) {
         beam("upper", Vec3::y() * (2.0 * RADIUS + gap), Vec3::x(), 96),
     ];
     let mut model = Model { planar: true, ..model(rods, law) };
-    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     (Solver::new(model, Options::default()).unwrap(), [Ramp::Load { to: load(gap) }])
 }
 

@@ -89,7 +89,7 @@ fn a_light_touch_is_found_without_asking_for_stability() {
             let start = Vec3::new(0.5, 2.0 * RADIUS + gap, 0.0) - direction * 0.5;
             let mut model =
                 clamped(vec![beam("lower", Vec3::zeros(), Vec3::x(), 16), beam("upper", start, direction, 16)]);
-            model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+            model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
             let mut solver = Solver::new(model, options).unwrap();
             let report = solver.step_to(&[Ramp::Load { to: 384.0 * gap }]).unwrap();
             assert_eq!(report.status, Status::Converged, "{}", common::history(&report));
@@ -168,7 +168,7 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
     let first = 192.0 * gap;
     let mut model = clamped(vec![lower, upper]);
     model.planar = true;
-    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let mut solver = Solver::new(model, Options::default()).unwrap();
     let mut at = |factor: f64| to(&mut solver, &[Ramp::Load { to: factor * first }]);
     let seen = at(0.98);
@@ -324,7 +324,7 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         let mut model = clamped(vec![beam("lower", 0.0, elements), beam("upper", 2.0 * RADIUS + gap, elements)]);
         model.planar = true;
         model.contact = Contact { law: penalty(1e6) };
-        model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+        model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
         Solver::new(model, Options::default()).unwrap()
     };
     let at = |solver: &mut Solver, factor: f64, top: i32| {
@@ -401,7 +401,7 @@ fn a_path_goes_through_first_contact_and_back() {
     };
     let mut model = clamped(vec![beam("lower", 0.0), beam("upper", 2.0 * RADIUS + gap)]);
     model.planar = true;
-    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let mut solver = Solver::new(model, Options::default()).unwrap();
     for (name, to) in [("up", 2.5 * first), ("down", 0.2 * first)] {
         let mut force = 0.0;

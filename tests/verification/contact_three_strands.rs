@@ -56,7 +56,7 @@ fn pressed(law: ContactLaw, factors: [f64; 2], threads: Option<usize>) -> (Solve
     let rods: Vec<Rod> = (0..3).map(beam).collect();
     let last = rods[0].num_nodes() - 1;
     let ends = (0..3).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node })));
-    let load = |rod: usize, force: f64| LineLoad { rod, force: Vec3::y() * (2.0 * 192.0 * GAP * force) };
+    let load = |rod: usize, force: f64| LineLoad::of_force(rod, Vec3::y() * (2.0 * 192.0 * GAP * force));
     let line_loads = vec![load(0, factors[0]), load(2, -factors[1])];
     let contact = Contact { law };
     let model = Model { rods, supports: ends.collect(), line_loads, contact, planar: true, ..Model::default() };
