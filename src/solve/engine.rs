@@ -285,7 +285,9 @@ impl Engine {
 
     /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
     pub fn is_conservative(&self) -> bool {
-        self.model.planar || self.state.load_factor == 0.0 || self.model.loads.iter().all(|l| l.moment == Vec3::zeros())
+        let mut moments =
+            self.model.loads.iter().map(|l| l.moment).chain(self.model.line_loads.iter().map(|l| l.moment));
+        self.model.planar || self.state.load_factor == 0.0 || moments.all(|moment| moment == Vec3::zeros())
     }
 
     /// The model this engine was built from.

@@ -164,7 +164,7 @@ fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) ->
         let at_node = model.loads.iter().filter(|load| engine.first_node[load.node.rod] + load.node.node == node);
         let along = model.line_loads.iter().filter(|load| engine.nodes(load.rod).contains(&node));
         at_node.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
-            || along.clone().any(|load| works(&load.force, k))
+            || along.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
     })
 }
 

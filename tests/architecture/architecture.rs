@@ -125,6 +125,23 @@ fn foreign_crates_are_named_in_one_place() {
     }
 }
 
+/// Paths named in the page on architecture that are not there.
+fn missing_paths(page: &str) -> Vec<&str> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let paths = page.split('`').skip(1).step_by(2).filter(|word| {
+        ["src/", "tests/", "docs/", "examples/"].iter().any(|start| word.starts_with(start)) && !word.contains(' ')
+    });
+    paths.filter(|path| !root.join(path).exists()).collect()
+}
+
+#[test]
+fn the_page_on_architecture_names_what_is_there() {
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ARCHITECTURE.md")).unwrap();
+    assert!(page.matches("`src/").count() > 50);
+    assert_eq!(missing_paths(&page), Vec::<&str>::new());
+    assert_eq!(missing_paths("see `src/lib.rs` and `src/gone.rs`"), ["src/gone.rs"]);
+}
+
 #[test]
 fn a_broken_layer_is_seen() {
     assert_eq!(offences("math/mod.rs", "use crate::solve::Engine;"), ["math/mod.rs uses solve"]);

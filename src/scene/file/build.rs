@@ -78,7 +78,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     }
     for (i, load) in text.line_loads.iter().enumerate() {
         let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
-        model.line_loads.push(LineLoad::of_force(rod, load.force.into()));
+        model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
     }
     model.check().map(|()| model)
 }
