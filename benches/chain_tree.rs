@@ -14,7 +14,7 @@
 use rayon::prelude::*;
 
 #[allow(unused_imports)] // its tests are the library's
-#[path = "../src/contact/boxes.rs"]
+#[path = "../src/contact/tree/boxes.rs"]
 mod boxes;
 use boxes::{Block, Box3, WIDTH};
 

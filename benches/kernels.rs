@@ -9,13 +9,15 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Instant;
 
-use supercoil::contact::curve::{Cubic, CurveInput, CurveSet};
-use supercoil::contact::detect::{Want, evaluate};
-use supercoil::contact::law::Law;
-use supercoil::math::quaternion::to_array;
-use supercoil::math::shape_functions::Table;
+use supercoil::contact::Cubic;
+use supercoil::contact::Law;
+use supercoil::contact::Want;
+use supercoil::internals::curve::{CurveInput, CurveSet};
+use supercoil::internals::element::{self, ElementNodes, ElementOutput, ElementProperties, Plane};
+use supercoil::internals::potential::evaluate;
+use supercoil::internals::quaternion::to_array;
+use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::element::{self, Body, ElementNodes, ElementOutput, Plane};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
@@ -50,7 +52,7 @@ fn rod_element(c: &mut Criterion) {
     let along_x = Quat::rotation_between(&Vec3::z(), &Vec3::x()).map_or([1.0, 0.0, 0.0, 0.0], |q| to_array(&q));
     let plane = Plane::new(&along_x);
     for (order, plane) in (1..=3).flat_map(|order| [(order, None), (order, Some(&plane))]) {
-        let table = Table::new(order);
+        let table = ShapeTable::new(order);
         let mut nodes = ElementNodes::default();
         for a in 0..=order {
             nodes.r[a] = [1.01 * a as f64 / order as f64, 0.0, 0.0];
@@ -58,7 +60,8 @@ fn rod_element(c: &mut Criterion) {
         }
         let material = [1e3, 1e3, 1e4, 1.0, 1.0, 1.5];
         let reference = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]; 3];
-        let body = Body { table: &table, length: 1.0, material: element::Material::Diagonal(&material), plane };
+        let body =
+            ElementProperties { table: &table, length: 1.0, material: element::Material::Diagonal(&material), plane };
         let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; element::MAX_DOF]; element::MAX_DOF]);
         let mut run = |wanted: bool| {
             let tangent = wanted.then_some(&mut tangent);

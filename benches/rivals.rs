@@ -4,7 +4,7 @@
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
-use supercoil::contact::capsule::segment_distance;
+use supercoil::internals::capsule::segment_distance;
 use supercoil::math::Vec3;
 
 #[path = "chain_tree.rs"]

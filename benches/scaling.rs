@@ -28,10 +28,10 @@ use std::time::Instant;
 
 use fit::exponent;
 use inputs::Kind;
-use supercoil::contact::capsule::segment_distance;
-use supercoil::contact::detect::Want;
-use supercoil::contact::stages::Stage;
+use supercoil::contact::Want;
 use supercoil::contact::{Curve, Detector, Neighbours, Options};
+use supercoil::internals::capsule::segment_distance;
+use supercoil::internals::steps::DetectorStep;
 use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use supercoil::math::Vec3;
 
@@ -103,7 +103,7 @@ fn verify(kind: Kind, points: &[Vec3]) {
     let options = Options { neighbours: Neighbours::Segments(1), ..Options::default() };
     let curve = [Curve::polyline(points, RADIUS)];
     let mut detector = Detector::new(options);
-    for stage in [Stage::Prepare, Stage::Refit, Stage::Boxes] {
+    for stage in [DetectorStep::Prepare, DetectorStep::Refit, DetectorStep::Boxes] {
         detector.run_stage(&curve, stage).unwrap();
     }
     let neighbours = inputs::neighbours(points);
@@ -138,15 +138,15 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     let options = Options { zones: false, ..Options::default() };
     let mut fresh = || {
         let mut detector = Detector::new(options);
-        detector.run_stage(&curve, Stage::Refit).unwrap()
+        detector.run_stage(&curve, DetectorStep::Refit).unwrap()
     };
     push("build", median(repeat, &mut fresh));
     let mut detector = Detector::new(options);
-    let mut stage = |stage: Stage| median(repeat, || detector.run_stage(&curve, stage).unwrap());
-    push("check+exclusion", stage(Stage::Prepare));
-    let refit = stage(Stage::Refit);
+    let mut stage = |stage: DetectorStep| median(repeat, || detector.run_stage(&curve, stage).unwrap());
+    push("check+exclusion", stage(DetectorStep::Prepare));
+    let refit = stage(DetectorStep::Refit);
     push("refit", refit);
-    let boxes = stage(Stage::Boxes);
+    let boxes = stage(DetectorStep::Boxes);
     push("box pairs", boxes);
     if threads == 1 {
         // How the machine itself takes to more data than its caches hold.
@@ -154,11 +154,11 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
         push("memory: write", median(repeat, || rivals::write_boxes(points, RADIUS, &mut written)));
         push("memory: read", median(repeat, || rivals::read_boxes(&written)));
     }
-    let candidates = stage(Stage::Candidates);
+    let candidates = stage(DetectorStep::Candidates);
     push("capsules", (candidates.0 - boxes.0, candidates.1));
     push("refit+candidates", (refit.0 + candidates.0, candidates.1));
-    push("projections", stage(Stage::Sites));
-    push("zones", stage(Stage::Zones));
+    push("projections", stage(DetectorStep::Sites));
+    push("zones", stage(DetectorStep::Zones));
     let mut detector = Detector::new(options);
     push("whole detection", median(repeat, || detector.detect(&curve).unwrap().sites.len()));
     let (kept, found) = detector.memory();
@@ -204,8 +204,9 @@ fn round(name: &str, arguments: &Arguments) {
     let options = Options { zones: false, neighbours: Neighbours::Segments(neighbours), ..Options::default() };
     let mut detector = Detector::new(options);
     detector.detect(&curve).unwrap();
-    let mut stage = |stage: Stage| median(arguments.repeat, || detector.run_stage(&curve, stage).unwrap());
-    let (refit, boxes, candidates) = (stage(Stage::Refit), stage(Stage::Boxes), stage(Stage::Candidates));
+    let mut stage = |stage: DetectorStep| median(arguments.repeat, || detector.run_stage(&curve, stage).unwrap());
+    let (refit, boxes, candidates) =
+        (stage(DetectorStep::Refit), stage(DetectorStep::Boxes), stage(DetectorStep::Candidates));
     println!("ours refit {:.6}\nours boxes {:.6}\nours candidates {:.6}", refit.0, boxes.0, candidates.0);
     println!("ours refit+candidates {:.6}\nours pairs {}\nours near {}", refit.0 + candidates.0, boxes.1, candidates.1);
     let turning = Options { zones: false, ..Options::default() };

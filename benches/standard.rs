@@ -19,7 +19,7 @@ mod common;
 mod knots;
 #[path = "../tests/common/play.rs"]
 mod play;
-#[path = "../tests/common/random.rs"]
+#[path = "../src/math/random.rs"]
 mod random;
 #[path = "../tests/common/supercoiling.rs"]
 mod supercoiling;

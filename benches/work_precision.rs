@@ -225,7 +225,7 @@ fn beams(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let rods = vec![beam("lower", Vec3::zeros()).ok()?, beam("upper", Vec3::y() * (2.0 * radius + gap)).ok()?];
     let last = rods[0].num_nodes() - 1;
     let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
-    let line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    let line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let model = Model { rods, supports, line_loads, contact: law(knobs), planar: true, ..Model::default() };
     let touch = 192.0 * gap;
     go(model, knobs, &[Stage { ramps: vec![Ramp::Load { to: 12.0 * touch }], steps: knobs.steps.max(2) }])
@@ -452,7 +452,7 @@ fn condition() {
         solver.options_mut().newton.tol_increment = 1e-30;
         solver.options_mut().newton.max_iterations = 12;
         let report = solver.step_to(&[]).unwrap();
-        let least = |of: fn(&supercoil::solve::newton::Iteration) -> f64| {
+        let least = |of: fn(&supercoil::solve::Iteration) -> f64| {
             report.history.iter().flatten().map(of).fold(f64::INFINITY, f64::min)
         };
         let floors = [least(|i| i.residual), least(|i| i.increment), tip];

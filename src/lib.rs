@@ -59,8 +59,8 @@
 //! | r | `positions`, `centerline` | centreline | L |
 //! | d1 d2 d3 | `frames` | material frame, d3 along the rod; q·e1, q·e2, q·e3 of a unit quaternion q | – |
 //! | s, L | `arc`, `length` | reference arc length, of the whole rod | L |
-//! | Γ1 Γ2, Γ3 | `gamma`; first three of `Six` | shear; extension, 1 at rest | – |
-//! | K1 K2, K3 | `kappa`; last three of `Six` | bending; twist | 1/L |
+//! | Γ1 Γ2, Γ3 | `gamma`; first three of `Strain` | shear; extension, 1 at rest | – |
+//! | K1 K2, K3 | `kappa`; last three of `Strain` | bending; twist | 1/L |
 //! | GA1 GA2, EA | `shearing`, `stretching` | stiffnesses against Γ | F |
 //! | EI1 EI2 (B), GJ (C) | `bending`, `twisting` | stiffnesses against K | F·L² |
 //! | ε | `contact_radius` | radius of the tube that contact sees | L |
@@ -86,10 +86,10 @@
 //! error  open to all
 //! ```
 //!
-//! * [`math`]: quaternions, shape functions, quadrature, Bernstein polynomials, topology of closed curves
+//! * [`math`]: vectors and rotations, topology of closed curves
 //! * [`contact`]: contact of curves with radii; usable without rods
 //! * [`rod`]: sections, shapes, elements
-//! * [`sparse`]: sparse LDLᵀ with inertia
+//! * `sparse` (private): sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: what there is to know of a state
@@ -130,6 +130,8 @@
 pub mod contact;
 pub mod dna;
 pub mod error;
+#[doc(hidden)]
+pub mod internals;
 pub mod io;
 pub mod math;
 #[cfg(feature = "solver")]
@@ -139,7 +141,7 @@ pub mod scene;
 #[cfg(feature = "solver")]
 pub mod solve;
 #[cfg(feature = "solver")]
-pub mod sparse;
+pub(crate) mod sparse;
 
 pub(crate) mod text;
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use supercoil::math::Vec3;
 use supercoil::observe::{observe, report::SiteKind};
-use supercoil::rod::shape::superhelix_angle;
+use supercoil::rod::superhelix_angle;
 use supercoil::scene::Scene;
 use supercoil::solve::{self, RunError, Status};
 

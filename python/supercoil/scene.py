@@ -72,9 +72,10 @@ class Load:
 
 @dataclass(kw_only=True)
 class LineLoad:
-    """Dead force per reference length [F/L] on a whole rod, times the load factor of the stages."""
+    """Dead force [F/L] and moment [F] per reference length on a whole rod, times the load factor of the stages."""
 
-    force: Vector
+    force: Vector | None = None
+    moment: Vector | None = None
     rod: str | None = None
 
 

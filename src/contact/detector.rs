@@ -1,28 +1,26 @@
 //! The detector: curves in, contact sites and zones out.
 
+mod forces;
+mod minima;
+
 use std::cell::Cell;
 
-use super::broad_phase::BroadPhase;
-use super::curve::{Cubic, CurveInput, CurveSet, norm};
-use super::detect::{self, Ground, PairForce, PairTerm, Pressures, Want};
-use super::exclusion::{Exclusion, bytes};
-use super::input::{Curve, Shape, Strands};
-use super::interval::{self, Part, Zone};
-use super::law::Law;
-use super::options::{Neighbours, Options};
-use super::site::{self, Minimum, Site};
-use super::vertex::vertex_minima;
-use super::{capsule, closest};
+use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
+use crate::contact::curves::input::{Curve, Strands};
+use crate::contact::law::potential::PairForce;
+use crate::contact::options::{Neighbours, Options};
+use crate::contact::sites::site::{Minimum, Site};
+use crate::contact::tree::broad_phase::BroadPhase;
+use crate::contact::tree::exclusion::{Exclusion, bytes};
+use crate::contact::zones::interval::{self, Part, Zone};
 use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 
+pub use forces::Forces;
+
 /// Candidate pairs per parallel piece of work.
 const CHUNK: usize = 2048;
-/// Candidate pairs whose forces are computed before they are added up in order.
-const BLOCK: usize = 8192;
-/// Of these, those per parallel piece of work.
-const FORCES: usize = 64;
 /// Segments per parallel piece of work.
 const SEGMENTS: usize = 4096;
 
@@ -33,18 +31,6 @@ pub struct Contacts {
     pub sites: Vec<Site>,
     /// Zones ordered by curve, partner, start of the interval; empty unless asked for.
     pub zones: Vec<Zone>,
-}
-
-/// Energy and forces of the contact of curves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Forces {
-    /// Energy \[F·L\].
-    pub energy: f64,
-    /// Forces \[F\] on each curve's control points, −∂energy/∂point at fixed arc lengths: one for each point of a
-    /// polyline, four for each cubic piece (of two that share a joint each has its part).
-    pub forces: Vec<Vec<Vec3>>,
-    /// Smallest gap \[L\] of the overlaps; infinite if there is none.
-    pub min_gap: f64,
 }
 
 /// Finds contacts of curves and keeps tree, lists and buffers from one call to the next.
@@ -98,49 +84,11 @@ pub struct Detector {
     minima: Vec<Minimum>,
     /// Parts of zones, by pieces of the candidate list, and what they are joined in.
     parts: Vec<Vec<Part>>,
-    joining: interval::Workspace,
+    joining: interval::JoinBuffers,
     pub(super) contacts: Contacts,
     forces: Forces,
     pair_forces: Vec<PairForce>,
     set: CurveSet,
-}
-
-impl Default for Forces {
-    fn default() -> Self {
-        Self { energy: 0.0, forces: Vec::new(), min_gap: f64::INFINITY }
-    }
-}
-
-impl Forces {
-    /// No contact, in the old buffers.
-    fn clear(&mut self, strands: &Strands) {
-        (self.energy, self.min_gap) = (0.0, f64::INFINITY);
-        self.forces.resize_with(strands.curves.len(), Vec::new);
-        for (forces, strand) in self.forces.iter_mut().zip(&strands.curves) {
-            forces.clear();
-            forces.resize(strand.num_control_points(), Vec3::zeros());
-        }
-    }
-
-    fn add(&mut self, strands: &Strands, pair: [u32; 2], found: &PairForce) {
-        if found.min_gap == f64::INFINITY {
-            return;
-        }
-        self.energy += found.energy;
-        self.min_gap = self.min_gap.min(found.min_gap);
-        for (segment, force) in pair.into_iter().zip(&found.force) {
-            let curve = strands.curve_of(segment as usize);
-            let strand = &strands.curves[curve];
-            let (k, sums) = (segment as usize - strand.first, &mut self.forces[curve]);
-            if matches!(strand.shape, Shape::Polyline(_)) {
-                sums[k] += force[0];
-                let next = if k + 1 < sums.len() { k + 1 } else { 0 };
-                sums[next] += force[3];
-            } else {
-                (0..4).for_each(|m| sums[4 * k + m] += force[m]);
-            }
-        }
-    }
 }
 
 /// [`Detector::detect`] once.
@@ -187,68 +135,8 @@ impl Detector {
         self.broad.pairs()
     }
 
-    /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another
-    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an
-    /// explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in contact all along, and the
-    /// result is kept in buffers.
-    ///
-    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
-    /// there, farthest ones between two of them counted off ([`zone`](super::zone)), corners of polylines included. So
-    /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
-    /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
-    /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle
-    /// or more, by what they leave out. Points where centrelines coincide have energy, but no direction and no force.
-    ///
-    /// # Errors
-    /// As [`Detector::detect`], and numbers of the law that are not finite and positive.
-    pub fn forces(&mut self, curves: &[Curve], law: impl Into<Law>) -> Result<&Forces, InputError> {
-        let law = checked(law.into())?;
-        let strands = self.update(curves, self.options.range.max(0.0))?;
-        let mut forces = std::mem::take(&mut self.forces);
-        forces.clear(&strands);
-        let mut found = std::mem::take(&mut self.pair_forces);
-        let this = &*self;
-        let ground = Ground::new(strands.clone(), &this.lengths, Some(&this.exclusion));
-        let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
-        for block in this.broad.pairs().chunks(BLOCK) {
-            found.resize(block.len(), PairForce::NONE);
-            parallel::each_part(&mut found, FORCES, &|first, part| {
-                let mut pieces = Vec::new();
-                for (force, pair) in part.iter_mut().zip(&block[first..]) {
-                    let pair = pair.map(|k| k as usize);
-                    *force = if detect::wanted(&strands, &this.exclusion, pair) {
-                        ground.force(pair, &pressures, &mut pieces)
-                    } else {
-                        PairForce::NONE
-                    };
-                }
-            });
-            block.iter().zip(&found).for_each(|(pair, found)| forces.add(&strands, *pair, found));
-        }
-        (self.forces, self.pair_forces) = (forces, found);
-        Ok(&self.forces)
-    }
-
-    /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per
-    /// ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A
-    /// polyline's segment p₀p₁ counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise:
-    /// [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points. A term
-    /// takes about 400 bytes, with Hessian 5 kB.
-    ///
-    /// # Errors
-    /// As [`Detector::forces`].
-    pub fn terms(&mut self, curves: &[Curve], law: impl Into<Law>, want: Want) -> Result<Vec<PairTerm>, InputError> {
-        let law = checked(law.into())?;
-        let strands = self.update(curves, self.options.range.max(0.0))?;
-        let wanted = |p: &&[u32; 2]| detect::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
-        let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
-        let ground = Ground::new(strands, &self.lengths, Some(&self.exclusion));
-        Ok(detect::evaluate_within(&ground, &pairs, &pressures, want))
-    }
-
     /// Certified smallest gap of the curves \[L\], to within `tol` \[L\], if it is at most `max_gap`; see
-    /// [`smallest_clearance`](super::clearance::smallest_clearance).
+    /// [`smallest_clearance`](crate::contact::sites::clearance::smallest_clearance).
     ///
     /// # Errors
     /// As [`Detector::detect`].
@@ -257,10 +145,10 @@ impl Detector {
         curves: &[Curve],
         max_gap: f64,
         tol: f64,
-    ) -> Result<Option<super::clearance::Clearance>, InputError> {
+    ) -> Result<Option<crate::contact::sites::clearance::Clearance>, InputError> {
         let strands = self.prepare(curves)?;
         self.place(&strands)?;
-        Ok(super::clearance::smallest_clearance(&self.set, &self.exclusion, max_gap, tol))
+        Ok(crate::contact::sites::clearance::smallest_clearance(&self.set, &self.exclusion, max_gap, tol))
     }
 
     pub(super) fn prepare<'a>(&mut self, curves: &[Curve<'a>]) -> Result<Strands<'a>, InputError> {
@@ -323,82 +211,6 @@ impl Detector {
         self.start[segment] + part
     }
 
-    pub(super) fn find_sites(&mut self, strands: &Strands, sites: &mut Vec<Site>) {
-        let mut minima = std::mem::take(&mut self.minima);
-        let this = &*self;
-        let pairs = this.broad.pairs();
-        let lists = parallel::map_ranges(pairs.len(), CHUNK, &|range| {
-            let mut minima = Vec::with_capacity(range.len());
-            for &[i, j] in &pairs[range] {
-                this.pair_minima(strands, i as usize, j as usize, &mut minima);
-            }
-            minima
-        });
-        minima.clear();
-        lists.iter().for_each(|list| minima.extend_from_slice(list));
-        site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
-        let arc = |s: usize, u: f64| this.arc(strands, s, u);
-        sites.clear();
-        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::dress(strands, arc, &minima[k])));
-        self.minima = minima;
-    }
-
-    /// All minima in range of one candidate pair.
-    fn pair_minima(&self, strands: &Strands, i: usize, j: usize, out: &mut Vec<Minimum>) {
-        let reach = strands.reach_of(i) + strands.reach_of(j) + self.options.range;
-        if reach < 0.0 || self.exclusion.excluded(i, j) {
-            return;
-        }
-        let first = out.len();
-        self.minima_within(strands, i, j, reach, out);
-        if strands.varied() {
-            keep_from(out, first, |m| self.in_range(strands, m));
-        }
-    }
-
-    /// Whether a minimum is in range with the radii at its points.
-    fn in_range(&self, strands: &Strands, m: &Minimum) -> bool {
-        let (i, j) = (m.i as usize, m.j as usize);
-        let w = site::connection(strands, m);
-        norm(&w) <= strands.radius_at(i, m.u) + strands.radius_at(j, m.v) + self.options.range
-    }
-
-    /// All minima of a pair with distance at most `reach`.
-    fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
-        if strands.is_straight(i) && strands.is_straight(j) {
-            // Two adjacent straight segments are nearest at their joint.
-            if !strands.adjacent(i, j) {
-                out.extend(site::straight_minimum(strands, i, j, reach));
-            }
-            return;
-        }
-        let (a, b) = (strands.cubic(i), strands.cubic(j));
-        if capsule::distance_lower_bound(&a, &b) > reach {
-            return;
-        }
-        let first = out.len();
-        closest::minima(&a, &b, reach, self.options.sampling, |u, v, flat| {
-            out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
-        });
-        vertex_minima(strands, i, j, reach, false, out);
-        vertex_minima(strands, j, i, reach, true, out);
-        keep_from(out, first, |m| !self.neighbouring_points(strands, m));
-    }
-
-    /// Points too close along the curve, the same point of a joint included.
-    fn neighbouring_points(&self, strands: &Strands, m: &Minimum) -> bool {
-        let (i, j) = (m.i as usize, m.j as usize);
-        if strands.curve_of(i) != strands.curve_of(j) {
-            return false;
-        }
-        let same_joint = (strands.next(i) == Some(j) && m.u > 1.0 - 1e-6 && m.v < 1e-6)
-            || (strands.next(j) == Some(i) && m.v > 1.0 - 1e-6 && m.u < 1e-6);
-        let turning = |i, u, j, v| self.exclusion.turning_between_pieces(strands, i, u, j, v);
-        same_joint
-            || (self.options.neighbours == Neighbours::Turning
-                && turning(i, m.u, j, m.v).min(turning(j, m.v, i, m.u)) < std::f64::consts::FRAC_PI_2)
-    }
-
     pub(super) fn find_zones(&mut self, strands: &Strands) -> Vec<Zone> {
         let mut lists = std::mem::take(&mut self.parts);
         let mut joining = std::mem::take(&mut self.joining);
@@ -442,7 +254,7 @@ impl Detector {
             self.set.set_lengths(&self.lengths);
             return Ok(());
         }
-        let input = |s: &super::input::Strand| CurveInput {
+        let input = |s: &crate::contact::curves::input::Strand| CurveInput {
             segments: (s.first..s.first + s.count).map(|k| strands.cubic(k)).collect(),
             lengths: self.lengths[s.first..s.first + s.count].to_vec(),
             closed: s.closed,
@@ -455,37 +267,6 @@ impl Detector {
         }
         Ok(())
     }
-}
-
-impl From<f64> for Law {
-    /// The penalty of this stiffness \[F/L²\].
-    fn from(stiffness: f64) -> Self {
-        Self::Linear { stiffness }
-    }
-}
-
-/// A law whose numbers make sense.
-fn checked(law: Law) -> Result<Law, InputError> {
-    match law {
-        Law::Linear { stiffness } => InputError::positive("stiffness", stiffness)?,
-        Law::Core { pressure, depth } => {
-            InputError::positive("pressure", pressure)?;
-            InputError::positive("depth", depth)?;
-        }
-    }
-    Ok(law)
-}
-
-/// Drops the minima from index `first` on that are not `wanted`.
-fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) -> bool) {
-    let mut kept = first;
-    for k in first..minima.len() {
-        if wanted(&minima[k]) {
-            minima[kept] = minima[k];
-            kept += 1;
-        }
-    }
-    minima.truncate(kept);
 }
 
 /// Arc length of a cubic on \[0, u\]: Gauss quadrature, 5 points on each of 4 parts (relative error about 1e-9 for

@@ -1,47 +1,46 @@
 //! Contact of curves with radii: usable on its own, knows no rods. All lengths in one unit of the caller's choice.
 //!
-//! [`Detector`] takes curves in and gives contact sites and zones out. Underneath:
+//! [`Detector`] takes curves in and gives contact sites, zones, energy and forces out. The folders follow the data:
 //!
-//! ```text
-//!  input ──▶ broad_phase ──▶ pair_filter ──▶ site, closest ──▶ sites
-//!  curves    box pairs       capsules        zone, interval ──▶ zones     law, detect ──▶ energy, gradient, Hessian
-//!            exclusion: along-strand neighbours left out as the tree is traversed
-//! ```
-//!
-//! The data flow of the potential: [`curve`] (cubic pieces strung into curves) → [`exclusion`] (which parts of one
-//! curve are too near *along* it to touch) → [`broad_phase`] (candidate pairs from a bounding-volume hierarchy) →
-//! [`capsule`] (cheap lower bounds of distance) → [`projection`] (every orthogonal projection of a point, certified) →
-//! [`zone`] (where the gap is below the reach, with exact ends) → [`law`] (pressure) → [`mod@detect`] (energy,
-//! gradient, Hessian per pair). Beside it, and independent of zones, [`clearance`] certifies the smallest gap.
+//! | folder | from → to |
+//! |---|---|
+//! | `curves` | polylines and cubics with radii, as one list of segments |
+//! | `tree` | segments → pairs of segments whose boxes overlap, neighbours along a curve left out |
+//! | `pairs` | these → candidates, by lower bounds of the distance of two segments |
+//! | `projection` | a point and a segment → all its orthogonal projections, certified |
+//! | `zones` | a candidate → where its gap is below the reach, with exact ends |
+//! | `law` | zones → pressure, and the contact potential: energy, gradient, Hessian of each pair |
+//! | `sites` | candidates → local minima of the gap; zones → contacts; the smallest clearance, certified, without zones |
 
-pub(crate) mod arc;
-mod boxes;
-pub mod broad_phase;
-pub mod capsule;
-pub(crate) mod chain;
-pub mod clearance;
-mod closest;
-pub mod curve;
-pub mod detect;
+mod curves;
 mod detector;
-pub mod exclusion;
-mod input;
-mod interval;
-pub mod law;
+pub(crate) mod law;
 mod options;
-mod pair_filter;
-pub mod projection;
-mod radius;
-mod site;
-#[doc(hidden)]
-pub mod stages;
-mod vertex;
-pub mod zone;
+mod pairs;
+pub(crate) mod projection;
+mod sites;
+pub(crate) mod steps;
+mod tree;
+mod zones;
 
+// For the layers above.
+#[cfg(feature = "solver")]
+pub(crate) use curves::arc;
+pub(crate) use curves::curve;
+pub(crate) use law::potential;
+pub(crate) use pairs::capsule;
+#[cfg(feature = "solver")]
+pub(crate) use sites::chain;
+pub(crate) use sites::clearance;
+pub(crate) use tree::{broad_phase, exclusion};
+
+pub use curves::curve::Cubic;
+pub use curves::input::{Curve, CurveShape};
+pub use curves::radius::Radius;
 pub use detector::{Contacts, Detector, Forces, detect};
-pub use input::{Curve, Shape};
-pub use interval::Zone;
 pub use law::Law;
+pub use law::potential::{Hessian, PairTerm, Want, ZonePiece};
 pub use options::{Neighbours, Options};
-pub use radius::Radius;
-pub use site::{Site, SiteKind};
+pub use sites::clearance::Clearance;
+pub use sites::site::{Site, SiteLocation};
+pub use zones::interval::Zone;

@@ -7,7 +7,7 @@ use crate::math::LARGEST;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Neighbours {
     /// Less than π/2 of accumulated turning between them: such points provably cannot be each other's nearest (see
-    /// [`Exclusion`](super::exclusion::Exclusion)). Independent of how finely the curve is cut.
+    /// [`Exclusion`](crate::contact::tree::exclusion::Exclusion)). Independent of how finely the curve is cut.
     #[default]
     Turning,
     /// This many segments before and after each, whatever the geometry; adjacent segments are left out even at 0. The

@@ -4,7 +4,7 @@
 //! Σ_{i+j=k} C(3,i) C(2,j) / C(5,k) (b_i − x)·(b_{j+1} − b_j); minima are where q rises from − to +. Everything is
 //! relative to x, so the distance from the origin of coordinates costs nothing; there is no absolute tolerance.
 
-use super::curve::{Cubic, CurveSet};
+use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::math::Vec3;
 use crate::math::bernstein::{Crossing, Roots, product_with_quadratic, roots};
 
@@ -91,7 +91,7 @@ fn distance_at(a: &[Vec3; 4], u: f64) -> f64 {
 ///
 /// * None is missed and none invented beyond rounding: roots of the quintic are isolated by sign variation.
 /// * A minimum exactly at u = 0 or 1 *with c′·(c − x) = 0 there* is included when the curve's own side of it rises; an
-///   end that is merely nearest (slope not zero) is not: see [`end_is_local_min`]. Over a whole curve use
+///   end that is merely nearest (slope not zero) is not: see `end_is_local_min`. Over a whole curve use
 ///   [`feet_on_segment`], which counts joints once.
 /// * A flat or higher-order minimum (touching arcs of osculating circles) is one foot. A saddle (double root of q) is
 ///   none.
@@ -137,7 +137,7 @@ pub fn end_is_local_min(curve: &Cubic, x: &Vec3, at_end: bool) -> bool {
 /// A segment owns its interior, its start (u = 0, joint with its predecessor) and any open end. At a smooth joint both
 /// neighbours use the one computed sign of c′·(c − x), so that rounding neither loses a minimum sitting on the joint
 /// nor counts it twice; at a kink the two signs differ and − to + is a minimum there. Open ends count when
-/// [`end_is_local_min`].
+/// `end_is_local_min`.
 pub fn feet_on_segment(set: &CurveSet, segment: usize, x: &Vec3, max_distance: f64, out: &mut Feet) {
     out.clear();
     let curve = &set.segments[segment];
@@ -224,7 +224,7 @@ pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::curve::CurveInput;
+    use crate::contact::curves::curve::CurveInput;
 
     #[test]
     fn straight_segment() {

@@ -191,7 +191,7 @@ fn variations(b: &[f64]) -> usize {
 
 /// A piece of the polynomial on [t0, t0 + width].
 #[derive(Clone, Copy)]
-struct Piece {
+struct SubInterval {
     b: [f64; CAPACITY],
     n: usize,
     t0: f64,
@@ -254,7 +254,7 @@ pub fn roots(coeffs: &[f64], out: &mut Roots) {
     match variations(&b[..=m]) {
         0 => {}
         1 => out.push(polish(&b[..=m]), crossing_of(b[0], b[m])),
-        _ => isolate(Piece { b, n: m, t0: 0.0, width: 1.0, depth: 0, root_at_start: None }, noise, out),
+        _ => isolate(SubInterval { b, n: m, t0: 0.0, width: 1.0, depth: 0, root_at_start: None }, noise, out),
     }
     if at_end {
         out.push(1.0, if b[m] < 0.0 { Crossing::Rising } else { Crossing::Falling });
@@ -288,7 +288,7 @@ fn deflate_end(b: &mut [f64; CAPACITY], n: &mut usize) -> bool {
 }
 
 /// Depth-first, left to right, so that roots come out ascending. Neither end of a piece is a root.
-fn isolate(first: Piece, noise: f64, out: &mut Roots) {
+fn isolate(first: SubInterval, noise: f64, out: &mut Roots) {
     const STACK: usize = MAX_DEPTH as usize + 2;
     let mut stack = [first; STACK];
     let mut top = 1;
@@ -328,7 +328,7 @@ fn crossing_of(before: f64, after: f64) -> Crossing {
 
 /// De Casteljau at ½. A midpoint that is exactly a root is moved to `root_at_start` of the right half and divided out
 /// of both.
-fn halve(piece: &Piece) -> (Piece, Piece) {
+fn halve(piece: &SubInterval) -> (SubInterval, SubInterval) {
     let n = piece.n;
     let mut left = *piece;
     let mut right = *piece;

@@ -6,13 +6,13 @@ use std::f64::consts::PI;
 pub(crate) const DEGREE: usize = 8;
 
 /// Chebyshev points on [−1, 1] with Clenshaw–Curtis weights and differentiation matrix (Trefethen 2000, ch. 6, 12).
-pub(crate) struct Rule {
+pub(crate) struct ChebyshevRule {
     pub nodes: [f64; DEGREE + 1],
     pub weights: [f64; DEGREE + 1],
     pub derivative: [[f64; DEGREE + 1]; DEGREE + 1],
 }
 
-impl Rule {
+impl ChebyshevRule {
     pub fn new() -> Self {
         let angle = |k: usize| PI * k as f64 / DEGREE as f64;
         let nodes = std::array::from_fn(|k| -angle(k).cos());
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn weights_and_slopes_are_exact_for_polynomials() {
-        let rule = Rule::new();
+        let rule = ChebyshevRule::new();
         for power in 0..=DEGREE as i32 {
             let sum: f64 = (0..=DEGREE).map(|k| rule.weights[k] * rule.nodes[k].powi(power)).sum();
             let exact = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };

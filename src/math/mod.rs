@@ -1,18 +1,17 @@
 //! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein and Chebyshev
 //! polynomials, minimisation, groups, threads, topology of closed curves.
 
-pub mod bernstein;
+pub(crate) mod bernstein;
 pub(crate) mod chebyshev;
 pub(crate) mod groups;
 pub mod link;
-pub mod minimise;
+pub(crate) mod minimise;
 pub(crate) mod parallel;
-pub mod quadrature;
-pub mod quaternion;
+pub(crate) mod quadrature;
+pub(crate) mod quaternion;
 #[cfg(test)]
-#[path = "../../tests/common/random.rs"] // one generator for unit tests and tests of the public interface
 pub(crate) mod random;
-pub mod shape_functions;
+pub(crate) mod shape_functions;
 pub(crate) mod two_sum;
 
 /// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at

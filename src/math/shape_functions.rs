@@ -31,7 +31,7 @@ pub fn lagrange(order: usize, xi: f64) -> ([f64; 4], [f64; 4]) {
 /// Shape functions of one order tabulated at its integration points (`order` Gauss points: one fewer than
 /// nodes, so that thin elements lock neither in shear nor in membrane action).
 #[derive(Debug, Clone)]
-pub struct Table {
+pub struct ShapeTable {
     /// Order p.
     pub order: usize,
     /// The rule.
@@ -42,7 +42,7 @@ pub struct Table {
     pub d: [[f64; 4]; 3],
 }
 
-impl Table {
+impl ShapeTable {
     /// Tabulates order 1, 2 or 3.
     pub fn new(order: usize) -> Self {
         let rule = gauss(order);

@@ -1,6 +1,5 @@
-//! What is to be known of a state: [`observe()`] fills an [`Observation`](report::Observation) with everything,
-//! [`link`] has the topology of closed curves, [`report`] the plain data; [`estimate_error`] says how far off a state
-//! is; [`strains()`] what the elements know.
+//! Numbers of a state: [`observe()`] fills an [`Observation`](report::Observation) with all of them, [`report`] holds
+//! the plain data; [`estimate_error`] tells how far off a state is, [`strains()`] strains and stress resultants.
 
 mod error_estimate;
 pub mod report;
@@ -9,8 +8,6 @@ mod start;
 mod state;
 mod strains;
 
-/// Link, twist and writhe of closed curves (they live among the mathematics, for start shapes need them too).
-pub use crate::math::link;
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
 pub use state::{contact_sites, observe};

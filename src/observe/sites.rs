@@ -7,10 +7,10 @@
 //! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
 use crate::contact::arc::{self, ascending, near};
-use crate::contact::chain::{Link, TOL_FOOT, chains};
+use crate::contact::chain::{ChainPiece, TOL_FOOT, chains};
 use crate::contact::curve::{CurveSet, angle};
-use crate::contact::detect::{Meeting, ZonePiece};
 use crate::contact::law::shortest_line;
+use crate::contact::potential::{ContactPair, ZonePiece};
 use crate::math::Vec3;
 
 use super::report::{SiteKind, SiteReport};
@@ -24,7 +24,7 @@ const TOL_ARC: f64 = 1e-6;
 
 /// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Zone {
+struct SiteZone {
     curve_a: usize,
     /// Ascending.
     arc_a: [f64; 2],
@@ -89,7 +89,7 @@ impl Layer {
 }
 
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
-pub(super) fn sites(set: &CurveSet, terms: &[Meeting], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
+pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
     let zones = zones(set, terms);
     let mut sites: Vec<SiteReport> =
         views(set, &zones).iter().map(|members| site(set, &zones, members, rods, layer)).collect();
@@ -100,42 +100,42 @@ pub(super) fn sites(set: &CurveSet, terms: &[Meeting], rods: &[usize], layer: &L
     sites
 }
 
-fn contact_distance(set: &CurveSet, zone: &Zone) -> f64 {
+fn contact_distance(set: &CurveSet, zone: &SiteZone) -> f64 {
     set.curves[zone.curve_a].radius + set.curves[zone.curve_b].radius
 }
 
-fn order(x: &Zone, y: &Zone) -> std::cmp::Ordering {
-    let pair = |z: &Zone| (z.curve_a, z.curve_b);
+fn order(x: &SiteZone, y: &SiteZone) -> std::cmp::Ordering {
+    let pair = |z: &SiteZone| (z.curve_a, z.curve_b);
     pair(x).cmp(&pair(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
 }
 
 /// Index range of the zones of strand `a` against strand `b` in a sorted list.
-fn class(zones: &[Zone], a: usize, b: usize) -> std::ops::Range<usize> {
+fn class(zones: &[SiteZone], a: usize, b: usize) -> std::ops::Range<usize> {
     let start = zones.partition_point(|z| (z.curve_a, z.curve_b) < (a, b));
     start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
 }
 
 /// All zones, sorted.
-fn zones(set: &CurveSet, terms: &[Meeting]) -> Vec<Zone> {
-    let mut zones: Vec<Zone> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
+fn zones(set: &CurveSet, terms: &[ContactPair]) -> Vec<SiteZone> {
+    let mut zones: Vec<SiteZone> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
     zones.sort_by(order);
     zones
 }
 
 /// What a chain of pieces makes together.
-fn zone(set: &CurveSet, chain: &[Link]) -> Zone {
+fn zone(set: &CurveSet, chain: &[ChainPiece]) -> SiteZone {
     let mut zone = piece(set, &chain[0]);
     chain[1..].iter().for_each(|link| append(set, &mut zone, &piece(set, link)));
     zone
 }
 
-fn piece(set: &CurveSet, link: &Link) -> Zone {
+fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
     let (zone, [curve_a, curve_b], [arc_a, arc_b]) = (link.zone, link.curves, link.arcs);
     let nearest = zone.piece.nearest;
     let (foot_a, tangent_a, _) = set.segments[link.segments[0]].derivatives(nearest.u);
     let (foot_b, tangent_b, _) = set.segments[link.segments[1]].derivatives(nearest.v);
     let crossing = angle(&tangent_a, &tangent_b).to_degrees();
-    Zone {
+    SiteZone {
         curve_a,
         arc_a,
         curve_b,
@@ -161,7 +161,7 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
     Load { force, center: arc[0] + (mean - u[0]) * scale, inertia }
 }
 
-fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
+fn append(set: &CurveSet, zone: &mut SiteZone, piece: &SiteZone) {
     zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
     zone.push += piece.push;
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
@@ -173,7 +173,7 @@ fn append(set: &CurveSet, zone: &mut Zone, piece: &Zone) {
 }
 
 /// Groups zones into sites: the indices of its zones, true for those that see it the other way round than the first.
-fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
+fn views(set: &CurveSet, zones: &[SiteZone]) -> Vec<Vec<(usize, bool)>> {
     let places = ByPlace::new(set, zones);
     let mut used = vec![false; zones.len()];
     let mut groups = Vec::new();
@@ -199,7 +199,7 @@ fn views(set: &CurveSet, zones: &[Zone]) -> Vec<Vec<(usize, bool)>> {
 }
 
 /// Zones that see the same contact from the other strand, by index.
-fn counterparts(set: &CurveSet, zones: &[Zone], places: &ByPlace, index: usize) -> Vec<usize> {
+fn counterparts(set: &CurveSet, zones: &[SiteZone], places: &ByPlace, index: usize) -> Vec<usize> {
     let pad = pad(set, &zones[index]);
     let mut near = places.near((zones[index].curve_b, zones[index].curve_a), zones[index].arc_b, pad);
     near.retain(|&other| sees(set, &zones[index], &zones[other], pad) && other != index);
@@ -207,12 +207,12 @@ fn counterparts(set: &CurveSet, zones: &[Zone], places: &ByPlace, index: usize) 
 }
 
 /// How far apart the views of one contact may be \[L\].
-fn pad(set: &CurveSet, zone: &Zone) -> f64 {
+fn pad(set: &CurveSet, zone: &SiteZone) -> f64 {
     TOL_FOOT * contact_distance(set, zone)
 }
 
 /// Whether two zones, each on the other's partner strand, overlap on both strands.
-fn sees(set: &CurveSet, zone: &Zone, other: &Zone, pad: f64) -> bool {
+fn sees(set: &CurveSet, zone: &SiteZone, other: &SiteZone, pad: f64) -> bool {
     let meet = |curve: usize, x, y| arc::apart(ascending(x), ascending(y), set.period(curve)) <= pad;
     meet(zone.curve_b, zone.arc_b, other.arc_a) && meet(zone.curve_a, zone.arc_a, other.arc_b)
 }
@@ -234,7 +234,7 @@ fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2],
     }
 }
 
-fn site(set: &CurveSet, zones: &[Zone], members: &[(usize, bool)], rods: &[usize], layer: &Layer) -> SiteReport {
+fn site(set: &CurveSet, zones: &[SiteZone], members: &[(usize, bool)], rods: &[usize], layer: &Layer) -> SiteReport {
     let seen_from = |flipped: bool| members.iter().filter(move |m| m.1 == flipped).map(|m| zones[m.0]);
     let first = &zones[members[0].0];
     let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), set.period(first.curve_a));

@@ -65,7 +65,7 @@ fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
             Law::Core { .. } => engine.contact_stiffness(),
         };
         let layer = Layer { stiffness, bending: side.rods.iter().map(softer).collect() };
-        sites(&side.set, &residual.meetings, &side.rods, &layer)
+        sites(&side.set, &residual.contact_pairs, &side.rods, &layer)
     })
 }
 

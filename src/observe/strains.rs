@@ -1,6 +1,6 @@
 //! Strains and stress resultants at the integration points, as the elements know them.
 
-use crate::rod::element::{Six, raw_strains};
+use crate::rod::element::{Strain, Stress, raw_strains};
 use crate::solve::Engine;
 
 /// Strains and stress resultants of one rod, each at `order` integration points an element, along the rod.
@@ -10,9 +10,9 @@ pub struct RodStrains {
     /// Reference arc length of each point \[L\].
     pub arc_lengths: Vec<f64>,
     /// Γ1, Γ2, Γ3 (1 at rest) and K1, K2, K3 \[1/L\] of the present shape, natural strains included.
-    pub strains: Vec<Six>,
+    pub strains: Vec<Strain>,
     /// Forces \[F\] and moments \[F·L\] along d1, d2, d3: stiffness × (strain − natural strain).
-    pub stresses: Vec<Six>,
+    pub stresses: Vec<Stress>,
 }
 
 /// Strains and stress resultants of a rod at the present state.

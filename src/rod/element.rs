@@ -18,16 +18,24 @@
 //! The stress inside the geometric part of the tangent may differ from C ε(x): mixed-integration-point Newton
 //! (Magisano, Leonetti & Garcea 2017) passes the stress predicted by the previous linear solve.
 
-use crate::math::shape_functions::Table;
-use crate::rod::Section;
+use crate::math::shape_functions::ShapeTable;
+use blocks::{NodeBlocks, add_nodal_gradient};
 use kinematics::{InPlane, Space, inner};
+use material::MaterialLaw;
 
+mod blocks;
 mod kinematics;
+mod material;
 
 pub use kinematics::{Nodes, Plane};
+pub use material::{Material, stiffness};
 
-/// Six numbers per integration point: shear, shear, extension, bending, bending, twist (strain or its stress).
-pub type Six = [f64; 6];
+/// Strains Γ1 Γ2 Γ3 K1 K2 K3 at an integration point: shear, shear, extension, bending, bending, twist. Γ is a number,
+/// K is in 1/L.
+pub type Strain = [f64; 6];
+
+/// Stress resultants that do work on [`Strain`]: forces \[F\], then moments \[F·L\], in the material frame.
+pub type Stress = [f64; 6];
 
 /// Number of unknowns of the largest element.
 pub const MAX_DOF: usize = 24;
@@ -37,9 +45,9 @@ pub type ElementNodes = Nodes<3, 4>;
 
 /// What the elements of a rod have in common.
 #[derive(Debug, Clone, Copy)]
-pub struct Body<'a> {
+pub struct ElementProperties<'a> {
     /// Shape functions.
-    pub table: &'a Table,
+    pub table: &'a ShapeTable,
     /// Reference length of an element \[L\].
     pub length: f64,
     /// The material matrix.
@@ -49,81 +57,8 @@ pub struct Body<'a> {
     pub plane: Option<&'a Plane>,
 }
 
-/// The material matrix C of an element, in the order of [`Six`].
-#[derive(Debug, Clone, Copy)]
-pub enum Material<'a> {
-    /// A diagonal one, the same everywhere.
-    Diagonal(&'a Six),
-    /// A full symmetric one for each integration point.
-    Full(&'a [[Six; 6]; 3]),
-}
-
-impl Material<'_> {
-    /// Stress of a strain at integration point `g`.
-    #[must_use]
-    pub fn stress(&self, g: usize, strain: &Six) -> Six {
-        match self {
-            Self::Diagonal(material) => material.stress(g, strain),
-            Self::Full(material) => material.stress(g, strain),
-        }
-    }
-}
-
-/// Products with the material matrix. The diagonal has its own, which is what most rods pay for.
-trait Law<const S: usize> {
-    /// C ε at integration point `g`.
-    fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];
-
-    /// C B for the rows of B.
-    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; S]) -> [[f64; N]; S];
-}
-
-impl<const S: usize> Law<S> for [f64; S] {
-    #[inline]
-    fn stress(&self, _: usize, strain: &[f64; S]) -> [f64; S] {
-        std::array::from_fn(|i| self[i] * strain[i])
-    }
-
-    #[inline]
-    fn of_rows<const N: usize>(&self, _: usize, b: &[[f64; N]; S]) -> [[f64; N]; S] {
-        std::array::from_fn(|i| std::array::from_fn(|k| self[i] * b[i][k]))
-    }
-}
-
-impl Law<6> for [[Six; 6]; 3] {
-    #[inline]
-    fn stress(&self, g: usize, strain: &Six) -> Six {
-        std::array::from_fn(|i| inner(&self[g][i], strain))
-    }
-
-    #[inline]
-    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; 6]) -> [[f64; N]; 6] {
-        let mut out = [[0.0; N]; 6];
-        for (row, entries) in out.iter_mut().zip(&self[g]) {
-            for (entry, b) in entries.iter().zip(b) {
-                for k in 0..N {
-                    row[k] += entry * b[k];
-                }
-            }
-        }
-        out
-    }
-}
-
-/// Diagonal of the material matrix, in the order of [`Six`].
-pub fn stiffness(section: &Section) -> Six {
-    [
-        section.shearing[0],
-        section.shearing[1],
-        section.stretching,
-        section.bending[0],
-        section.bending[1],
-        section.twisting,
-    ]
-}
-
 /// The interpolated numbers y = (r', z, z') at one integration point.
-struct Point<const R: usize, const Z: usize> {
+struct InterpolatedPoint<const R: usize, const Z: usize> {
     rp: [f64; R],
     z: [f64; Z],
     zp: [f64; Z],
@@ -136,7 +71,7 @@ fn interpolate<const R: usize, const Z: usize>(
     d: &[f64; 4],
     num_nodes: usize,
     inv_length: f64,
-) -> Point<R, Z> {
+) -> InterpolatedPoint<R, Z> {
     let (mut rp, mut z, mut zp) = ([0.0; R], [0.0; Z], [0.0; Z]);
     for a in 0..num_nodes {
         let slope = d[a] * inv_length;
@@ -149,11 +84,11 @@ fn interpolate<const R: usize, const Z: usize>(
         }
     }
     let zz = inner(&z, &z);
-    Point { rp, z, zp, zz }
+    InterpolatedPoint { rp, z, zp, zz }
 }
 
 /// Raw strains (V, K) at the integration points of an element of reference length `length` \[L\].
-pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3] {
+pub fn raw_strains(table: &ShapeTable, nodes: &ElementNodes, length: f64) -> [Strain; 3] {
     let mut out = [[0.0; 6]; 3];
     for g in 0..table.order {
         out[g] = Space::strain(&interpolate(nodes, &table.n[g], &table.d[g], table.order + 1, 1.0 / length));
@@ -161,7 +96,7 @@ pub fn raw_strains(table: &Table, nodes: &ElementNodes, length: f64) -> [Six; 3]
     out
 }
 
-impl Body<'_> {
+impl ElementProperties<'_> {
     /// The plane, the nodes in it, if all are, and the stiffnesses there. Rods with a full material are computed in space.
     fn flat(&self, nodes: &ElementNodes) -> Option<(&Plane, Nodes<2, 2>, [f64; 3])> {
         let (plane, Material::Diagonal(material)) = (self.plane?, self.material) else { return None };
@@ -177,13 +112,13 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     const FIRST_ROTATION: usize;
 
     /// Strains (reference values not subtracted).
-    fn strain(p: &Point<R, Z>) -> [f64; S];
+    fn strain(p: &InterpolatedPoint<R, Z>) -> [f64; S];
 
     /// ∇P_i.
-    fn slopes(p: &Point<R, Z>) -> [[f64; N]; S];
+    fn slopes(p: &InterpolatedPoint<R, Z>) -> [[f64; N]; S];
 
     /// Σ S_i ∇²P_i, both triangles.
-    fn curvature(p: &Point<R, Z>, stress: &[f64; S]) -> [[f64; N]; N];
+    fn curvature(p: &InterpolatedPoint<R, Z>, stress: &[f64; S]) -> [[f64; N]; N];
 
     /// The directions in which the quaternion moves when the node turns: ½ e_k q.
     fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
@@ -191,7 +126,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     /// Change of the strains at integration point `g` that a linear step δ (displacement, rotation vector per node)
     /// predicts: B δ. Also returns raw strains and B's rows.
     fn linear_change(
-        table: &Table,
+        table: &ShapeTable,
         nodes: &Nodes<R, Z>,
         change: &Nodes<R, Z>,
         length: f64,
@@ -230,9 +165,9 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     }
 
     fn predict(
-        body: &Body,
+        body: &ElementProperties,
         nodes: &Nodes<R, Z>,
-        material: &impl Law<S>,
+        material: &impl MaterialLaw<S>,
         reference: &[[f64; S]; 3],
         increment: &[f64; MAX_DOF],
     ) -> [[f64; S]; 3] {
@@ -245,11 +180,11 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         out
     }
 
-    fn surprise(
-        body: &Body,
+    fn second_order(
+        body: &ElementProperties,
         nodes: &Nodes<R, Z>,
         moved: &Nodes<R, Z>,
-        material: &impl Law<S>,
+        material: &impl MaterialLaw<S>,
         increment: &[f64; MAX_DOF],
     ) -> ([[f64; S]; 3], [f64; MAX_DOF]) {
         let (table, length) = (body.table, body.length);
@@ -290,7 +225,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     /// First derivatives of the strains with respect to y = (r', z, z'): ∇f = (∇P − f ∇|z|²)/|z|².
     #[inline]
-    fn gradients(p: &Point<R, Z>, strain: &[f64; S]) -> [[f64; N]; S] {
+    fn gradients(p: &InterpolatedPoint<R, Z>, strain: &[f64; S]) -> [[f64; N]; S] {
         let inv = 1.0 / p.zz;
         let mut b = Self::slopes(p);
         for i in 0..S {
@@ -307,7 +242,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     /// h = Σ_i S_i ∇²f_i (symmetric) and g = Σ S_i ∇f_i.
     #[inline]
     fn geometric(
-        p: &Point<R, Z>,
+        p: &InterpolatedPoint<R, Z>,
         strain: &[f64; S],
         b: &[[f64; N]; S],
         stress: &[f64; S],
@@ -340,9 +275,9 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     }
 
     fn evaluate(
-        body: &Body,
+        body: &ElementProperties,
         nodes: &Nodes<R, Z>,
-        material: &impl Law<S>,
+        material: &impl MaterialLaw<S>,
         reference: &[[f64; S]; 3],
         predicted: Option<&[[f64; S]; 3]>,
         tangent: Option<&mut ElementTangent>,
@@ -353,7 +288,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         *out = ElementOutput::default();
         let mut grad_r = [[0.0; R]; 4];
         let mut grad_q = [[0.0; Z]; 4];
-        let mut blocks = tangent.is_some().then(Blocks::<R, Z>::default);
+        let mut blocks = tangent.is_some().then(NodeBlocks::<R, Z>::default);
         for g in 0..table.order {
             let weight = table.rule.weights[g] * length;
             let n = &table.n[g];
@@ -411,11 +346,11 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 /// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): what
 /// the mixed-integration-point step predicts.
 pub fn predicted_stress(
-    body: &Body,
+    body: &ElementProperties,
     nodes: &ElementNodes,
-    reference: &[Six; 3],
+    reference: &[Strain; 3],
     increment: &[f64; MAX_DOF],
-) -> [Six; 3] {
+) -> [Strain; 3] {
     match (body.flat(nodes), body.material) {
         (Some((plane, flat, material)), _) => {
             let reference = reference.map(|six| plane.part(&six));
@@ -428,19 +363,19 @@ pub fn predicted_stress(
 
 /// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and
 /// their nodal forces Bᵀ C e, with B at the start of the step.
-pub fn surprise_force(
-    body: &Body,
+pub fn second_order_force(
+    body: &ElementProperties,
     nodes: &ElementNodes,
     moved: &ElementNodes,
     increment: &[f64; MAX_DOF],
-) -> ([Six; 3], [f64; MAX_DOF]) {
+) -> ([Strain; 3], [f64; MAX_DOF]) {
     match (body.flat(nodes), body.flat(moved), body.material) {
         (Some((plane, flat, material)), Some((_, moved, _)), _) => {
-            let (stress, force) = InPlane::surprise(body, &flat, &moved, &material, increment);
+            let (stress, force) = InPlane::second_order(body, &flat, &moved, &material, increment);
             (stress.map(|s| plane.six(&s)), force)
         }
-        (.., Material::Diagonal(material)) => Space::surprise(body, nodes, moved, material, increment),
-        (.., Material::Full(material)) => Space::surprise(body, nodes, moved, material, increment),
+        (.., Material::Diagonal(material)) => Space::second_order(body, nodes, moved, material, increment),
+        (.., Material::Full(material)) => Space::second_order(body, nodes, moved, material, increment),
     }
 }
 
@@ -463,10 +398,10 @@ pub type ElementTangent = [[f64; MAX_DOF]; MAX_DOF];
 /// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent
 /// per point (`None`: C ε(x)).
 pub fn evaluate(
-    body: &Body,
+    body: &ElementProperties,
     nodes: &ElementNodes,
-    reference: &[Six; 3],
-    predicted: Option<&[Six; 3]>,
+    reference: &[Strain; 3],
+    predicted: Option<&[Strain; 3]>,
     tangent: Option<&mut ElementTangent>,
     out: &mut ElementOutput,
 ) {
@@ -482,113 +417,6 @@ pub fn evaluate(
         }
         (None, Material::Full(material)) => {
             Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
-        }
-    }
-}
-
-fn add_nodal_gradient<const R: usize, const Z: usize, const N: usize>(
-    grad: &[f64; N],
-    n: &[f64; 4],
-    d: &[f64; 4],
-    weight: f64,
-    num_nodes: usize,
-    grad_r: &mut [[f64; R]; 4],
-    grad_q: &mut [[f64; Z]; 4],
-) {
-    for a in 0..num_nodes {
-        let (na, da) = (weight * n[a], weight * d[a]);
-        for k in 0..R {
-            grad_r[a][k] += da * grad[k];
-        }
-        for k in 0..Z {
-            grad_q[a][k] += na * grad[R + k] + da * grad[R + Z + k];
-        }
-    }
-}
-
-/// ∂²E/∂(r, q)² by pairs of nodes, and ∂E/∂q of the stresses that its geometric part is made with.
-struct Blocks<const R: usize, const Z: usize> {
-    rr: [[[[f64; R]; R]; 4]; 4],
-    rq: [[[[f64; Z]; R]; 4]; 4],
-    qq: [[[[f64; Z]; Z]; 4]; 4],
-    grad_q: [[f64; Z]; 4],
-}
-
-impl<const R: usize, const Z: usize> Default for Blocks<R, Z> {
-    fn default() -> Self {
-        Self {
-            rr: [[[[0.0; R]; R]; 4]; 4],
-            rq: [[[[0.0; Z]; R]; 4]; 4],
-            qq: [[[[0.0; Z]; Z]; 4]; 4],
-            grad_q: [[0.0; Z]; 4],
-        }
-    }
-}
-
-impl<const R: usize, const Z: usize> Blocks<R, Z> {
-    /// Adds the second derivative by y at a point.
-    #[inline]
-    fn add<const N: usize>(&mut self, h: &[[f64; N]; N], n: &[f64; 4], d: &[f64; 4], weight: f64, num_nodes: usize) {
-        for a in 0..num_nodes {
-            for c in a..num_nodes {
-                let (nn, nd, dn, dd) =
-                    (weight * n[a] * n[c], weight * n[a] * d[c], weight * d[a] * n[c], weight * d[a] * d[c]);
-                for k in 0..R {
-                    for l in 0..R {
-                        self.rr[a][c][k][l] += dd * h[k][l];
-                    }
-                    for l in 0..Z {
-                        self.rq[a][c][k][l] += dn * h[k][R + l] + dd * h[k][R + Z + l];
-                    }
-                }
-                for k in 0..Z {
-                    for l in 0..Z {
-                        self.qq[a][c][k][l] += nn * h[R + k][R + l]
-                            + nd * h[R + k][R + Z + l]
-                            + dn * h[R + Z + k][R + l]
-                            + dd * h[R + Z + k][R + Z + l];
-                    }
-                }
-                if a != c {
-                    let (nd, dd) = (weight * d[c] * n[a], weight * d[c] * d[a]);
-                    for k in 0..R {
-                        for l in 0..Z {
-                            self.rq[c][a][k][l] += nd * h[k][R + l] + dd * h[k][R + Z + l];
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Turns the blocks of nodes a ≤ c into those in (δr, θ).
-    fn write<const T: usize>(
-        &self,
-        tangent: &mut ElementTangent,
-        [a, c]: [usize; 2],
-        first_rotation: usize,
-        ways: &[[[f64; Z]; T]; 4],
-    ) {
-        let (row, col) = (6 * a, 6 * c);
-        for k in 0..R {
-            for l in 0..R {
-                tangent[row + k][col + l] = self.rr[a][c][k][l];
-            }
-            for l in 0..T {
-                tangent[row + k][col + first_rotation + l] = inner(&self.rq[a][c][k], &ways[c][l]);
-                tangent[row + first_rotation + l][col + k] = inner(&self.rq[c][a][k], &ways[a][l]);
-            }
-        }
-        for k in 0..T {
-            let mut product = [0.0; Z];
-            for m in 0..Z {
-                for l in 0..Z {
-                    product[l] += ways[a][k][m] * self.qq[a][c][m][l];
-                }
-            }
-            for l in 0..T {
-                tangent[row + first_rotation + k][col + first_rotation + l] = inner(&product, &ways[c][l]);
-            }
         }
     }
 }

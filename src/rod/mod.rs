@@ -1,22 +1,25 @@
-//! Cosserat rods: [`section`] (stiffnesses), [`shape`] (where a rod starts), [`Along`] (what varies along
-//! a rod), [`element`] (energy, residual, tangent
-//! of one element), [`Rod`] (a rod as elements and nodes).
+//! Cosserat rods: [`Rod`] (a rod as elements and nodes), [`Section`] (its stiffnesses), [`Shape`] (its start),
+//! [`Along`] (a quantity that varies along it), `element` (energy, residual, tangent of one element).
 
 mod along;
-mod body;
-pub mod element;
+mod check;
+pub(crate) mod element;
 mod link;
+mod natural;
 mod refine;
-pub mod section;
-pub mod shape;
+#[allow(clippy::module_inception)] // the rod itself
+mod rod;
+mod section;
+mod shape;
 mod stiffness;
 
 pub use along::{Along, Values};
-pub(crate) use body::STRAINS;
+pub(crate) use natural::STRAINS;
+pub use natural::{Natural, NaturalStrains};
 #[cfg(feature = "scenes")]
-pub(crate) use body::within;
-pub use body::{MAX_TURN, Natural, NaturalStrains, Rod};
+pub(crate) use rod::within;
+pub use rod::{MAX_TURN, Rod};
 pub use section::{CrossSection, Section};
-pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot};
+pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot, superhelix_angle};
 pub use stiffness::Stiffness;
 pub(crate) use stiffness::check_stiffness;

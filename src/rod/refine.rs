@@ -5,7 +5,7 @@ use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
-use crate::rod::body::MAX_TURN;
+use crate::rod::rod::MAX_TURN;
 
 /// Nodes an intermediate one is interpolated from, where there are so many: degree 7, beyond the sixth order of the
 /// best elements.

@@ -6,6 +6,8 @@ mod help;
 mod memory;
 mod mesh;
 mod poses;
+mod refuse;
+mod section;
 mod set;
 mod shapes;
 mod state;

@@ -8,8 +8,8 @@ mod loads;
 pub(super) use contact::PAIRS;
 pub(super) use elements::symmetric;
 
-use crate::contact::detect::{Besides, Meeting};
-use crate::rod::element::Six;
+use crate::contact::potential::{ContactPair, Request};
+use crate::rod::element::Strain;
 use crate::solve::engine::{Engine, give_to_masters};
 use crate::solve::state::{Drive, State};
 use crate::solve::swivel::Bases;
@@ -43,7 +43,7 @@ pub(crate) struct Residual {
     /// Potential.
     pub(crate) potential: Potential,
     /// Where there is contact.
-    pub(crate) meetings: Vec<Meeting>,
+    pub(crate) contact_pairs: Vec<ContactPair>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting
@@ -114,19 +114,19 @@ impl<'a> Sink<'a> {
 impl Engine {
     /// Gradient (and potential) at `state` with the zones of contact; contact must be up to date for it.
     pub(crate) fn residual(&self, state: &State) -> Residual {
-        self.residual_besides(state, Besides { zones: true, tangent: false })
+        self.residual_besides(state, Request { zones: true, tangent: false })
     }
 
     /// [`Engine::residual`] for searches, which ask for no zones: it tells who is in contact.
     pub(crate) fn residual_of_trial(&self, state: &State) -> Residual {
-        self.residual_besides(state, Besides::default())
+        self.residual_besides(state, Request::default())
     }
 
-    fn residual_besides(&self, state: &State, besides: Besides) -> Residual {
+    fn residual_besides(&self, state: &State, request: Request) -> Residual {
         self.install(|| {
             let mut out = self.start_residual(state);
             self.add_element_gradients(state, &mut out);
-            self.add_contact(besides, &mut out, None);
+            self.add_contact(request, &mut out, None);
             self.add_loads(state, &mut out, None);
             self.join(&mut out);
             out
@@ -138,7 +138,7 @@ impl Engine {
     pub(crate) fn linearise(
         &self,
         state: &State,
-        predicted: Option<&[[Six; 3]]>,
+        predicted: Option<&[[Strain; 3]]>,
         drive: &Drive,
         pattern: &Pattern,
         tangent: &mut Tangent,
@@ -147,7 +147,7 @@ impl Engine {
         let mut sink = Sink::new(self, out.bases.clone(), drive, pattern, tangent);
         let out = self.install(|| {
             self.add_elements(state, predicted, &mut out, &mut sink);
-            self.add_contact(Besides { zones: false, tangent: true }, &mut out, Some(&mut sink));
+            self.add_contact(Request { zones: false, tangent: true }, &mut out, Some(&mut sink));
             self.add_loads(state, &mut out, Some(&mut sink));
             self.join(&mut out);
             out

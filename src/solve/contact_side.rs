@@ -2,9 +2,9 @@
 
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::curve::{Cubic, CurveInput, CurveSet};
-use crate::contact::detect::Meeting;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
+use crate::contact::potential::ContactPair;
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::math::two_sum::two_sum;
@@ -33,7 +33,7 @@ pub(crate) struct ContactSide {
     /// Offsets c \[L\] (zero for a plain penalty).
     pub(crate) offsets: PerContact,
     /// Law and offsets before they were last changed, until a step has been taken under the new ones: see
-    /// [`Pressures`](crate::contact::detect::Pressures).
+    /// [`Pressures`](crate::contact::potential::Pressures).
     pub(crate) before: Option<(Law, PerContact)>,
     /// Smallest contact radius \[L\].
     pub(crate) min_radius: f64,
@@ -123,8 +123,8 @@ impl ContactSide {
     }
 
     /// Global nodes: slave a, b, master a, b.
-    pub(crate) fn nodes_of(&self, meeting: &Meeting) -> [usize; 4] {
-        let (s, m) = (self.nodes[meeting.slave], self.nodes[meeting.master]);
+    pub(crate) fn nodes_of(&self, pair: &ContactPair) -> [usize; 4] {
+        let (s, m) = (self.nodes[pair.slave], self.nodes[pair.master]);
         [s[0], s[1], m[0], m[1]]
     }
 }

@@ -8,9 +8,9 @@ use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::parallel::{Pool, in_pool};
 use crate::math::quaternion::{spin, to_array};
-use crate::math::shape_functions::Table;
+use crate::math::shape_functions::ShapeTable;
 use crate::math::{Quat, Vec3};
-use crate::rod::element::{Body, ElementNodes, Material, Plane, Six, raw_strains, stiffness};
+use crate::rod::element::{ElementNodes, ElementProperties, Material, Plane, Strain, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::contact_side::{self, ContactSide};
@@ -43,7 +43,7 @@ pub struct Engine {
     /// First global node of each rod; one more entry than rods.
     pub(crate) first_node: Vec<usize>,
     pub(crate) elements: Vec<Element>,
-    pub(crate) tables: [Table; 3],
+    pub(crate) tables: [ShapeTable; 3],
     /// Per rod: the material matrix, of all points or per point.
     pub(crate) material: Vec<Stiffnesses>,
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
@@ -71,8 +71,8 @@ pub struct Engine {
 /// Reference strains of a rod: stored per element only where the rod is curved by nature in its own way.
 #[derive(Debug)]
 pub(crate) enum Reference {
-    Uniform(Six),
-    PerElement(usize, Vec<[Six; 3]>),
+    Uniform(Strain),
+    PerElement(usize, Vec<[Strain; 3]>),
 }
 
 impl Reference {
@@ -84,7 +84,7 @@ impl Reference {
         }
     }
 
-    pub(crate) fn of(&self, element: usize) -> [Six; 3] {
+    pub(crate) fn of(&self, element: usize) -> [Strain; 3] {
         match self {
             Self::Uniform(six) => [*six; 3],
             Self::PerElement(first, list) => list[element - first],
@@ -95,9 +95,9 @@ impl Reference {
 /// Material matrices of a rod: a diagonal unless it has a full stiffness.
 #[derive(Debug)]
 pub(crate) enum Stiffnesses {
-    Diagonal(Six),
-    Constant(Box<[[Six; 6]; 3]>),
-    PerElement(usize, Vec<[[Six; 6]; 3]>),
+    Diagonal(Strain),
+    Constant(Box<[[Strain; 6]; 3]>),
+    PerElement(usize, Vec<[[Strain; 6]; 3]>),
 }
 
 impl Stiffnesses {
@@ -161,7 +161,7 @@ impl Engine {
         let scales = scales(&model);
         let pool = threads.map(Pool::new).transpose()?;
         let mut engine = Self {
-            tables: [Table::new(1), Table::new(2), Table::new(3)],
+            tables: [ShapeTable::new(1), ShapeTable::new(2), ShapeTable::new(3)],
             material: materials(&model),
             masses: masses(&model, &scales, &master),
             reference: Vec::new(),
@@ -208,7 +208,7 @@ impl Engine {
     ///
     /// # Errors
     /// A law out of range; a change from or to no contact, which needs a new engine.
-    pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+    pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
         let law = law.on_mesh(&self.model.rods);
         let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
             let reason = "contact cannot be switched on or off in a running engine".to_owned();
@@ -285,7 +285,9 @@ impl Engine {
 
     /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
     pub fn is_conservative(&self) -> bool {
-        self.model.planar || self.state.load_factor == 0.0 || self.model.loads.iter().all(|l| l.moment == Vec3::zeros())
+        let mut moments =
+            self.model.loads.iter().map(|l| l.moment).chain(self.model.line_loads.iter().map(|l| l.moment));
+        self.model.planar || self.state.load_factor == 0.0 || moments.all(|moment| moment == Vec3::zeros())
     }
 
     /// The model this engine was built from.
@@ -303,7 +305,7 @@ impl Engine {
     ///
     /// # Errors
     /// `InputError::Inconsistent` when the sizes do not match the model.
-    pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
+    pub(crate) fn set_state(&mut self, state: State) -> Result<(), InputError> {
         let fits = state.positions.len() == self.state.positions.len()
             && state.remainders.len() == self.state.remainders.len()
             && state.frames.len() == self.state.frames.len()
@@ -347,14 +349,14 @@ impl Engine {
         nodes
     }
 
-    pub(crate) fn table(&self, rod: usize) -> &Table {
+    pub(crate) fn table(&self, rod: usize) -> &ShapeTable {
         &self.tables[self.model.rods[rod].order - 1]
     }
 
     /// Shape functions, length and material of an element.
-    pub(crate) fn body(&self, e: usize) -> Body<'_> {
+    pub(crate) fn body(&self, e: usize) -> ElementProperties<'_> {
         let rod = self.elements[e].rod;
-        Body {
+        ElementProperties {
             table: self.table(rod),
             length: self.element_length(rod),
             material: self.material[rod].of(e),

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use crate::math::Vec3;
-use crate::math::shape_functions::{Table, lagrange};
-use crate::rod::element::{Six, raw_strains};
+use crate::math::shape_functions::{ShapeTable, lagrange};
+use crate::rod::element::{Strain, raw_strains};
 use crate::solve::contact_side::contact_cubic;
 use crate::solve::engine::Engine;
 
@@ -149,7 +149,7 @@ impl Engine {
     }
 
     /// Strains (Γ + e3, K) at the integration points, reference not subtracted.
-    fn raw_strain_of(&self, e: usize) -> [Six; 3] {
+    fn raw_strain_of(&self, e: usize) -> [Strain; 3] {
         let element = &self.elements[e];
         raw_strains(
             self.table(element.rod),
@@ -160,7 +160,7 @@ impl Engine {
 }
 
 /// Value at node a of the polynomial that is 1 at integration point g and 0 at the others: `[a][g]`.
-fn extrapolation(table: &Table) -> [[f64; 3]; 4] {
+fn extrapolation(table: &ShapeTable) -> [[f64; 3]; 4] {
     let (order, points) = (table.order, table.rule.points);
     let mut out = [[0.0; 3]; 4];
     for a in 0..=order {

@@ -21,7 +21,7 @@ mod trial;
 mod trust;
 
 use crate::error::SolveError;
-use crate::rod::element::Six;
+use crate::rod::element::Stress;
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::{
@@ -59,7 +59,7 @@ const UNSEEN: f64 = 10.0;
 struct Search {
     state: State,
     /// Stresses that the next linearisation is about, three per element.
-    stress: Vec<[Six; 3]>,
+    stress: Vec<[Stress; 3]>,
     /// What is left of prescribed motions.
     remaining: f64,
     trust: Trust,

@@ -2,7 +2,7 @@
 //!
 //! The rods hardly notice the change of a law, so a point of contact keeps its force F ∝ κδ^{3/2}, δ the penetration,
 //! while its strands move apart by some d and its zone narrows. Linearised about what each place has to give for its
-//! *own* pressure, as [`Pressures`](crate::contact::detect::Pressures) has it for laws of any kind, the first step
+//! *own* pressure, as [`Pressures`](crate::contact::potential::Pressures) has it for laws of any kind, the first step
 //! closes .6 of δ where κ rises tenfold, and leaves the point pressing two and a half times too hard; so hard that the
 //! tangent there may be indefinite. Here d is found from the point's force, and the new law is linearised about strands
 //! moved apart by d. Strands along lines follow the pressure, F ∝ κδ, so that there each place may well give for its
@@ -84,7 +84,7 @@ impl Solver {
     fn overlaps(&self) -> Vec<Felt> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut felt = vec![Felt::default(); side.set.len()];
-        for term in self.engine.residual(&self.engine.state).meetings {
+        for term in self.engine.residual(&self.engine.state).contact_pairs {
             let here = &mut felt[term.slave];
             let offset = side.offset(term.slave, term.master);
             let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];

@@ -8,7 +8,7 @@
 //! ([`Solver::outstanding`]). One that shares each of its nodes with neighbours on the same strand that touch, nearer
 //! than the nodes are, has none: the mesh cannot tell them apart, and what it carries is reported, not released.
 
-use crate::contact::chain::{Link, chains};
+use crate::contact::chain::{ChainPiece, chains};
 use crate::solve::assembly::Residual;
 use crate::solve::contact_side::ContactSide;
 use crate::solve::path::Solver;
@@ -39,11 +39,11 @@ impl Solver {
         let Some(side) = self.engine.contact.as_ref().filter(holds) else { return HeldOpen::default() };
         let (set, offsets) = (&side.set, &side.offsets);
         let open = TOL_OPENING * side.min_radius;
-        let chains = chains(set, &residual.meetings);
-        let gap = |chain: &[Link]| chain.iter().map(|link| link.zone.min_gap).fold(f64::INFINITY, f64::min);
-        let places = |chain: &[Link]| -> Vec<usize> {
+        let chains = chains(set, &residual.contact_pairs);
+        let gap = |chain: &[ChainPiece]| chain.iter().map(|link| link.zone.min_gap).fold(f64::INFINITY, f64::min);
+        let places = |chain: &[ChainPiece]| -> Vec<usize> {
             let of_link =
-                |link: &Link| side.nodes[link.segments[0]].map(|node| offsets.index(set, node, link.segments[1]));
+                |link: &ChainPiece| side.nodes[link.segments[0]].map(|node| offsets.index(set, node, link.segments[1]));
             chain.iter().flat_map(of_link).collect()
         };
         let mut gaps = offsets.map(|_, _| f64::INFINITY);
@@ -53,12 +53,12 @@ impl Solver {
         }
         let gaps = gaps.map(|k, gap| if gap.is_finite() && gap > open && offsets.values[k] > 0.0 { gap } else { 0.0 });
         let energy: f64 = residual.potential.elastic.iter().sum();
-        let work = |chain: &Vec<Link>| {
+        let work = |chain: &Vec<ChainPiece>| {
             let half_force: f64 = chain.iter().map(|link| link.zone.half_force).sum();
             let gap = gap(chain);
             if energy > 0.0 && gap > open { half_force * gap / energy } else { 0.0 }
         };
-        let own = |chain: &&Vec<Link>| places(chain).iter().any(|&k| gaps.values[k] > 0.0);
+        let own = |chain: &&Vec<ChainPiece>| places(chain).iter().any(|&k| gaps.values[k] > 0.0);
         let releasable = chains.iter().filter(own).map(work).fold(0.0, |a, b| a + b);
         HeldOpen { work: chains.iter().map(work).fold(0.0, |a, b| a + b), releasable, gaps }
     }

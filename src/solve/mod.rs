@@ -2,13 +2,13 @@
 //!
 //! | | |
 //! |---|---|
-//! | [`path`] | load stepping: [`run`], [`Solver`]; `predictor` says where it is heading, [`restart`] what a run needs to go on later |
-//! | [`continuation`] | paths through limit points, onto branches, round the corners of contact: [`Solver::follow`] |
+//! | `path` | load stepping: [`run`], [`Solver`]; `predictor` says where it is heading, `restart` what a run needs to go on later |
+//! | `continuation` | paths through limit points, onto branches, round the corners of contact: [`Solver::follow`] |
 //! | `settle` | one state brought to rest: contact enforced, unstable states left (`stability`); the outcome is a [`StepReport`] |
 //! | `short_first`, `coarse_first` | long plectonemes from short ones, large turns on a coarse mesh |
 //! | `balance`, `hardening` | pressures that a search begins with: of a start shape, of a law softer than the next |
 //! | `multipliers`, `per_contact`, `held_open` | the augmented Lagrangian and its offsets |
-//! | [`newton`], `globalise` | mixed-integration-point Newton; the guarded search near contact |
+//! | `newton`, `globalise` | mixed-integration-point Newton; the guarded search near contact |
 //! | `surprise`, `step_bound`, `turning` | what a step's linear prediction missed; no strand passes another; no frame takes the other way round |
 //! | `neutral` | motions that nothing resists |
 //! | `assembly`, `engine`, `contact_side`, `state` | gradient and tangent; the problem assembled; contact in it; the configuration and how it moves |
@@ -19,7 +19,7 @@ pub(crate) mod assembly;
 mod balance;
 mod coarse_first;
 mod contact_side;
-pub mod continuation;
+mod continuation;
 pub(crate) mod engine;
 mod failure;
 mod fields;
@@ -31,12 +31,12 @@ mod interrupt;
 mod moment_load;
 mod multipliers;
 mod neutral;
-pub mod newton;
-pub mod path;
+mod newton;
+mod path;
 mod per_contact;
 mod predictor;
 mod refine;
-pub mod restart;
+mod restart;
 mod settle;
 mod short_first;
 mod stability;
@@ -57,10 +57,10 @@ pub use failure::{Failure, Overlap, Spot};
 pub use fields::NodalFields;
 pub use footprint::Footprint;
 pub use interrupt::Interrupt;
-pub use newton::NewtonOptions;
+pub use newton::{Iteration, NewtonOptions};
 pub use path::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};
-pub use restart::Restart;
-pub use state::{Drive, State};
+pub use restart::{Place, Restart};
+pub use state::State;
 pub use step_report::{Status, StepReport};
 pub use timing::Timings;
 

@@ -48,9 +48,12 @@ impl Workspace {
 /// Nodes with a moment, and the moment at the present load factor.
 fn loaded_rotations(engine: &Engine) -> Vec<(usize, Vec3)> {
     let mut loaded: Vec<(usize, Vec3)> = Vec::new();
-    for load in engine.model.loads.iter().filter(|l| l.moment != Vec3::zeros()) {
-        let node = engine.first_node[load.node.rod] + load.node.node;
-        let moment = load.moment * engine.state.load_factor;
+    let model = &engine.model;
+    let at_nodes = model.loads.iter().map(|l| (engine.first_node[l.node.rod] + l.node.node, l.moment));
+    let along = model.line_loads.iter().filter(|l| l.moment != Vec3::zeros());
+    let along = along.flat_map(|l| engine.shares(l.rod).map(|(node, share)| (node, l.moment * share)));
+    for (node, moment) in at_nodes.filter(|(_, moment)| *moment != Vec3::zeros()).chain(along) {
+        let moment = moment * engine.state.load_factor;
         match loaded.iter_mut().find(|(n, _)| *n == node) {
             Some((_, sum)) => *sum += moment,
             None => loaded.push((node, moment)),

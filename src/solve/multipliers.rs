@@ -103,7 +103,7 @@ impl Solver {
     fn node_gaps(&self) -> Vec<f64> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut gaps = vec![f64::INFINITY; side.offsets.num_nodes()];
-        for term in &self.engine.residual(&self.engine.state).meetings {
+        for term in &self.engine.residual(&self.engine.state).contact_pairs {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
             let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
             for (zone, k) in term.zones.iter().flat_map(|zone| [(zone, 0), (zone, 1)]) {

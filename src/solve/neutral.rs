@@ -16,7 +16,7 @@
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
-use crate::contact::detect::Meeting;
+use crate::contact::potential::ContactPair;
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::solve::engine::Engine;
@@ -164,7 +164,7 @@ fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) ->
         let at_node = model.loads.iter().filter(|load| engine.first_node[load.node.rod] + load.node.node == node);
         let along = model.line_loads.iter().filter(|load| engine.nodes(load.rod).contains(&node));
         at_node.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
-            || along.clone().any(|load| works(&load.force, k))
+            || along.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
     })
 }
 
@@ -254,12 +254,12 @@ impl Supports {
 
 impl Neutral {
     /// The neutral motions of a model whose strands touch as in `meetings`.
-    pub(crate) fn at(engine: &Engine, state: &State, meetings: &[Meeting]) -> Self {
+    pub(crate) fn at(engine: &Engine, state: &State, contact_pairs: &[ContactPair]) -> Self {
         let model = &engine.model;
         if model.rods.len() == 1 {
             return Self::of(engine, state);
         }
-        let several = Several::of(engine, state, meetings, weights(engine));
+        let several = Several::of(engine, state, contact_pairs, weights(engine));
         Self { several, ..Self::default() }
     }
 

@@ -1,7 +1,7 @@
 //! Mixed-integration-point Newton with an inertia-controlled shift and a passage-free step bound.
 
 use crate::error::SolveError;
-use crate::rod::element::Six;
+use crate::rod::element::Stress;
 use crate::solve::assembly::{Residual, Tangent};
 use crate::solve::engine::Engine;
 use crate::solve::interrupt::Interrupt;
@@ -303,12 +303,18 @@ impl Workspace {
         Ok(())
     }
 
-    pub(crate) fn linearise(&mut self, engine: &Engine, state: &State, stress: &[[Six; 3]], drive: &Drive) -> Residual {
+    pub(crate) fn linearise(
+        &mut self,
+        engine: &Engine,
+        state: &State,
+        stress: &[[Stress; 3]],
+        drive: &Drive,
+    ) -> Residual {
         let Some(pattern) = &self.pattern else { return Residual::default() };
         let tangent = &mut self.tangent;
         let mut residual =
             timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, pattern, tangent));
-        self.neutral = Neutral::at(engine, state, &residual.meetings);
+        self.neutral = Neutral::at(engine, state, &residual.contact_pairs);
         self.bases.clone_from(&residual.bases);
         self.neutral.add_pins(engine, state, (pattern, &self.bases), &mut self.tangent.values);
         self.neutral.remove_sliding_force(&mut residual.gradient);

@@ -8,14 +8,15 @@ use crate::math::Vec3;
 use crate::math::parallel::in_pool;
 use crate::math::quaternion::exp;
 use crate::scene::model::{Way, unit};
-use crate::scene::{Model, Pose, Ramp, Stage};
+use crate::scene::{ContactLaw, Model, Pose, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::engine::Engine;
 use crate::solve::failure::Failure;
+use crate::solve::footprint::Footprint;
 use crate::solve::newton::Workspace;
 use crate::solve::predictor::{History, lifted};
 use crate::solve::restart::{Place, Restart};
-use crate::solve::state::{Drive, Moved, Target};
+use crate::solve::state::{Drive, Moved, State, Target};
 use crate::solve::step_report::{Status, StepReport};
 use crate::solve::timing::Timings;
 
@@ -181,9 +182,37 @@ impl Solver {
         &self.engine
     }
 
-    /// The engine, to be changed by the caller between steps.
-    pub fn engine_mut(&mut self) -> &mut Engine {
-        &mut self.engine
+    /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
+    /// [`Solver::step_to`] without ramps, but not predicted from earlier steps.
+    pub fn find_equilibrium(&mut self) -> StepReport {
+        self.settle(&Drive::default())
+    }
+
+    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
+    /// and dropped for a penalty.
+    ///
+    /// # Errors
+    /// A law out of range; a change from or to no contact, which needs a new solver.
+    pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        self.engine.set_contact_law(law)
+    }
+
+    /// Replaces the configuration: by a start shape of one's own, or by the state of the same rods under other loads or
+    /// supports.
+    ///
+    /// # Errors
+    /// `InputError::Inconsistent` when the sizes do not match the model.
+    pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
+        self.engine.set_state(state)
+    }
+
+    /// Sizes of the problem with the contact candidates of the present state; analyses the pattern of the tangent anew,
+    /// which takes about as long as a Newton iteration.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down, a factorisation that does not fit into memory.
+    pub fn footprint(&mut self) -> Result<Footprint, SolveError> {
+        self.engine.footprint()
     }
 
     /// The solver's options.

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
-use crate::contact::detect::ZonePiece;
+use crate::contact::potential::ZonePiece;
 use crate::math::Vec3;
 use crate::solve::assembly::Residual;
 use crate::solve::contact_side::ContactSide;
@@ -196,7 +196,7 @@ fn seen<'a>(
     residual: &'a Residual,
     window: &'a impl Fn(usize, usize) -> f64,
 ) -> impl Iterator<Item = Seen<'a>> {
-    residual.meetings.iter().flat_map(move |term| {
+    residual.contact_pairs.iter().flat_map(move |term| {
         let (slave, master) = (term.slave, term.master);
         let window = window(slave, master);
         let apart = (2.0 * window).max(side.set.radius_of(slave) + side.set.radius_of(master));

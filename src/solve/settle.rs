@@ -45,7 +45,7 @@ pub(crate) struct Snapshot {
 
 impl Solver {
     /// Brings the present state to a stable equilibrium with contact enforced, applying `drive` on the way.
-    pub fn settle(&mut self, drive: &Drive) -> StepReport {
+    pub(crate) fn settle(&mut self, drive: &Drive) -> StepReport {
         self.settle_along(drive, None)
     }
 

@@ -30,7 +30,7 @@ pub struct State {
 /// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps,
 /// so that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Drive {
+pub(crate) struct Drive {
     /// (node, displacement \[L\], rotation vector \[rad\]) of supported nodes.
     pub nodes: Vec<(usize, Vec3, Vec3)>,
     /// Per rod: change of the seam angle, rad; empty if none changes.
@@ -135,7 +135,7 @@ impl Drive {
     }
 
     /// The supports' motions times a factor.
-    pub fn scaled(&self, factor: f64) -> Self {
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self { nodes: self.nodes.iter().map(|&(n, d, r)| (n, d * factor, r * factor)).collect(), seams: Vec::new() }
     }
 }

@@ -2,8 +2,8 @@
 //! times their stiffness.
 
 use crate::contact::curve::Cubic;
-use crate::contact::detect::surprise::{stiffness_of_gaps, surprise_of_gaps};
-use crate::contact::detect::{self, Besides, Meeting, Pressures};
+use crate::contact::potential::second_order::{second_order_of_gaps, stiffness_of_gaps};
+use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
 use crate::solve::assembly::{PAIRS, Residual};
 use crate::solve::contact_side::{ContactSide, contact_cubic};
@@ -30,11 +30,11 @@ impl Engine {
         let mut known = vec![false; side.nodes.len()];
         self.add_terms(
             side,
-            &residual.meetings,
+            &residual.contact_pairs,
             forces,
             |term| {
                 let (cubics, change) = side.motion_of(term, state, increment);
-                surprise_of_gaps(term, [&cubics[0], &cubics[1]], &change, &side.set)
+                second_order_of_gaps(term, [&cubics[0], &cubics[1]], &change, &side.set)
             },
             |term, gone| [term.slave, gone[0], gone[1]].into_iter().for_each(|segment| known[segment] = true),
         );
@@ -43,24 +43,24 @@ impl Engine {
 
     /// Adds the forces of slaves in contact `there`, where contact now is, that are not known.
     fn add_new(&self, there: &Residual, known: &[bool], forces: &mut [f64]) {
-        let new = there.meetings.iter().filter(|meeting| !known[meeting.slave]);
+        let new = there.contact_pairs.iter().filter(|pair| !known[pair.slave]);
         let mut pairs: Vec<[u32; 2]> =
             new.map(|m| [m.slave.min(m.master) as u32, m.slave.max(m.master) as u32]).collect();
         pairs.dedup();
-        self.add_contact_of(&pairs, |meeting| !known[meeting.slave], forces);
+        self.add_contact_of(&pairs, |pair| !known[pair.slave], forces);
     }
 
     /// Adds to `forces` (six per node) the gradient of the contact potential, of these candidate pairs as far as they
     /// are `wanted`, where contact now is.
-    pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&Meeting) -> bool, forces: &mut [f64]) {
+    pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&ContactPair) -> bool, forces: &mut [f64]) {
         let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
-        let ground = detect::Ground::of_set(&side.set);
+        let geometry = potential::ContactGeometry::of_set(&side.set);
         let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures { law: side.law, offset: &offset, before: None };
         for batch in pairs.chunks(PAIRS) {
-            let found = self.install(|| detect::evaluate_ends(&ground, batch, &pressures, Besides::default()));
-            for term in found.into_iter().flatten().filter(|term| wanted(&term.meeting)) {
-                side.scatter(&term.meeting, &term.gradient, forces);
+            let found = self.install(|| potential::evaluate_ends(&geometry, batch, &pressures, Request::default()));
+            for term in found.into_iter().flatten().filter(|term| wanted(&term.pair)) {
+                side.scatter(&term.pair, &term.gradient, forces);
             }
         }
     }
@@ -70,11 +70,11 @@ impl Engine {
     pub(crate) fn contact_stiffness_force(&self, state: &State, increment: &[f64], residual: &Residual) -> Vec<f64> {
         let mut forces = vec![0.0; increment.len()];
         let Some(side) = &self.contact else { return forces };
-        let gradient = |term: &Meeting| {
+        let gradient = |term: &ContactPair| {
             let (cubics, change) = side.motion_of(term, state, increment);
             (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
         };
-        self.add_terms(side, &residual.meetings, &mut forces, gradient, |_, ()| {});
+        self.add_terms(side, &residual.contact_pairs, &mut forces, gradient, |_, ()| {});
         forces
     }
 
@@ -82,10 +82,10 @@ impl Engine {
     fn add_terms<R: Send>(
         &self,
         side: &ContactSide,
-        terms: &[Meeting],
+        terms: &[ContactPair],
         forces: &mut [f64],
-        gradient: impl Fn(&Meeting) -> ([f64; 24], R) + Sync,
-        mut told: impl FnMut(&Meeting, R),
+        gradient: impl Fn(&ContactPair) -> ([f64; 24], R) + Sync,
+        mut told: impl FnMut(&ContactPair, R),
     ) {
         for batch in terms.chunks(BATCH) {
             let found = self.install(|| parallel::map(batch.len(), 64, &|k| gradient(&batch[k])));
@@ -99,14 +99,14 @@ impl Engine {
 
 impl ContactSide {
     /// Adds what a contact makes of both ends of both segments to nodal forces.
-    fn scatter(&self, meeting: &Meeting, gradient: &[f64; 24], forces: &mut [f64]) {
-        for (node, force) in self.nodes_of(meeting).into_iter().zip(gradient.chunks_exact(6)) {
+    fn scatter(&self, pair: &ContactPair, gradient: &[f64; 24], forces: &mut [f64]) {
+        for (node, force) in self.nodes_of(pair).into_iter().zip(gradient.chunks_exact(6)) {
             forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
         }
     }
 
     /// Slave and master of a term at a state and the linear motion of their control points.
-    fn motion_of(&self, term: &Meeting, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
+    fn motion_of(&self, term: &ContactPair, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
         let cubic = |segment: usize| contact_cubic(state, self.nodes[segment], self.set.lengths[segment]);
         let linear =
             |segment: usize| motion(state, increment, self.nodes[segment], self.set.lengths[segment] / 3.0).linear;
@@ -152,7 +152,7 @@ mod tests {
         engine.update_contact(&state).unwrap();
         let pattern = engine.build_pattern();
         let residual = engine.linearise(&state, None, &Drive::default(), &pattern, &mut Tangent::default());
-        assert!(!residual.meetings.is_empty());
+        assert!(!residual.contact_pairs.is_empty());
         let mut increment = vec![0.0; 6 * engine.num_nodes()];
         for node in engine.first_node[1]..engine.first_node[2] {
             increment[6 * node..6 * node + 3].copy_from_slice(by.as_slice());

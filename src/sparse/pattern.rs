@@ -31,12 +31,13 @@ pub struct Pattern {
 impl Pattern {
     /// Pattern of nodes with the given free unknowns, coupled in the given node pairs (any order, duplicates allowed;
     /// the diagonal is always present).
+    #[cfg(test)]
     pub fn new(free: &[[bool; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let master: Vec<usize> = (0..free.len()).collect();
         Self::joined(free, &master, pairs)
     }
 
-    /// As [`Pattern::new`] with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b
+    /// As `Pattern::new` with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b
     /// is joined to. Of joined nodes only the master's `free` counts; equations and blocks of the others are the
     /// master's.
     pub fn joined(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {

@@ -1,11 +1,11 @@
 //! Curvature of a rod where a concentrated contact force makes its slope jump, and interpolation of states to an event.
 
-use supercoil::math::quadrature::gauss;
-use supercoil::math::quaternion::{spin, to_array};
-use supercoil::math::shape_functions::Table;
+use supercoil::internals::element::{ElementNodes, raw_strains};
+use supercoil::internals::quadrature::gauss;
+use supercoil::internals::quaternion::{spin, to_array};
+use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::{Quaternion, SMatrix, UnitQuaternion};
-use supercoil::rod::element::{ElementNodes, raw_strains};
 use supercoil::solve::Solver;
 
 /// Concentrated force on a strand: resultant and standard deviation of its distribution along the strand.
@@ -35,7 +35,7 @@ pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: Point
     let engine = solver.engine();
     let data = &engine.model().rods[rod];
     let (order, elements) = (data.order, data.num_elements);
-    let table = Table::new(order);
+    let table = ShapeTable::new(order);
     let (positions, frames) = (engine.positions(rod), engine.frames(rod));
     let length = data.length / elements as f64;
     let boundary = (arc / length).round();

@@ -13,12 +13,12 @@ pub mod two_ply;
 
 use std::ops::ControlFlow;
 
-use supercoil::math::quaternion::to_array;
-use supercoil::math::shape_functions::Table;
+use supercoil::internals::element::{ElementNodes, Strain, raw_strains, stiffness};
+use supercoil::internals::quaternion::to_array;
+use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Quat, Vec3};
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::element::{ElementNodes, Six, raw_strains, stiffness};
 use supercoil::rod::{Natural, Rod, Section};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Progress, Solver, StepReport};
@@ -103,8 +103,8 @@ pub fn tip(solver: &Solver) -> Vec3 {
 }
 
 /// Strains (reference subtracted) at the integration points of rod 0, element by element, for an open rod.
-pub fn strains(rod: &Rod, positions: &[Vec3], frames: &[Quat]) -> Vec<Six> {
-    let table = Table::new(rod.order);
+pub fn strains(rod: &Rod, positions: &[Vec3], frames: &[Quat]) -> Vec<Strain> {
+    let table = ShapeTable::new(rod.order);
     let length = rod.length / rod.num_elements as f64;
     let raw = |positions: &[Vec3], frames: &[Quat], element: usize| {
         let mut nodes = ElementNodes::default();
@@ -134,16 +134,16 @@ pub fn strains(rod: &Rod, positions: &[Vec3], frames: &[Quat]) -> Vec<Six> {
 }
 
 /// Strains of rod 0 in the solver's state.
-pub fn strains_of(solver: &Solver) -> Vec<Six> {
+pub fn strains_of(solver: &Solver) -> Vec<Strain> {
     strains(&solver.engine().model().rods[0], solver.engine().positions(0), solver.engine().frames(0))
 }
 
 /// Elastic energy of rod 0 in the solver's state.
 pub fn elastic_energy(solver: &Solver) -> f64 {
     let rod = &solver.engine().model().rods[0];
-    let (material, table) = (stiffness(&rod.section), Table::new(rod.order));
+    let (material, table) = (stiffness(&rod.section), ShapeTable::new(rod.order));
     let length = rod.length / rod.num_elements as f64;
-    let density = |strain: &Six| 0.5 * (0..6).map(|i| material[i] * strain[i] * strain[i]).sum::<f64>();
+    let density = |strain: &Strain| 0.5 * (0..6).map(|i| material[i] * strain[i] * strain[i]).sum::<f64>();
     let points = strains_of(solver);
     points.iter().enumerate().map(|(i, s)| table.rule.weights[i % rod.order] * length * density(s)).sum()
 }
@@ -157,7 +157,7 @@ pub fn slender_disc(slenderness: f64) -> Section {
 
 /// The iterations of a report on one line, for messages.
 pub fn history(report: &StepReport) -> String {
-    let line = |i: &supercoil::solve::newton::Iteration| format!("{:.1e}({:.2})", i.increment, i.fraction);
+    let line = |i: &supercoil::solve::Iteration| format!("{:.1e}({:.2})", i.increment, i.fraction);
     let searches = report.history.iter().map(|h| h.iter().map(line).collect::<Vec<_>>().join(" "));
     format!("{:?} {}: {}", report.status, report.iterations, searches.collect::<Vec<_>>().join(" | "))
 }

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use supercoil::contact::curve::Cubic;
+use supercoil::contact::Cubic;
 use supercoil::math::Vec3;
 
 use super::random::Random;

@@ -23,7 +23,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
 use super::{history, observed, strains};
-use supercoil::math::quaternion::spin;
+use supercoil::internals::quaternion::spin;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
@@ -74,7 +74,7 @@ pub struct Ply {
 /// A pressure that turns by `angle` from node to node, weighted with a node's Hermite function and summed, over its
 /// size: the nodal force is shorter than the force along the arc that it stands for.
 fn lumping(angle: f64) -> f64 {
-    let rule = supercoil::math::quadrature::gauss(5);
+    let rule = supercoil::internals::quadrature::gauss(5);
     let value = |x: f64| (1.0 - 3.0 * x * x + 2.0 * x * x * x) * (angle * x).cos();
     2.0 * rule.points.iter().zip(rule.weights).map(|(&x, &w)| w * value(x)).sum::<f64>()
 }

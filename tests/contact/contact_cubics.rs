@@ -6,8 +6,8 @@
 
 use std::f64::consts::PI;
 
-use supercoil::contact::curve::Cubic;
-use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteKind, detect};
+use supercoil::contact::Cubic;
+use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteLocation, detect};
 use supercoil::math::{Quat, Vec3};
 
 use crate::random;
@@ -238,7 +238,7 @@ fn parallel_cubics_have_a_flat_site_each() {
         let sites = between_two(&line(0.0, Vec3::zeros()), &line(shift, from), 0.2);
         let (flat, others): (Vec<Site>, Vec<Site>) = sites.iter().partition(|s| s.flat);
         // Open ends are sites of their own.
-        assert!(others.iter().all(|s| s.kind == supercoil::contact::SiteKind::End), "{others:?}");
+        assert!(others.iter().all(|s| s.kind == supercoil::contact::SiteLocation::End), "{others:?}");
         for s in &flat {
             let (x, y) = (s.segment_a as f64 + s.u_a, s.segment_b as f64 + s.u_b + shift);
             assert!((x - y).abs() < 1e-9 && (s.gap - (from.norm() - 2.0 * RADIUS)).abs() < 1e-12, "{s:?}");
@@ -266,7 +266,7 @@ fn soft_minima_of_far_cubics_are_isolated() {
             let options = Options { range: 2.0 * distance, zones: false, ..Options::default() };
             let found = detect(&[Curve::cubics(&a, 0.1), Curve::cubics(&b, 0.1)], options).unwrap().sites;
             assert!(
-                found.len() == 1 && !found[0].flat && found[0].kind == SiteKind::Interior,
+                found.len() == 1 && !found[0].flat && found[0].kind == SiteLocation::Interior,
                 "{distance:e} {found:?}"
             );
             let ((p, dp, _), (q, dq, _)) = (a[0].derivatives(found[0].u_a), b[0].derivatives(found[0].u_b));

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use supercoil::InputError;
-use supercoil::contact::capsule::segment_distance;
-use supercoil::contact::curve::Cubic;
-use supercoil::contact::detect::Want;
-use supercoil::contact::stages::Stage;
+use supercoil::contact::Cubic;
+use supercoil::contact::Want;
 use supercoil::contact::{Contacts, Curve, Detector, Neighbours, Options, detect};
+use supercoil::internals::capsule::segment_distance;
+use supercoil::internals::steps::DetectorStep;
 use supercoil::math::{Mat3, Quat, Vec3};
 
 use crate::inputs;
@@ -128,7 +128,7 @@ fn reference_counts() {
         let points = kind.points(10_000);
         let curve = [Curve::polyline(&points, 1.0)];
         let mut detector = Detector::new(options(0.0, Neighbours::Segments(1)));
-        for stage in [Stage::Prepare, Stage::Refit, Stage::Boxes] {
+        for stage in [DetectorStep::Prepare, DetectorStep::Refit, DetectorStep::Boxes] {
             detector.run_stage(&curve, stage).unwrap();
         }
         let bounds = |i: usize| {

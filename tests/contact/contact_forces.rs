@@ -13,7 +13,7 @@
 
 use std::f64::consts::TAU;
 
-use supercoil::contact::detect::Want;
+use supercoil::contact::Want;
 use supercoil::contact::{Curve, Detector, Law, Options};
 use supercoil::math::{Quat, Vec3};
 

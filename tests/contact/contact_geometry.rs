@@ -5,14 +5,15 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 use supercoil::InputError;
-use supercoil::contact::broad_phase::{BroadPhase, brute_force_candidates};
-use supercoil::contact::capsule::{distance_lower_bound, segment_distance, segment_distance_sq};
-use supercoil::contact::clearance::smallest_clearance;
-use supercoil::contact::curve::{Cubic, CurveInput, CurveSet, angle};
-use supercoil::contact::exclusion::Exclusion;
-use supercoil::contact::projection::{Feet, feet_on_segment, local_minima, stationarity};
+use supercoil::contact::Cubic;
+use supercoil::internals::bernstein::{Crossing, Roots, eval, roots};
+use supercoil::internals::broad_phase::{BroadPhase, brute_force_candidates};
+use supercoil::internals::capsule::{distance_lower_bound, segment_distance, segment_distance_sq};
+use supercoil::internals::clearance::smallest_clearance;
+use supercoil::internals::curve::{CurveInput, CurveSet, angle};
+use supercoil::internals::exclusion::Exclusion;
+use supercoil::internals::projection::{Feet, feet_on_segment, local_minima, stationarity};
 use supercoil::math::Vec3;
-use supercoil::math::bernstein::{Crossing, Roots, eval, roots};
 
 use crate::random;
 use random::Random;

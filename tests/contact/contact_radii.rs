@@ -1,9 +1,9 @@
 //! A radius per segment: candidates, sites, zones, clearance and forces against brute force and against equal radii.
 
-use supercoil::contact::capsule::segment_distance;
-use supercoil::contact::curve::Cubic;
-use supercoil::contact::detect::Want;
+use supercoil::contact::Cubic;
+use supercoil::contact::Want;
 use supercoil::contact::{Curve, Detector, Neighbours, Options, Radius, detect};
+use supercoil::internals::capsule::segment_distance;
 use supercoil::math::Vec3;
 
 use crate::random;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use supercoil::contact::curve::Cubic;
-use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteKind, detect};
+use supercoil::contact::Cubic;
+use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteLocation, detect};
 use supercoil::math::Vec3;
 
 use crate::random;
@@ -160,7 +160,7 @@ fn stated_answers_of_special_cases() {
     assert_eq!(c.sites.len(), 1);
     let s = &c.sites[0];
     assert!(s.flat && (s.arc_a - 2.5).abs() < 1e-14 && (s.arc_b - 1.5).abs() < 1e-14 && (s.gap - 0.2).abs() < 1e-14);
-    assert!((s.normal - Vec3::y()).norm() < 1e-15 && s.angle == 0.0 && s.kind == SiteKind::Interior);
+    assert!((s.normal - Vec3::y()).norm() < 1e-15 && s.angle == 0.0 && s.kind == SiteLocation::Interior);
     assert_eq!(c.zones.len(), 2);
     assert!((c.zones[0].arc[0] - 0.7).abs() < 1e-12 && (c.zones[0].arc[1] - 4.0).abs() < 1e-12, "{:?}", c.zones);
     assert!(c.zones[0].partner_arc[0].abs() < 1e-12 && (c.zones[0].partner_arc[1] - 3.0).abs() < 1e-12);
@@ -174,14 +174,16 @@ fn stated_answers_of_special_cases() {
     assert!((c.sites[0].angle - PI / 2.0).abs() < 1e-15);
     // End to end, and end against the inside.
     let c = two(&line, &[v(1.3, 0., 0.), v(2., 0., 0.)]);
-    assert!(c.sites.len() == 1 && c.sites[0].kind == SiteKind::End && (c.sites[0].gap - 0.1).abs() < 1e-15);
+    assert!(c.sites.len() == 1 && c.sites[0].kind == SiteLocation::End && (c.sites[0].gap - 0.1).abs() < 1e-15);
     let c = two(&line, &[v(0.5, 0.4, 0.), v(0.5, 2., 0.)]);
-    assert!(c.sites.len() == 1 && c.sites[0].kind == SiteKind::End && c.sites[0].u_a == 0.5 && c.sites[0].u_b == 0.0);
+    assert!(
+        c.sites.len() == 1 && c.sites[0].kind == SiteLocation::End && c.sites[0].u_a == 0.5 && c.sites[0].u_b == 0.0
+    );
     // A kink that points at a line; one that points away has none of its own.
     let c = two(&[v(-2., 0., 0.), v(2., 0., 0.)], &[v(-1., 1.3, 0.), v(0., 0.3, 0.), v(1., 1.3, 0.)]);
     assert!(
         c.sites.len() == 1
-            && c.sites[0].kind == SiteKind::Interior
+            && c.sites[0].kind == SiteLocation::Interior
             && c.sites[0].u_b == 0.0
             && c.sites[0].segment_b == 1
     );
@@ -197,7 +199,7 @@ fn stated_answers_of_special_cases() {
     let open = ring(60, 2.0 * PI - 0.05);
     let c = detect(&[Curve::polyline(&open, 0.01)], options(0.1, Neighbours::Turning)).unwrap();
     assert!(
-        c.sites.len() == 1 && c.sites[0].kind == SiteKind::End && c.sites[0].u_a == 0.0 && c.sites[0].u_b == 1.0,
+        c.sites.len() == 1 && c.sites[0].kind == SiteLocation::End && c.sites[0].u_a == 0.0 && c.sites[0].u_b == 1.0,
         "{:?}",
         c.sites
     );

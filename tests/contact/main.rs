@@ -8,7 +8,7 @@ mod inputs;
 #[path = "../../examples/contact_of_polylines.rs"]
 #[allow(dead_code)] // each module uses its part
 mod polylines;
-#[path = "../common/random.rs"]
+#[path = "../../src/math/random.rs"]
 mod random;
 #[path = "../common/smooth_curves.rs"]
 mod smooth_curves;

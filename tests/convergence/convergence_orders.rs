@@ -14,8 +14,8 @@ use crate::common;
 
 use common::{cantilever, elastic_energy, fitted_order, history, sci, slender_disc, strains_of, verify};
 use std::f64::consts::FRAC_PI_2;
-use supercoil::math::quadrature::gauss;
-use supercoil::math::shape_functions::lagrange;
+use supercoil::internals::quadrature::gauss;
+use supercoil::internals::shape_functions::lagrange;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, Shape};
 use supercoil::scene::Ramp;

@@ -21,9 +21,9 @@
 use crate::common;
 
 use common::{elastic_energy, end_of, fitted_order, history, sci, strains, strains_of, verify};
-use supercoil::math::shape_functions::Table;
+use supercoil::internals::element::stiffness;
+use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Mat3, Quat, Vec3};
-use supercoil::rod::element::stiffness;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
@@ -33,7 +33,7 @@ const FELT: f64 = 1e-4;
 
 /// Frames and spatial curvatures at the integration points of an open rod, kept up to date by increments.
 struct Incremental {
-    table: Table,
+    table: ShapeTable,
     elements: usize,
     length: f64,
     points: Vec<(Quat, Vec3)>,
@@ -43,7 +43,7 @@ impl Incremental {
     /// A straight rod whose frames are all `frame`.
     fn straight(order: usize, elements: usize, length: f64, frame: Quat) -> Self {
         let points = vec![(frame, Vec3::zeros()); order * elements];
-        Self { table: Table::new(order), elements, length, points }
+        Self { table: ShapeTable::new(order), elements, length, points }
     }
 
     /// One step, given the rotation increment (spatial rotation vector) of each node.

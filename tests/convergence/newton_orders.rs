@@ -62,7 +62,7 @@ fn under(solver: &Solver, law: ContactLaw) -> Solver {
     model.contact.law = law;
     let mut other = Solver::new(model, Options::default()).unwrap();
     other.options_mut().newton.tol_increment = 1e-12;
-    other.engine_mut().set_state(solver.engine().state().clone()).unwrap();
+    other.set_state(solver.engine().state().clone()).unwrap();
     let report = other.resettle();
     assert_eq!(report.status, Status::Converged, "{}", history(&report));
     other
@@ -150,7 +150,7 @@ fn beams(start: Vec3, direction: Vec3, push: Vec3, stretching: f64) -> Solver {
     let rods = vec![beam("lower", Vec3::zeros(), Vec3::x()), beam("upper", start, direction)];
     let last = rods[0].num_nodes() - 1;
     let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
-    let line_loads = vec![LineLoad { rod: 0, force: push }, LineLoad { rod: 1, force: -push }];
+    let line_loads = vec![LineLoad::of_force(0, push), LineLoad::of_force(1, -push)];
     let contact = Contact { law: penalty(1e5, RADIUS) };
     let planar = direction == Vec3::x();
     Solver::new(Model { rods, supports, line_loads, contact, planar, ..Model::default() }, Options::default()).unwrap()

@@ -88,7 +88,7 @@ fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     let rods = vec![beam("lower", Vec3::zeros()), beam("upper", Vec3::y() * 0.041)];
     let last = rods[0].num_nodes() - 1;
     let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
-    let along = |(rod, sign): (usize, f64)| LineLoad { rod, force: Vec3::y() * (sign * force / unit) };
+    let along = |(rod, sign): (usize, f64)| LineLoad::of_force(rod, Vec3::y() * (sign * force / unit));
     let line_loads = [(0, 1.0), (1, -1.0)].map(along).to_vec();
     let model = Model { rods, supports, line_loads, contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();

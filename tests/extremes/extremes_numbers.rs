@@ -45,7 +45,7 @@ fn problem() -> Problem {
             force: Vec3::new(0.1, 0.2, 0.3),
             moment: Vec3::new(0.3, 0.2, 0.1),
         }],
-        line_loads: vec![LineLoad { rod: 0, force: Vec3::new(0.0, 0.1, 0.0) }],
+        line_loads: vec![LineLoad::of_force(0, Vec3::new(0.0, 0.1, 0.0))],
         contact: Contact { law: ContactLaw::AugmentedLagrangian { stiffness: 100.0, tol_penetration: 1e-6 } },
         ..Model::default()
     };

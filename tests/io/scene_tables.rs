@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use supercoil::rod::Natural;
 use supercoil::scene::Scene;
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 const RING: &str = r#"
 [[rods]]
@@ -94,7 +94,7 @@ fn a_ring_with_a_sequence_comes_to_rest() {
     );
     let model = Scene::from_toml(&scene, &folder).unwrap().model;
     let mut solver = Solver::new(model, Options::default()).unwrap();
-    let report = solver.settle(&Drive::default());
+    let report = solver.find_equilibrium();
     assert_eq!(
         (report.status, report.num_unstable),
         (Status::Converged, 0),

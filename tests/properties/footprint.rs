@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
-use supercoil::contact::broad_phase::BroadPhase;
-use supercoil::contact::curve::CurveSet;
-use supercoil::contact::exclusion::Exclusion;
+use supercoil::internals::broad_phase::BroadPhase;
+use supercoil::internals::curve::CurveSet;
+use supercoil::internals::exclusion::Exclusion;
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model};

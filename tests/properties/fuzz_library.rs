@@ -216,7 +216,7 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
                 count("rod refused".to_owned());
                 return Ok(());
             };
-            let line_loads = line_loads.into_iter().map(|(rod, force)| LineLoad { rod, force }).collect();
+            let line_loads = line_loads.into_iter().map(|(rod, force)| LineLoad::of_force(rod, force)).collect();
             let model =
                 Model { rods, supports, loads, line_loads, contact: Contact { law }, planar, ..Model::default() };
             let mut options = Options { max_augmentations: 3, max_departures: 1, min_step: 0.5, ..Options::default() };

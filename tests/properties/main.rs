@@ -4,7 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/random.rs"]
+#[path = "../../src/math/random.rs"]
 mod random;
 
 mod far_from_origin;

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use random::Random;
 use supercoil::math::Vec3;
-use supercoil::observe::link::{link_numbers, linking_number, ribbon_twist, writhe};
+use supercoil::math::link::{link_numbers, linking_number, ribbon_twist, writhe};
 
 fn torus_knot(n: usize) -> Vec<Vec3> {
     let at = |t: f64| {

@@ -33,7 +33,7 @@ use std::f64::consts::TAU;
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 /// To 1e-9 contact distances.
 const TOLERANCE: f64 = 2e-9;
@@ -46,12 +46,12 @@ type Resultants = [f64; 3];
 fn decades(solver: &mut Solver, radius: f64, first: i32) -> (Vec<Resultants>, Vec<Vec<f64>>) {
     let at = |decade: i32| {
         let stiffness = 10f64.powi(decade) * radius.powi(4);
-        solver.engine_mut().set_contact_law(ContactLaw::Penalty { stiffness }).unwrap();
-        let report = solver.settle(&Drive::default());
+        solver.set_contact_law(ContactLaw::Penalty { stiffness }).unwrap();
+        let report = solver.find_equilibrium();
         assert_eq!(report.status, Status::Converged, "κ = 1e{decade}: {}", history(&report));
         let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: TOLERANCE };
-        solver.engine_mut().set_contact_law(law).unwrap();
-        let report = solver.settle(&Drive::default());
+        solver.set_contact_law(law).unwrap();
+        let report = solver.find_equilibrium();
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
         assert!(report.penetration <= TOLERANCE, "{}", report.penetration);
         assert!(report.augmentations <= 15 && report.iterations <= 250, "{}", history(&report));
@@ -104,7 +104,7 @@ fn twisted_ring() {
         (&[2.45], 2.6, ("line and two points", None, [2e-3, 1.5e-4])),
     ];
     for (way, link, (name, event, tolerances)) in states {
-        solver.engine_mut().set_contact_law(soft).unwrap();
+        solver.set_contact_law(soft).unwrap();
         for &to in way.iter().chain([&link]) {
             let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
             assert_eq!(report.status, Status::Converged, "{}", history(&report));

@@ -26,7 +26,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 const RADIUS: f64 = 0.01;
 const RADIUS_4: f64 = RADIUS * RADIUS * RADIUS * RADIUS;
@@ -81,7 +81,7 @@ fn parallel(gap: f64, law: ContactLaw) -> (Solver, [Ramp; 1]) {
         beam("upper", Vec3::y() * (2.0 * RADIUS + gap), Vec3::x(), 96),
     ];
     let mut model = Model { planar: true, ..model(rods, law) };
-    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     (Solver::new(model, Options::default()).unwrap(), [Ramp::Load { to: load(gap) }])
 }
 
@@ -91,8 +91,8 @@ fn decades(case: (Solver, impl AsRef<[Ramp]>), range: std::ops::RangeInclusive<i
     let mut report = solver.step_to(ramps.as_ref()).unwrap();
     let mut rows = Vec::new();
     for decade in range {
-        solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
-        report = solver.settle(&Drive::default());
+        solver.set_contact_law(penalty(10f64.powi(decade))).unwrap();
+        report = solver.find_equilibrium();
         let seen = see(&solver, &report);
         println!(
             "κ 1e{decade}: penetration/D {:.4e}, force {:.12}, {} iterations",
@@ -126,8 +126,8 @@ fn penalty_errors_along_a_line_fall_with_the_first_power() {
     let mut rows = Vec::new();
     for decade in 6..=9 {
         let kappa = 10f64.powi(decade);
-        solver.engine_mut().set_contact_law(penalty(kappa)).unwrap();
-        let report = solver.settle(&Drive::default());
+        solver.set_contact_law(penalty(kappa)).unwrap();
+        let report = solver.find_equilibrium();
         let seen = see(&solver, &report);
         let middle = [0, 1].map(|rod| solver.engine().positions(rod)[144]);
         let depth = 2.0 * RADIUS - (middle[1] - middle[0]).norm();
@@ -163,11 +163,11 @@ fn augmented_over(name: &str, case: (Solver, impl AsRef<[Ramp]>), decades: [i32;
     let mut resultants = Vec::new();
     for decade in decades[0]..=decades[2] {
         let kappa = 10f64.powi(decade);
-        solver.engine_mut().set_contact_law(penalty(kappa)).unwrap();
-        let report = solver.settle(&Drive::default());
+        solver.set_contact_law(penalty(kappa)).unwrap();
+        let report = solver.find_equilibrium();
         assert_eq!(report.status, Status::Converged, "{}", history(&report));
-        solver.engine_mut().set_contact_law(augmented(kappa)).unwrap();
-        let report = solver.settle(&Drive::default());
+        solver.set_contact_law(augmented(kappa)).unwrap();
+        let report = solver.find_equilibrium();
         let seen = see(&solver, &report);
         let carried: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[1] + r.force[2]).sum();
         println!(

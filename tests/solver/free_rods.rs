@@ -22,7 +22,7 @@ use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
-use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 const LAWS: [ContactLaw; 2] = [
     ContactLaw::Penalty { stiffness: 1e3 },
@@ -47,7 +47,7 @@ fn rested(shapes: &[Shape], law: ContactLaw) -> (Solver, StepReport) {
     let ring = |shape: &Shape| Rod::new("ring", shape, true, section, 24, 3, Natural::Straight).unwrap();
     let model = Model { rods: shapes.iter().map(ring).collect(), contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
-    let report = solver.settle(&Drive::default());
+    let report = solver.find_equilibrium();
     println!("{} iterations, residual {:.1e}", report.iterations, solver.engine().relative_residual());
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
     (solver, report)

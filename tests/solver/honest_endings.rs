@@ -9,7 +9,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::observe::{observe, start_overlaps};
 use supercoil::scene::{NodeRef, Ramp, Scene};
-use supercoil::solve::newton::Iteration;
+use supercoil::solve::Iteration;
 use supercoil::solve::{self, Options, Progress, Solution, Solver, Status};
 
 const SECTION: &str =

@@ -10,7 +10,7 @@ mod families;
 mod knots;
 #[path = "../common/play.rs"]
 mod play;
-#[path = "../common/random.rs"]
+#[path = "../../src/math/random.rs"]
 mod random;
 #[path = "../common/supercoiling.rs"]
 mod supercoiling;

@@ -9,8 +9,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use supercoil::internals::quaternion::spin;
 use supercoil::math::Vec3;
-use supercoil::math::quaternion::spin;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, State, Status};

@@ -4,12 +4,14 @@
 
 use std::f64::consts::TAU;
 
-use supercoil::contact::clearance::{Clearance, smallest_clearance};
-use supercoil::contact::curve::{Cubic, CurveInput, CurveSet};
-use supercoil::contact::exclusion::Exclusion;
+use supercoil::contact::Clearance;
+use supercoil::contact::Cubic;
+use supercoil::internals::clearance::smallest_clearance;
+use supercoil::internals::curve::{CurveInput, CurveSet};
+use supercoil::internals::exclusion::Exclusion;
 use supercoil::math::Vec3;
-use supercoil::observe::link::{link_numbers, linking_number, writhe};
-use supercoil::rod::shape::superhelix_angle;
+use supercoil::math::link::{link_numbers, linking_number, writhe};
+use supercoil::rod::superhelix_angle;
 use supercoil::rod::{Axis, Natural, Plectoneme, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::Model;
 use supercoil::solve::Engine;

@@ -17,7 +17,7 @@ use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, Solver, Status};
+use supercoil::solve::{FollowOptions, Options, PathEnd, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -89,7 +89,7 @@ fn a_light_touch_is_found_without_asking_for_stability() {
             let start = Vec3::new(0.5, 2.0 * RADIUS + gap, 0.0) - direction * 0.5;
             let mut model =
                 clamped(vec![beam("lower", Vec3::zeros(), Vec3::x(), 16), beam("upper", start, direction, 16)]);
-            model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+            model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
             let mut solver = Solver::new(model, options).unwrap();
             let report = solver.step_to(&[Ramp::Load { to: 384.0 * gap }]).unwrap();
             assert_eq!(report.status, Status::Converged, "{}", common::history(&report));
@@ -168,7 +168,7 @@ fn parallel_beams_touch_in_a_point_then_along_a_line() {
     let first = 192.0 * gap;
     let mut model = clamped(vec![lower, upper]);
     model.planar = true;
-    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let mut solver = Solver::new(model, Options::default()).unwrap();
     let mut at = |factor: f64| to(&mut solver, &[Ramp::Load { to: factor * first }]);
     let seen = at(0.98);
@@ -249,7 +249,7 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
     // a step that moves the ends by five diameters at once does not converge
     let mut lowered = 0.0;
     for depth in [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6] {
-        solver.engine_mut().set_contact_law(penalty(1e7)).unwrap();
+        solver.set_contact_law(penalty(1e7)).unwrap();
         let parts = f64::ceil((depth - lowered) / 0.02);
         for part in 1..=parts as u32 {
             let by = lowered + (depth - lowered) * f64::from(part) / parts;
@@ -261,8 +261,8 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
         }
         lowered = depth;
         for decade in 8..=13 {
-            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
-            assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
+            solver.set_contact_law(penalty(10f64.powi(decade))).unwrap();
+            assert_eq!(solver.find_equilibrium().status, Status::Converged);
         }
         let seen = to(&mut solver, &[]);
         // secant on the force
@@ -324,14 +324,14 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
         let mut model = clamped(vec![beam("lower", 0.0, elements), beam("upper", 2.0 * RADIUS + gap, elements)]);
         model.planar = true;
         model.contact = Contact { law: penalty(1e6) };
-        model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+        model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
         Solver::new(model, Options::default()).unwrap()
     };
     let at = |solver: &mut Solver, factor: f64, top: i32| {
-        solver.engine_mut().set_contact_law(penalty(1e6)).unwrap();
+        solver.set_contact_law(penalty(1e6)).unwrap();
         to(solver, &[Ramp::Load { to: factor * first }]);
         for decade in 7..=top {
-            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade))).unwrap();
+            solver.set_contact_law(penalty(10f64.powi(decade))).unwrap();
             to(solver, &[]);
         }
         to(solver, &[])
@@ -344,7 +344,7 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     for factor in [2.2, 2.6, 2.9] {
         // a tenfold stiffness is as much of the force as frames leave of a gap by rounding
         let force = at(&mut solver, factor, 12).total_contact_force;
-        solver.engine_mut().set_contact_law(penalty(1e13)).unwrap();
+        solver.set_contact_law(penalty(1e13)).unwrap();
         let seen = to(&mut solver, &[]);
         assert_eq!(seen.sites.len(), 1);
         let site = &seen.sites[0];
@@ -401,7 +401,7 @@ fn a_path_goes_through_first_contact_and_back() {
     };
     let mut model = clamped(vec![beam("lower", 0.0), beam("upper", 2.0 * RADIUS + gap)]);
     model.planar = true;
-    model.line_loads = vec![LineLoad { rod: 0, force: Vec3::y() }, LineLoad { rod: 1, force: -Vec3::y() }];
+    model.line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let mut solver = Solver::new(model, Options::default()).unwrap();
     for (name, to) in [("up", 2.5 * first), ("down", 0.2 * first)] {
         let mut force = 0.0;

@@ -34,7 +34,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 const RADIUS: f64 = 0.05;
 const GAP: f64 = 5e-4;
@@ -56,7 +56,7 @@ fn pressed(law: ContactLaw, factors: [f64; 2], threads: Option<usize>) -> (Solve
     let rods: Vec<Rod> = (0..3).map(beam).collect();
     let last = rods[0].num_nodes() - 1;
     let ends = (0..3).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node })));
-    let load = |rod: usize, force: f64| LineLoad { rod, force: Vec3::y() * (2.0 * 192.0 * GAP * force) };
+    let load = |rod: usize, force: f64| LineLoad::of_force(rod, Vec3::y() * (2.0 * 192.0 * GAP * force));
     let line_loads = vec![load(0, factors[0]), load(2, -factors[1])];
     let contact = Contact { law };
     let model = Model { rods, supports: ends.collect(), line_loads, contact, planar: true, ..Model::default() };
@@ -156,7 +156,7 @@ fn a_ply_of_three_unlike_strands() {
         let (rods, supports) = ply();
         let model = Model { rods, supports, contact: Contact { law }, ..Model::default() };
         let mut solver = Solver::new(model, Options::default()).unwrap();
-        let report = solver.settle(&Drive::default());
+        let report = solver.find_equilibrium();
         let seen = observed(&solver, &report);
         println!(
             "{law:?}: {} iterations, {} augmentations, energy {:.7}, force {:.5}, gap {:.1e}",
@@ -191,7 +191,7 @@ fn a_knot_of_seven_crossings() {
         Solver::new(model, Options::default()).unwrap()
     };
     let settled = |solver: &mut Solver| {
-        let report = solver.settle(&Drive::default());
+        let report = solver.find_equilibrium();
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
         let seen = observed(solver, &report);
         println!("{} iterations, {} augmentations", report.iterations, report.augmentations);
@@ -199,7 +199,7 @@ fn a_knot_of_seven_crossings() {
     };
     let mut solver = solver_of(&rod, ContactLaw::Penalty { stiffness: 3e3 });
     let mut penalties = [elastic(&settled(&mut solver)), 0.0];
-    solver.engine_mut().set_contact_law(ContactLaw::Penalty { stiffness: 3e4 }).unwrap();
+    solver.set_contact_law(ContactLaw::Penalty { stiffness: 3e4 }).unwrap();
     penalties[1] = elastic(&settled(&mut solver));
     let hard = penalties[1] + (penalties[1] - penalties[0]) / 9.0;
     (rod.positions, rod.frames) = (solver.engine().positions(0).to_vec(), solver.engine().frames(0).to_vec());

@@ -12,12 +12,12 @@ use crate::common;
 use common::{history, verify};
 use supercoil::dna::THERMAL_ENERGY;
 use supercoil::dna::sequence::{Sequence, Steps};
+use supercoil::internals::quadrature::gauss;
 use supercoil::math::Vec3;
-use supercoil::math::quadrature::gauss;
 use supercoil::observe::strains;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 fn ring(base_pairs: usize, link: f64) -> Solver {
     let helix = Sequence::parse(&"A".repeat(base_pairs)).unwrap().helix(&Steps::ideal(), true).unwrap();
@@ -57,7 +57,7 @@ fn rings_of_ideal_dna() {
         let mut solver = ring(base_pairs, link);
         let found: f64 = energies(&solver).iter().sum();
         verify(&case, "energy of the flat circle, kT", found, start, 1e-6);
-        let report = solver.settle(&Drive::default());
+        let report = solver.find_equilibrium();
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
         let parts = energies(&solver);
         println!("{case}: {} iterations, translation, bending, twist {parts:?}", report.iterations);

@@ -37,7 +37,7 @@ use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 const TAIL: f64 = 7.0;
 /// σ and e of the cinquefoil.
@@ -91,8 +91,8 @@ fn pulled(h: f64, crossings: f64, elements: usize) -> [f64; 3] {
     let mut solver = Solver::new(model, Options::default()).unwrap();
     let soft = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     assert_eq!(soft.status, Status::Converged, "{}", history(&soft));
-    solver.engine_mut().set_contact_law(law(1000.0)).unwrap();
-    let report = solver.settle(&Drive::default());
+    solver.set_contact_law(law(1000.0)).unwrap();
+    let report = solver.find_equilibrium();
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
     let seen = observed(&solver, &report);
     let kinds: Vec<&str> = seen.sites.iter().map(|site| site.kind.as_str()).collect();

@@ -43,7 +43,7 @@ fn column(rigid: f64, along: Vec3, planar: bool, weight: bool) -> Solver {
     let mut model = Model { contact: Contact::NONE, rods: vec![rod], planar, ..Model::default() };
     model.supports.push(Support::clamp(NodeRef { rod: 0, node: 0 }));
     if weight {
-        model.line_loads.push(LineLoad { rod: 0, force: -along });
+        model.line_loads.push(LineLoad::of_force(0, -along));
     } else {
         model.loads.push(NodeLoad { node: top, force: -along, moment: Vec3::zeros() });
     }

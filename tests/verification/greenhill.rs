@@ -57,7 +57,7 @@ fn critical_moment(tension: f64, guess: f64) -> f64 {
     let (mut solver, _) = rod_under(tension, 3, 24);
     let mut unstable = |moment: f64| {
         let state = straight(&solver, moment, tension);
-        solver.engine_mut().set_state(state).unwrap();
+        solver.set_state(state).unwrap();
         solver.num_unstable().unwrap() > 0
     };
     threshold(0.98 * guess, 1.02 * guess, 1e-7 * guess, &mut unstable)

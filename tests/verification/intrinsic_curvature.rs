@@ -18,7 +18,7 @@ use common::{cantilever, elastic_energy, end_of, fitted_order, history, sci, str
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 const NATURAL: [f64; 3] = [2.0, -1.5, 4.0];
 const STIFFNESS: [f64; 3] = [1.0, 2.5, 1.6];
@@ -89,7 +89,7 @@ fn held_straight_the_moment_is_constant_and_the_force_zero() {
         let straight = rod.positions.clone();
         let model = Model { supports, contact: Contact::NONE, rods: vec![rod], ..Model::default() };
         let mut solver = Solver::new(model, common::any_equilibrium()).unwrap();
-        let report = solver.settle(&Drive::default());
+        let report = solver.find_equilibrium();
         assert_eq!(report.status, Status::Converged, "{}", history(&report));
         assert!(report.history[0].len() <= 2, "already in equilibrium: {}", history(&report));
         let moved = solver.engine().positions(0).iter().zip(&straight).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);

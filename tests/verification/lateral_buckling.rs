@@ -51,7 +51,7 @@ fn column_under_its_own_weight() {
     let rod = Rod::new("column", &shape, false, section, 24, 3, Natural::Straight).unwrap();
     let model = Model {
         supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
-        line_loads: vec![LineLoad { rod: 0, force: -Vec3::z() }],
+        line_loads: vec![LineLoad::of_force(0, -Vec3::z())],
         contact: Contact::NONE,
         rods: vec![rod],
         ..Model::default()

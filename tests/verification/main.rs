@@ -9,7 +9,7 @@ mod common;
 mod inputs;
 #[path = "../common/plectoneme.rs"]
 mod plectoneme;
-#[path = "../common/random.rs"]
+#[path = "../../src/math/random.rs"]
 mod random;
 
 mod bathe_bolourchi;
@@ -18,6 +18,7 @@ mod chain_of_rings;
 mod clamped_pop;
 mod contact_three_strands;
 mod deep_arch;
+mod distributed_moment;
 mod dna_rings;
 mod elastic_knots;
 mod elastica_branches;

@@ -42,7 +42,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::{contact_sites, observe};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, FollowOptions, Options, PathEnd, PointKind, Solver, Start, State, Status};
+use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver, Start, State, Status};
 
 const DIAMETER: f64 = 0.02;
 
@@ -294,7 +294,7 @@ fn ring_from_no_contact_to_three_and_back() {
         // each step from where the loop of the path lay on its mesh
         for (k, to) in links.into_iter().enumerate() {
             let mut stepped = ring(kappa, Options::default());
-            stepped.engine_mut().set_state(states[k.saturating_sub(1)].clone()).unwrap();
+            stepped.set_state(states[k.saturating_sub(1)].clone()).unwrap();
             let report = stepped.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", common::history(&report));
             let seen = common::observed(&stepped, &report);
@@ -350,7 +350,7 @@ fn ring_under_pressure_there_and_back() {
         );
         if to > 8.0 - 1e-9 {
             let force: f64 = contact_sites(solver.engine()).iter().map(|site| site.force).sum();
-            let report = solver.settle(&Drive::default());
+            let report = solver.find_equilibrium();
             assert_eq!(report.status, Status::Converged);
             let settled: f64 = contact_sites(solver.engine()).iter().map(|site| site.force).sum();
             verify(

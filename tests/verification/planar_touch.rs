@@ -19,7 +19,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 fn to(solver: &mut Solver, ramp: Ramp) -> Observation {
     let report = solver.step_to(std::slice::from_ref(&ramp)).unwrap();
@@ -134,13 +134,13 @@ fn ring_under_pressure_goes_from_a_point_to_a_line() {
         }
         let mut states: Vec<[f64; 2]> = Vec::new();
         for p in [9.0, 9.4, 9.8, 10.1, 10.25] {
-            solver.engine_mut().set_contact_law(penalty(1e6)).unwrap();
+            solver.set_contact_law(penalty(1e6)).unwrap();
             to(&mut solver, Ramp::Pressure { rod: 0, to: p });
             for kappa in (7..=13).map(|d| 10f64.powi(d)) {
-                solver.engine_mut().set_contact_law(penalty(kappa)).unwrap();
-                assert_eq!(solver.settle(&Drive::default()).status, Status::Converged);
+                solver.set_contact_law(penalty(kappa)).unwrap();
+                assert_eq!(solver.find_equilibrium().status, Status::Converged);
             }
-            let report = solver.settle(&Drive::default());
+            let report = solver.find_equilibrium();
             let seen = observed(&solver, &report);
             assert_eq!(seen.sites.len(), 1, "{:?}", seen.sites);
             let site = &seen.sites[0];

@@ -29,8 +29,8 @@ use crate::common;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::{history, observed, verify};
+use supercoil::internals::quaternion::spin;
 use supercoil::math::Vec3;
-use supercoil::math::quaternion::spin;
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};

@@ -86,7 +86,7 @@ fn subcritical_and_supercritical() {
         let state = root.engine().state().clone();
         let mut solver = root;
         for forwards in [true, false] {
-            solver.engine_mut().set_state(state.clone()).unwrap();
+            solver.set_state(state.clone()).unwrap();
             let points = branch(&mut solver, forwards, 7);
             let case = format!("twisted ring, C/B = {ratio}, {}", if forwards { "forwards" } else { "backwards" });
             let [value, slope] = at_zero(&points[1..]);
@@ -183,7 +183,7 @@ fn first_contact_turns_the_path_round() {
         // on it the ripple of the mesh makes 1e-5 of the force
         let mut stepped = ring_at_the_root(1.5, 1e8, Contact::default(), diameter);
         *stepped.options_mut() = Options::default();
-        stepped.engine_mut().set_state(followed).unwrap();
+        stepped.set_state(followed).unwrap();
         for to in [1.7, 1.6] {
             let step = stepped.step_to(&[Ramp::ExcessLink { rod: 0, to }]).unwrap();
             assert_eq!((step.status, step.num_unstable), (Status::Converged, 0));

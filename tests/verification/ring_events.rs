@@ -128,13 +128,13 @@ impl Ring {
         let mut fine = self.solver.refined(2).unwrap();
         let Fineness { refinements, soft, .. } = self.fineness;
         for level in 1..refinements {
-            fine.engine_mut().set_contact_law(penalty(soft + level, self.diameter)).unwrap();
+            fine.set_contact_law(penalty(soft + level, self.diameter)).unwrap();
             assert_eq!(fine.resettle().status, Status::Converged);
             fine = fine.refined(2).unwrap();
         }
         let mut last = [[0.0; 5]; 2];
         for decade in soft + refinements..=HARD {
-            fine.engine_mut().set_contact_law(penalty(decade, self.diameter)).unwrap();
+            fine.set_contact_law(penalty(decade, self.diameter)).unwrap();
             let report = fine.resettle();
             let seen = seen(&fine, &report);
             let (link, bending) = (seen.links[0], seen.energies.bend / (0.5 * TAU * TAU));

@@ -29,7 +29,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::{Observation, SiteReport};
 use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
-use supercoil::solve::{Drive, Options, Solver, Status, StepReport};
+use supercoil::solve::{Options, Solver, Status, StepReport};
 
 fn penalty(kappa: f64, diameter: f64) -> ContactLaw {
     ContactLaw::Penalty { stiffness: kappa * (0.5 * diameter).powi(4) }
@@ -87,11 +87,11 @@ const THICK: Expected = &[
 fn under_penalties(elements: usize, diameter: f64, expected: Expected, looked_at: std::ops::RangeInclusive<i32>) {
     let mut solver = ring(elements, diameter, penalty(1e8, diameter));
     for &(excess_link, wanted) in expected {
-        solver.engine_mut().set_contact_law(penalty(1e8, diameter)).unwrap();
+        solver.set_contact_law(penalty(1e8, diameter)).unwrap();
         let mut report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
         for decade in 9..=*looked_at.end() {
-            solver.engine_mut().set_contact_law(penalty(10f64.powi(decade), diameter)).unwrap();
-            report = solver.settle(&Drive::default());
+            solver.set_contact_law(penalty(10f64.powi(decade), diameter)).unwrap();
+            report = solver.find_equilibrium();
             if looked_at.contains(&decade) {
                 let found = topology(&seen(&solver, &report).sites);
                 println!("D/L {diameter}, ΔLk {excess_link}, κ = 1e{decade}: {found}");
@@ -155,8 +155,8 @@ fn a_point_opens_when_its_zone_is_as_long_as_predicted() {
     }
     // nodes are .022 apart: beyond 1e7 the elements cannot bend within a layer (B/κ)^¼
     for kappa in [1e6, 3e6, 1e7] {
-        solver.engine_mut().set_contact_law(penalty(kappa, diameter)).unwrap();
-        let report = solver.settle(&Drive::default());
+        solver.set_contact_law(penalty(kappa, diameter)).unwrap();
+        let report = solver.find_equilibrium();
         let seen = seen(&solver, &report);
         assert_eq!(topology(&seen.sites), "P");
         let [from, to] = seen.sites[0].arc_a;

@@ -32,11 +32,11 @@ use crate::common;
 use std::f64::consts::{PI, TAU};
 
 use common::{history, observed, verify};
-use supercoil::contact::curve::Cubic;
+use supercoil::contact::Cubic;
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, Model};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 /// Parts that a cubic is cut into for the bounds of its length and curvature.
 const PARTS: usize = 16;
@@ -100,7 +100,7 @@ fn pull(start: &[(Shape, f64)], lengths: &[f64], elements: usize) -> Tight {
         rods.iter_mut().zip(start).for_each(|(rod, (_, share))| rod.length = share * natural);
         let model = Model { rods: rods.clone(), contact: Contact { law: law(3e3) }, ..Model::default() };
         let mut solver = Solver::new(model, options.clone()).unwrap();
-        let report = solver.settle(&Drive::default());
+        let report = solver.find_equilibrium();
         assert_eq!(
             (report.status, report.num_unstable),
             (Status::Converged, 0),
@@ -114,8 +114,8 @@ fn pull(start: &[(Shape, f64)], lengths: &[f64], elements: usize) -> Tight {
         pulled = Some((solver, report.iterations));
     }
     let (mut solver, iterations) = pulled.unwrap();
-    solver.engine_mut().set_contact_law(law(3e4)).unwrap();
-    let report = solver.settle(&Drive::default());
+    solver.set_contact_law(law(3e4)).unwrap();
+    let report = solver.find_equilibrium();
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
     let seen = observed(&solver, &report);
     let cubics: Vec<Cubic> = (0..start.len()).flat_map(|rod| centreline(&solver, rod)).collect();
@@ -174,7 +174,7 @@ fn tighter_knots_do_not_pretend_to_rest() {
         let mut options = Options::default();
         options.newton.max_iterations = 150;
         let mut solver = Solver::new(model, options).unwrap();
-        let report = solver.settle(&Drive::default());
+        let report = solver.find_equilibrium();
         let seen = observed(&solver, &report);
         let cubics = centreline(&solver, 0);
         let length: f64 = cubics.iter().map(length_bound).sum();

@@ -15,13 +15,13 @@ use crate::common;
 
 use common::{any_equilibrium, cantilever, fitted_order, history, runge_kutta, sci, tip, verify, verify_point};
 use std::f64::consts::TAU;
-use supercoil::math::quadrature::gauss;
+use supercoil::internals::quadrature::gauss;
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::{SMatrix, SVector, Vector6};
 use supercoil::observe::strains;
 use supercoil::rod::{Along, Natural, NaturalStrains, Rod, Section, Shape, Stiffness};
 use supercoil::scene::{Contact, Model, Ramp};
-use supercoil::solve::{Drive, Options, Solver, Status};
+use supercoil::solve::{Options, Solver, Status};
 
 /// Stiffness and natural strains along a rod.
 #[derive(Clone, Copy)]
@@ -193,7 +193,7 @@ fn twist_wave_of_a_ring() {
     let rod = rod.with_stiffness(Along::constant(ideal_dna(0.0))).unwrap().with_excess_link(excess).unwrap();
     let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
-    let report = solver.settle(&Drive::default());
+    let report = solver.find_equilibrium();
     println!("{}", history(&report));
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{}", history(&report));
     let (mut sum, mut found, points, h) = ([0.0; 2], 0.0, gauss(3), LENGTH / 104.0);

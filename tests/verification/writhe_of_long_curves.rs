@@ -17,7 +17,7 @@ use inputs::Kind;
 use plectoneme::plectoneme;
 use random::Random;
 use supercoil::math::Vec3;
-use supercoil::observe::link::{writhe, writhe_smooth};
+use supercoil::math::link::{writhe, writhe_smooth};
 
 /// The exact double sum over all pairs of edges: the closed polygon walked round once as an open one.
 fn double_sum(points: &[Vec3]) -> f64 {

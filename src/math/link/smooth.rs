@@ -2,7 +2,7 @@
 
 use super::{any_normal, signed_angle, writhe};
 use crate::math::Vec3;
-use crate::math::chebyshev::{DEGREE, Rule};
+use crate::math::chebyshev::{ChebyshevRule, DEGREE};
 use std::f64::consts::TAU;
 
 /// Writhe (turns) of a smooth closed curve, from `8·panels` samples.
@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 /// which any sampling that resolves the curve's shape gives. Returns NaN if a tangent is zero or NaN.
 pub fn writhe_smooth(sample: &dyn Fn(f64) -> (Vec3, Vec3), panels: usize) -> f64 {
     let panels = panels.max(1);
-    let rule = Rule::new();
+    let rule = ChebyshevRule::new();
     let mut points = Vec::with_capacity(DEGREE * panels);
     let mut twist = 0.0;
     let mut ends: Vec<[Vec3; 3]> = Vec::with_capacity(panels);
@@ -45,7 +45,7 @@ fn reference(start: Vec3, end: Vec3) -> Vec3 {
 
 /// Twist (rad) over a panel of the direction `axis` projected normal to the tangent t:
 /// `∫ t·(m × m') = −∫ (a·t) t·(a × t') / (1 − (a·t)²)`.
-fn twist_of(rule: &Rule, tangents: &[Vec3; DEGREE + 1], axis: Vec3) -> f64 {
+fn twist_of(rule: &ChebyshevRule, tangents: &[Vec3; DEGREE + 1], axis: Vec3) -> f64 {
     let mut sum = 0.0;
     for i in 0..=DEGREE {
         let t = tangents[i];

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Zone, class};
+use super::{SiteZone, class};
 use crate::contact::arc::ascending;
 use crate::contact::curve::CurveSet;
 
@@ -20,7 +20,7 @@ struct Buckets {
 
 impl ByPlace {
     /// Of sorted zones.
-    pub fn new(set: &CurveSet, zones: &[Zone]) -> Self {
+    pub fn new(set: &CurveSet, zones: &[SiteZone]) -> Self {
         let mut classes = BTreeMap::new();
         let mut first = 0;
         while let Some(zone) = zones.get(first) {

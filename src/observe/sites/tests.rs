@@ -1,6 +1,6 @@
 use super::*;
-use crate::contact::detect::{PairTerm, Want, evaluate};
 use crate::contact::law::Law;
+use crate::contact::potential::{PairTerm, Want, evaluate};
 use crate::math::Vec3;
 use crate::math::random::Random;
 
@@ -27,13 +27,13 @@ fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
         .collect()
 }
 
-fn meetings(terms: Vec<PairTerm>) -> Vec<Meeting> {
-    terms.into_iter().map(Meeting::from).collect()
+fn contact_pairs(terms: Vec<PairTerm>) -> Vec<ContactPair> {
+    terms.into_iter().map(ContactPair::from).collect()
 }
 
 fn found(set: &CurveSet, stiffness: f64) -> Vec<SiteReport> {
     let terms = evaluate(set, &all_pairs(set), Law::Linear { stiffness }, &|_, _| [0.0; 2], Want::Gradient);
-    sites(set, &meetings(terms), &[3, 7], &layer(2, stiffness))
+    sites(set, &contact_pairs(terms), &[3, 7], &layer(2, stiffness))
 }
 
 /// Rods crossing at right angles at height 1 − δ: gap(s) = √(h² + s²) − 1 from either strand, so the zone is
@@ -81,7 +81,7 @@ fn a_rod_along_itself_is_one_line() {
     let set = CurveSet::from_polylines(&[(&points, 0.5, true)]).unwrap();
     let facing: Vec<[u32; 2]> = (1..7).flat_map(|i| (10..16).map(move |j| [i, j])).collect();
     let terms = evaluate(&set, &facing, Law::Linear { stiffness: 100.0 }, &|_, _| [0.0; 2], Want::Gradient);
-    let sites = sites(&set, &meetings(terms), &[0], &layer(1, 100.0));
+    let sites = sites(&set, &contact_pairs(terms), &[0], &layer(1, 100.0));
     assert_eq!(sites.len(), 1, "{sites:?}");
     let site = &sites[0];
     let expected = [[1.0, 7.0], [9.99, 15.99]];
@@ -136,7 +136,7 @@ fn counterparts_are_those_of_brute_force() {
     let mut numbers = Random(5);
     let mut random = || 0.5 * (numbers.unit() + 1.0);
     for count in [1, 2, 7, 300] {
-        let mut zones: Vec<Zone> = (0..count)
+        let mut zones: Vec<SiteZone> = (0..count)
             .map(|_| {
                 let curve_a = (3.0 * random()) as usize;
                 let curve_b = (3.0 * random()) as usize;
@@ -151,7 +151,7 @@ fn counterparts_are_those_of_brute_force() {
                 };
                 let (arc_a, ends) = (arc(curve_a), arc(curve_b));
                 let arc_b = if random() < 0.5 { ends } else { [ends[1], ends[0]] };
-                Zone {
+                SiteZone {
                     curve_a,
                     arc_a,
                     curve_b,

@@ -8,7 +8,7 @@
 //! V = w̄² r' / |w|²  (extension, shear)        K = 2 Im(w̄ w') / |w|²
 //! ```
 
-use super::{Kinematics, Point};
+use super::{InterpolatedPoint, Kinematics};
 use crate::math::quaternion::{Q, dot, mul, mul_e1, mul_e2, mul_e3, mul_pure, pure_mul};
 
 /// Nodes that have their frames in the plane to rounding: 1 − |w|² at most, a quarter of the square of the tilt.
@@ -57,7 +57,7 @@ impl Kinematics<3, 4, 6, 11, 3> for Space {
     const KIND: [usize; 6] = [1, 1, 0, 2, 2, 3];
     const FIRST_ROTATION: usize = 3;
 
-    fn strain(p: &Point<3, 4>) -> [f64; 6] {
+    fn strain(p: &InterpolatedPoint<3, 4>) -> [f64; 6] {
         let w = [mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)];
         let u = pure_mul(&p.rp, &p.z);
         let inv = 1.0 / p.zz;
@@ -71,7 +71,7 @@ impl Kinematics<3, 4, 6, 11, 3> for Space {
         ]
     }
 
-    fn slopes(p: &Point<3, 4>) -> [[f64; 11]; 6] {
+    fn slopes(p: &InterpolatedPoint<3, 4>) -> [[f64; 11]; 6] {
         let mut b = [[0.0; 11]; 6];
         let u = pure_mul(&p.rp, &p.z);
         let w = [mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)];
@@ -90,7 +90,7 @@ impl Kinematics<3, 4, 6, 11, 3> for Space {
         b
     }
 
-    fn curvature(p: &Point<3, 4>, stress: &[f64; 6]) -> [[f64; 11]; 11] {
+    fn curvature(p: &InterpolatedPoint<3, 4>, stress: &[f64; 6]) -> [[f64; 11]; 11] {
         const UNIT: [Q; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
         let mut h = [[0.0; 11]; 11];
         let force = [stress[0], stress[1], stress[2]];
@@ -131,13 +131,13 @@ impl Kinematics<2, 2, 3, 6, 1> for InPlane {
     const KIND: [usize; 3] = [0, 1, 2];
     const FIRST_ROTATION: usize = 5;
 
-    fn strain(p: &Point<2, 2>) -> [f64; 3] {
+    fn strain(p: &InterpolatedPoint<2, 2>) -> [f64; 3] {
         let ([x, y], [c, s], [dc, ds], inv) = (p.rp, p.z, p.zp, 1.0 / p.zz);
         let (cos, sin) = (c * c - s * s, 2.0 * c * s);
         [(cos * x + sin * y) * inv, (cos * y - sin * x) * inv, 2.0 * (c * ds - s * dc) * inv]
     }
 
-    fn slopes(p: &Point<2, 2>) -> [[f64; 6]; 3] {
+    fn slopes(p: &InterpolatedPoint<2, 2>) -> [[f64; 6]; 3] {
         let ([x, y], [c, s], [dc, ds]) = (p.rp, p.z, p.zp);
         let (cos, sin) = (c * c - s * s, 2.0 * c * s);
         let (along, across) = (2.0 * (c * x + s * y), 2.0 * (c * y - s * x));
@@ -148,7 +148,7 @@ impl Kinematics<2, 2, 3, 6, 1> for InPlane {
         ]
     }
 
-    fn curvature(p: &Point<2, 2>, &[n, t, m]: &[f64; 3]) -> [[f64; 6]; 6] {
+    fn curvature(p: &InterpolatedPoint<2, 2>, &[n, t, m]: &[f64; 3]) -> [[f64; 6]; 6] {
         let ([x, y], [c, s]) = (p.rp, p.z);
         let (a, b) = (2.0 * (c * n - s * t), 2.0 * (s * n + c * t));
         let (push, shift) = (2.0 * (x * n + y * t), 2.0 * (y * n - x * t));

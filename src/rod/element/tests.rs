@@ -6,10 +6,10 @@ struct Case {
     r: Vec<Vec3>,
     q: Vec<Quat>,
     length: f64,
-    material: Six,
+    material: Strain,
     /// Instead of `material`, where it is full.
-    full: Option<[[Six; 6]; 3]>,
-    reference: [Six; 3],
+    full: Option<[[Strain; 6]; 3]>,
+    reference: [Strain; 3],
 }
 
 /// A strongly bent, twisted, stretched element; fixed numbers, no randomness.
@@ -70,8 +70,9 @@ fn run(order: usize, case: &Case) -> Run {
     run_in(order, case, None, &case.reference)
 }
 
-fn run_in(order: usize, case: &Case, plane: Option<&Plane>, reference: &[Six; 3]) -> Run {
-    let body = Body { table: &Table::new(order), length: case.length, material: material(case), plane };
+fn run_in(order: usize, case: &Case, plane: Option<&Plane>, reference: &[Strain; 3]) -> Run {
+    let body =
+        ElementProperties { table: &ShapeTable::new(order), length: case.length, material: material(case), plane };
     let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
     evaluate(&body, &nodes_of(case), reference, None, Some(&mut tangent), &mut out);
     Run { energy: out.energy.iter().sum(), residual: out.residual, tangent }
@@ -150,8 +151,8 @@ fn tangent_is_the_symmetric_second_derivative_of_the_energy_along_the_update() {
 #[test]
 fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_strains() {
     for (order, case) in cases() {
-        let (table, dofs) = (Table::new(order), 6 * (order + 1));
-        let predicted: [Six; 3] =
+        let (table, dofs) = (ShapeTable::new(order), 6 * (order + 1));
+        let predicted: [Strain; 3] =
             std::array::from_fn(|g| std::array::from_fn(|i| 2.0 * (1.0 + 3.0 * g as f64 + 1.7 * i as f64).sin()));
         // strains after a turn of every node by its part of `by`
         let strains = |by: &[f64; MAX_DOF]| {
@@ -167,10 +168,10 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             steps.iter().for_each(|&(dof, step)| by[dof] += step);
             strains(&by)
         };
-        let minus = |a: [Six; 3], b: [Six; 3], factor: f64| -> [Six; 3] {
+        let minus = |a: [Strain; 3], b: [Strain; 3], factor: f64| -> [Strain; 3] {
             std::array::from_fn(|g| std::array::from_fn(|i| (a[g][i] - b[g][i]) * factor))
         };
-        let b: Vec<[Six; 3]> = (0..dofs)
+        let b: Vec<[Strain; 3]> = (0..dofs)
             .map(|i| {
                 let [near, far] = [1e-3, 2e-3].map(|h| minus(along(&[(i, h)]), along(&[(i, -h)]), 0.5 / h));
                 std::array::from_fn(|g| std::array::from_fn(|s| (4.0 * near[g][s] - far[g][s]) / 3.0))
@@ -182,7 +183,7 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             let falling = minus(along(&[(i, -h), (j, h)]), along(&[(i, -h), (j, -h)]), 0.25 / (h * h));
             minus(rising, falling, 1.0)
         };
-        let body = Body { table: &table, length: case.length, material: material(&case), plane: None };
+        let body = ElementProperties { table: &table, length: case.length, material: material(&case), plane: None };
         let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
         evaluate(&body, &nodes_of(&case), &case.reference, Some(&predicted), Some(&mut tangent), &mut out);
         for (i, j) in (0..dofs).flat_map(|i| (i / 6 * 6..dofs).map(move |j| (i, j))) {
@@ -217,7 +218,7 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             nodes.q[a] = to_array(&(exp(&by(3)) * case.q[a]));
         }
         nodes.align_signs(order + 1);
-        let (stress, force) = surprise_force(&body, &nodes_of(&case), &nodes, &moved);
+        let (stress, force) = second_order_force(&body, &nodes_of(&case), &nodes, &moved);
         let mut slow = [0.0; MAX_DOF];
         for g in 0..order {
             let missed = |i: usize| after[g][i] - start[g][i] - (0..dofs).map(|k| b[k][g][i] * moved[k]).sum::<f64>();
@@ -238,23 +239,23 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
 #[test]
 fn all_kernels_see_the_same_strains_to_the_last_bit() {
     for (order, length) in (1..=3).flat_map(|order| [0.3, 1.0 / 49.0, 1.7].map(|length| (order, length))) {
-        let (table, material) = (Table::new(order), [1e12; 6]);
+        let (table, material) = (ShapeTable::new(order), [1e12; 6]);
         let nodes = nodes_of(&case(order));
         let mut raw = raw_strains(&table, &nodes, length);
-        let body = Body { table: &table, length, material: Material::Diagonal(&material), plane: None };
+        let body = ElementProperties { table: &table, length, material: Material::Diagonal(&material), plane: None };
         let mut out = ElementOutput::default();
         evaluate(&body, &nodes, &raw, None, None, &mut out);
         assert_eq!((out.energy, out.residual), ([0.0; 4], [0.0; MAX_DOF]), "order {order}, length {length}");
         raw[order..].fill([0.0; 6]);
         assert_eq!(predicted_stress(&body, &nodes, &raw, &[0.0; MAX_DOF]), [[0.0; 6]; 3]);
-        assert_eq!(surprise_force(&body, &nodes, &nodes, &[0.0; MAX_DOF]).0, [[0.0; 6]; 3]);
+        assert_eq!(second_order_force(&body, &nodes, &nodes, &[0.0; MAX_DOF]).0, [[0.0; 6]; 3]);
     }
 }
 
 #[test]
 fn strains_do_not_change_under_rigid_motion() {
     let case = case(3);
-    let strains = |case: &Case| raw_strains(&Table::new(3), &nodes_of(case), case.length);
+    let strains = |case: &Case| raw_strains(&ShapeTable::new(3), &nodes_of(case), case.length);
     let (before, strain) = (run(3, &case), strains(&case));
     for angle in [0.4, 2.9, 3.3, 6.0] {
         let rotation = exp(&(Vec3::new(1.0, -2.0, 0.5).normalize() * angle));
@@ -325,9 +326,13 @@ fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
             after.r[a] += Vec3::new(x, y, 0.0);
             after.q[a] = exp(&(Vec3::z() * turn)) * after.q[a];
         }
-        let (table, plane) = (Table::new(order), Plane::new(&to_array(&case.q[0])));
-        let body =
-            |plane| Body { table: &table, length: case.length, material: Material::Diagonal(&case.material), plane };
+        let (table, plane) = (ShapeTable::new(order), Plane::new(&to_array(&case.q[0])));
+        let body = |plane| ElementProperties {
+            table: &table,
+            length: case.length,
+            material: Material::Diagonal(&case.material),
+            plane,
+        };
         let (flat, space) = (body(Some(&plane)), body(None));
         let (nodes, moved) = (nodes_of(&case), nodes_of(&after));
         let near = |ours: &[f64], theirs: &[f64]| {
@@ -335,10 +340,10 @@ fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
             assert!(size > 1e-3);
             ours.iter().zip(theirs).for_each(|(a, b)| assert!((a - b).abs() < 1e-13 * (10.0 + size), "{a} {b}"));
         };
-        let predicted = |body: &Body| predicted_stress(body, &nodes, &case.reference, &increment);
+        let predicted = |body: &ElementProperties| predicted_stress(body, &nodes, &case.reference, &increment);
         near(predicted(&flat).as_flattened(), predicted(&space).as_flattened());
-        let surprise = |body: &Body| surprise_force(body, &nodes, &moved, &increment);
-        let ((stress, force), (stress_in_space, force_in_space)) = (surprise(&flat), surprise(&space));
+        let second_order = |body: &ElementProperties| second_order_force(body, &nodes, &moved, &increment);
+        let ((stress, force), (stress_in_space, force_in_space)) = (second_order(&flat), second_order(&space));
         near(stress.as_flattened(), stress_in_space.as_flattened());
         near(&force, &force_in_space);
     }

@@ -12,7 +12,7 @@ use crate::math::Vec3;
 use super::sampler::{Measured, Parametrised};
 use super::{Placement, Shape};
 use axis::AxisCurve;
-use strand::{HalfLoop, LOOP_HEIGHT, LOOP_WIDTH, Place, integrals};
+use strand::{HalfLoop, LOOP_HEIGHT, LOOP_WIDTH, StrandPoint, integrals};
 
 pub use energy::superhelix_angle;
 
@@ -192,7 +192,7 @@ impl Plectoneme {
     pub(super) fn place(&self, num_segments: usize) -> Result<Placement, InputError> {
         self.check()?;
         let axis = AxisCurve::new(&self.axis, self.distance)?;
-        let mut curve = Wound { half_loop: self.half_loop(), height: self.helix_height(), axis: &axis };
+        let mut curve = WoundStrands { half_loop: self.half_loop(), height: self.helix_height(), axis: &axis };
         if matches!(axis, AxisCurve::Straight { .. }) {
             let breaks = curve.breaks(1);
             return Ok(Measured::new(&curve, &breaks).place(true, num_segments, self.length));
@@ -217,7 +217,7 @@ impl Plectoneme {
         Err(InputError::Inconsistent { field: "shape.axis".into(), reason })
     }
 
-    fn check_axis_length(&self, curve: &Wound) -> Result<(), InputError> {
+    fn check_axis_length(&self, curve: &WoundStrands) -> Result<(), InputError> {
         let (needed, given) = (2.0 * curve.end(), curve.axis.length());
         if needed <= given {
             return Ok(());
@@ -226,7 +226,7 @@ impl Plectoneme {
         Err(InputError::Inconsistent { field: "shape.axis".into(), reason })
     }
 
-    fn check_axis_clear(&self, curve: &Wound) -> Result<(), InputError> {
+    fn check_axis_clear(&self, curve: &WoundStrands) -> Result<(), InputError> {
         let (radius, widest) = (0.5 * self.distance, 0.5 * self.distance + LOOP_WIDTH * self.loop_size);
         let reach = |z: f64| radius + if z.abs() < 0.5 * curve.height { radius } else { widest };
         curve.axis.check_clear(curve.end(), self.distance, reach)
@@ -235,14 +235,14 @@ impl Plectoneme {
 
 /// The closed curve, parameter 0..6: half a loop, helix, half loop to the other apex and all the way back on the other
 /// side.
-struct Wound<'a> {
+struct WoundStrands<'a> {
     half_loop: HalfLoop,
     /// Length of the helix along the axis.
     height: f64,
     axis: &'a AxisCurve,
 }
 
-impl Wound<'_> {
+impl WoundStrands<'_> {
     /// Axial distance of the apex from the middle.
     fn end(&self) -> f64 {
         0.5 * self.height + LOOP_HEIGHT * self.half_loop.size
@@ -257,7 +257,7 @@ impl Wound<'_> {
     }
 
     /// The strand at u, derivatives by u; x is negative on the way back.
-    fn strand(&self, u: f64) -> Place {
+    fn strand(&self, u: f64) -> StrandPoint {
         let section = (u.max(0.0) as usize).min(5);
         let (v, side) = (u - section as f64, if section < 3 { 1.0 } else { -1.0 });
         let flip =
@@ -267,13 +267,17 @@ impl Wound<'_> {
         if section == 1 || section == 4 {
             let up = if section == 1 { 1.0 } else { -1.0 };
             let z = [up * (2.0 * v - 1.0) * half, up * self.height, 0.0];
-            return Place { x: [side * self.half_loop.radius, 0.0, 0.0], z, phi: z.map(|z| z * self.half_loop.rate) };
+            return StrandPoint {
+                x: [side * self.half_loop.radius, 0.0, 0.0],
+                z,
+                phi: z.map(|z| z * self.half_loop.rate),
+            };
         }
         // towards the apex or away from it, at the upper end or the lower
         let turn = if section == 2 || section == 5 { 1.0 } else { -1.0 };
         let end = if section == 2 || section == 3 { 1.0 } else { -1.0 };
         let place = self.half_loop.at(if turn > 0.0 { v } else { 1.0 - v });
-        Place {
+        StrandPoint {
             x: flip(place.x, 0.0, side, turn),
             z: flip(place.z, end * half, end, turn),
             phi: flip(place.phi, end * middle, end, turn),
@@ -281,9 +285,9 @@ impl Wound<'_> {
     }
 }
 
-impl Parametrised for Wound<'_> {
+impl Parametrised for WoundStrands<'_> {
     fn at(&self, u: f64) -> [Vec3; 2] {
-        let Place { x: [x, x1, _], z: [z, z1, _], phi: [phi, phi1, _] } = self.strand(u);
+        let StrandPoint { x: [x, x1, _], z: [z, z1, _], phi: [phi, phi1, _] } = self.strand(u);
         let axis = self.axis.at(z);
         let (sin, cos) = phi.sin_cos();
         let (outward, around) = (Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0));

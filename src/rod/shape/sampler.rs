@@ -1,6 +1,6 @@
 //! Parametrised curves sampled at equal arc lengths, with twist-free frames.
 
-use crate::math::chebyshev::{DEGREE, Rule};
+use crate::math::chebyshev::{ChebyshevRule, DEGREE};
 use crate::math::{Quat, Vec3, parallel};
 
 use super::spline::gauss;
@@ -83,7 +83,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
     }
 
     /// Transport between two parameters, panel by panel: the parameter's speed may jump between them.
-    fn carry(&self, rule: &Rule, from: f64, to: f64) -> Carry {
+    fn carry(&self, rule: &ChebyshevRule, from: f64, to: f64) -> Carry {
         let first = self.breaks.partition_point(|&b| b <= from);
         let last = self.breaks.partition_point(|&b| b < to).max(first);
         let tangent = |u: f64| self.curve.tangent(u);
@@ -104,7 +104,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
         let num_nodes = num_segments + usize::from(!closed);
         let parameter = |node: usize| self.parameter_at(total * (node as f64 / num_segments as f64));
         let parameters = parallel::map(num_nodes, GRAIN, &parameter);
-        let rule = Rule::new();
+        let rule = ChebyshevRule::new();
         let carry = |k: usize| self.carry(&rule, parameters[k], parameters[k + 1]);
         let carries = parallel::map(num_nodes - 1, GRAIN, &carry);
         let tangent = self.curve.tangent(parameters[0]);
@@ -146,7 +146,7 @@ struct Carry {
 }
 
 impl Carry {
-    fn new(rule: &Rule, tangent: impl Fn(f64) -> Vec3 + Copy, from: f64, to: f64, depth: usize) -> Self {
+    fn new(rule: &ChebyshevRule, tangent: impl Fn(f64) -> Vec3 + Copy, from: f64, to: f64, depth: usize) -> Self {
         let t: [Vec3; DEGREE + 1] = rule.nodes.map(|x| tangent(0.5 * (from + to) + 0.5 * (to - from) * x));
         let (start, end) = (t[0], t[DEGREE]);
         if depth > 0 && t.iter().any(|t| t.dot(&start) < 0.877) {

@@ -20,12 +20,12 @@ const ACCURACY: f64 = 1e-14;
 const MAX_DEPTH: usize = 30;
 
 /// One cubic r(u) = c0 + c1 u + c2 u² + c3 u³, 0 ≤ u ≤ `span`.
-struct Piece {
+struct SplinePiece {
     coefficients: [Vec3; 4],
     span: f64,
 }
 
-impl Piece {
+impl SplinePiece {
     fn position(&self, u: f64) -> Vec3 {
         let [c0, c1, c2, c3] = self.coefficients;
         c0 + (c1 + (c2 + c3 * u) * u) * u
@@ -93,7 +93,7 @@ impl Piece {
 
 /// A spline through points, open (natural ends) or closed (periodic).
 pub(super) struct Spline {
-    pieces: Vec<Piece>,
+    pieces: Vec<SplinePiece>,
     closed: bool,
 }
 
@@ -110,7 +110,7 @@ impl Spline {
         let piece = |i: usize| {
             let (h, m0, m1) = (spans[i], seconds[i], seconds[(i + 1) % seconds.len()]);
             let c1 = slopes[i] - (m0 * 2.0 + m1) * (h / 6.0);
-            Piece { coefficients: [points[i], c1, m0 * 0.5, (m1 - m0) / (6.0 * h)], span: h }
+            SplinePiece { coefficients: [points[i], c1, m0 * 0.5, (m1 - m0) / (6.0 * h)], span: h }
         };
         Ok(Self { pieces: (0..num_pieces).map(piece).collect(), closed })
     }
@@ -142,7 +142,7 @@ impl Spline {
         Ok(placement)
     }
 
-    fn tangent(&self, piece: &Piece, u: f64, index: usize) -> Result<Vec3, InputError> {
+    fn tangent(&self, piece: &SplinePiece, u: f64, index: usize) -> Result<Vec3, InputError> {
         let derivative = piece.derivative(u);
         if derivative.norm() > 1e-6 {
             return Ok(derivative.normalize());

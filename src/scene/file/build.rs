@@ -7,16 +7,16 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, CrossSection, Natural, Rod, Section, Stiffness, check_stiffness};
+use crate::rod::{Along, Natural, Rod, Section, Stiffness};
+use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
-use crate::scene::{read_natural, read_stiffness};
 
 use super::dna::Dna;
+use super::refuse::inconsistent;
+use super::section::section;
 use super::shapes::{Wound, shape};
-use super::text::{
-    ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, SequenceText, ShapeText, StageText,
-};
-use super::values::{At, List, Names, NaturalText};
+use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText};
+use super::values::{At, Names, NaturalText};
 use super::{memory, mesh, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
@@ -78,7 +78,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     }
     for (i, load) in text.line_loads.iter().enumerate() {
         let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
-        model.line_loads.push(LineLoad { rod, force: load.force.into() });
+        model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
     }
     model.check().map(|()| model)
 }
@@ -268,54 +268,6 @@ const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give
 const NEEDS_DNA: &str =
     "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 
-const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by young, \
-    poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \
-    table";
-
-const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
-
-/// The section, and the full stiffness if that is given.
-fn section(
-    text: &SectionText,
-    contact: bool,
-    base_dir: &Path,
-    by_sequence: Option<Along<Stiffness>>,
-) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
-    let radius = match (text.contact_radius, text.circle) {
-        (Some(radius), _) | (None, Some(radius)) => radius,
-        (None, None) if !contact => 0.0,
-        (None, None) => {
-            let reason = "missing: the radius within which other strands touch this rod (0 = takes no part in contact)";
-            return Err(inconsistent("section.contact_radius".into(), reason));
-        }
-    };
-    let moduli = [text.young, text.poisson, text.shear_modulus, text.circle, text.shear_correction];
-    let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
-    let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
-        || [text.bending, text.shearing].iter().any(Option::is_some);
-    let full = match (full_stiffness(text, base_dir)?, by_sequence) {
-        (Some(_), Some(_)) => {
-            return Err(inconsistent("section".into(), BY_SEQUENCE));
-        }
-        (None, Some(_)) if stiff || geometric => return Err(inconsistent("section".into(), BY_SEQUENCE)),
-        (own, by_sequence) => own.or(by_sequence),
-    };
-    if let Some(along) = full {
-        if stiff || geometric {
-            return Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")));
-        }
-        // replaced by the mean over the rod, whose length is not known here
-        let section = Section::of_diagonal(&along.at(0.0), radius);
-        return section.check("section").map(|()| (section, Some(along)));
-    }
-    match (stiff, geometric) {
-        (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
-        (false, true) => moduli_section(text, radius).map(|section| (section, None)),
-        (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
-        (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
-    }
-}
-
 /// The molecule that a sequence and a table of steps describe.
 fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, InputError> {
     let sequence = match (&text.fasta, &text.letters) {
@@ -333,55 +285,6 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
         }
     };
     sequence.helix(&steps, closed)
-}
-
-/// The full stiffness, where a table or a matrix is given.
-fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<Stiffness>>, InputError> {
-    match (&text.table, text.stiffness) {
-        (None, None) => Ok(None),
-        (Some(file), None) => read_stiffness(&base_dir.join(file)).map(Some),
-        (None, Some(List(rows))) => {
-            let matrix = Stiffness::from_fn(|i, j| rows[i].0[j]);
-            check_stiffness("section.stiffness", &matrix).map(|()| Some(Along::constant(matrix)))
-        }
-        (Some(_), Some(_)) => Err(inconsistent("section".into(), "give either a table or a stiffness")),
-    }
-}
-
-fn stiffnesses(text: &SectionText, contact_radius: f64) -> Result<Section, InputError> {
-    let section = Section {
-        bending: present("bending", text.bending)?.0,
-        twisting: present("twisting", text.twisting)?,
-        stretching: present("stretching", text.stretching)?,
-        shearing: present("shearing", text.shearing)?.0,
-        contact_radius,
-    };
-    section.check("section").map(|()| section)
-}
-
-fn moduli_section(text: &SectionText, contact_radius: f64) -> Result<Section, InputError> {
-    let young = present("young", text.young)?;
-    let shear_modulus = match (text.poisson, text.shear_modulus) {
-        (None, Some(shear_modulus)) => shear_modulus,
-        (Some(poisson), None) => {
-            let ok = poisson > -1.0 && poisson <= 0.5;
-            InputError::check("section.poisson", poisson, ok, "greater than -1 and at most 0.5")?;
-            young / (2.0 * (1.0 + poisson))
-        }
-        _ => return Err(inconsistent("section".into(), "give either poisson or shear_modulus")),
-    };
-    let cross_section = match (text.circle, text.rectangle) {
-        (Some(radius), None) => CrossSection::Circle { radius },
-        (None, Some(List([width, height]))) => CrossSection::Rectangle { width, height },
-        _ => return Err(inconsistent("section".into(), "give either circle = radius or rectangle = [width, height]")),
-    };
-    let poisson = young / (2.0 * shear_modulus) - 1.0;
-    let shear_correction = text.shear_correction.unwrap_or_else(|| cross_section.shear_correction(poisson));
-    Section::from_moduli(young, shear_modulus, cross_section, shear_correction, contact_radius)
-}
-
-fn present<T>(key: &str, value: Option<T>) -> Result<T, InputError> {
-    value.ok_or_else(|| inconsistent(format!("section.{key}"), &format!("missing: {SECTION_WAYS}")))
 }
 
 fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Result<Contact, InputError> {
@@ -464,8 +367,4 @@ fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, Inpu
         }
     };
     Ok(NodeRef { rod: index, node })
-}
-
-pub(super) fn inconsistent(field: String, reason: &str) -> InputError {
-    InputError::Inconsistent { field, reason: reason.to_owned() }
 }

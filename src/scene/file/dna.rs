@@ -5,7 +5,7 @@ use crate::error::InputError;
 use crate::rod::Section;
 use crate::scene::Units;
 
-use super::build::inconsistent;
+use super::refuse::inconsistent;
 use super::text::{DnaText, SceneText};
 
 /// Salt of a scene that says nothing of it, mmol/l: physiological.

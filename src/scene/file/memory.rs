@@ -2,7 +2,7 @@
 
 use crate::error::InputError;
 
-use super::build::inconsistent;
+use super::refuse::inconsistent;
 
 /// Least memory that a node takes in a run, bytes: in space, in the plane. Rings of 12000 nodes at a single step take
 /// 7500 to 10000 and 4000 to 5000; contact and long runs take more.

@@ -53,8 +53,10 @@ fn turns(
     let is_felt = |name: &Option<String>| name.as_deref().is_none_or(|name| together.contains(&name));
     let loads = || scene.loads.iter().filter(|load| is_felt(&load.rod));
     let force: f64 = loads().map(|load| size(load.force)).sum();
-    let moment: f64 = loads().map(|load| size(load.moment)).sum();
-    let line: f64 = scene.line_loads.iter().filter(|load| is_felt(&load.rod)).map(|load| size(load.force)).sum();
+    let line_loads = || scene.line_loads.iter().filter(|load| is_felt(&load.rod));
+    let spread: f64 = line_loads().map(|load| size(load.moment)).sum();
+    let moment = loads().map(|load| size(load.moment)).sum::<f64>() + spread * length;
+    let line: f64 = line_loads().map(|load| size(load.force)).sum();
     let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
     // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
     let bending = section.smaller_bending();

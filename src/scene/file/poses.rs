@@ -8,7 +8,7 @@ use crate::error::InputError;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::scene::{Model, NodeRef, Pose, PosePath};
 
-use super::build::inconsistent;
+use super::refuse::inconsistent;
 use super::text::{PathText, PoseText};
 use super::values::List;
 

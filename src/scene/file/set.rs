@@ -4,7 +4,7 @@ use toml::{Table, Value};
 
 use crate::error::InputError;
 
-use super::build::inconsistent;
+use super::refuse::inconsistent;
 
 /// Replaces or adds one value; what it means is judged when the scene is read from the table.
 pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputError> {

@@ -9,7 +9,7 @@ use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::{Import, read_points_with};
 
-use super::build::inconsistent;
+use super::refuse::inconsistent;
 use super::text::ShapeText;
 use super::values::List;
 

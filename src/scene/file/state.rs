@@ -10,7 +10,7 @@ use crate::rod::{Natural, Rod, Section, within};
 use crate::scene::points::named_columns;
 use crate::text::read_regular;
 
-use super::build::inconsistent;
+use super::refuse::inconsistent;
 use super::text::RodText;
 
 /// Columns of a final state that are read; quaternions scalar part first.

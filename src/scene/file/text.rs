@@ -255,7 +255,10 @@ pub(super) struct LoadText {
 #[serde(deny_unknown_fields)]
 pub(super) struct LineLoadText {
     pub rod: Option<String>,
+    #[serde(default)]
     pub force: List<f64, 3>,
+    #[serde(default)]
+    pub moment: List<f64, 3>,
 }
 
 #[derive(Deserialize, Default)]

@@ -52,6 +52,7 @@ impl Model {
             let field = format!("line_loads[{i}]");
             self.check_rod(&field, load.rod)?;
             finite(&format!("{field}.force"), &load.force)?;
+            finite(&format!("{field}.moment"), &load.moment)?;
         }
         self.check_contact()?;
         self.joints.iter().enumerate().try_for_each(|(i, joint)| self.check_joint(&format!("joints[{i}]"), joint))?;
@@ -324,7 +325,7 @@ impl Model {
             in_plane(format!("loads[{i}]"), &load.force, &load.moment)?;
         }
         for (i, load) in self.line_loads.iter().enumerate() {
-            in_plane(format!("line_loads[{i}].force"), &load.force, &Vec3::zeros())?;
+            in_plane(format!("line_loads[{i}]"), &load.force, &load.moment)?;
         }
         Ok(())
     }
@@ -333,7 +334,7 @@ impl Model {
     fn pushed_by(&self, rod: usize) -> Option<String> {
         let node_load =
             |load: &super::NodeLoad| load.node.rod == rod && (load.force, load.moment) != Default::default();
-        let line_load = |load: &super::LineLoad| load.rod == rod && load.force != Vec3::zeros();
+        let line_load = |load: &super::LineLoad| load.rod == rod && (load.force, load.moment) != Default::default();
         if let Some(i) = self.loads.iter().position(node_load) {
             return Some(format!("loads[{i}] acts on it"));
         }

@@ -1,7 +1,7 @@
 //! Contact moved to a state, and what it adds.
 
 use super::{Residual, Sink};
-use crate::contact::detect::{self, Besides};
+use crate::contact::potential::{self, Request};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
 use crate::solve::contact_side::{ContactSide, contact_cubic_exactly};
@@ -29,23 +29,23 @@ impl Engine {
     }
 
     /// Gradient and potential of contact, tangent too if there is a sink for it.
-    pub(super) fn add_contact(&self, besides: Besides, out: &mut Residual, mut sink: Option<&mut Sink>) {
+    pub(super) fn add_contact(&self, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
         if side.broad_phase.pairs().is_empty() {
             return;
         }
-        let ground = detect::Ground::of_set(&side.set);
+        let geometry = potential::ContactGeometry::of_set(&side.set);
         // second derivatives live for one part of the candidates only: five kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(PAIRS) {
             let offset = |slave, master| side.offset(slave, master);
             let earlier = side.before.as_ref().filter(|_| sink.is_some());
             let offset_before =
                 |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
-            let before = earlier.map(|(law, _)| (*law, &offset_before as &detect::Offsets));
-            let pressures = detect::Pressures { law: side.law, offset: &offset, before };
-            for found in detect::evaluate_ends(&ground, pairs, &pressures, besides).into_iter().flatten() {
-                let nodes = side.nodes_of(&found.meeting);
+            let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
+            let pressures = potential::Pressures { law: side.law, offset: &offset, before };
+            for found in potential::evaluate_ends(&geometry, pairs, &pressures, request).into_iter().flatten() {
+                let nodes = side.nodes_of(&found.pair);
                 out.potential.contact += found.energy;
                 for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
                     for k in 0..6 {
@@ -57,7 +57,7 @@ impl Engine {
                 if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
                     sink.add(&nodes, &blocks);
                 }
-                out.meetings.push(found.meeting);
+                out.contact_pairs.push(found.pair);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
-use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Six, evaluate};
+use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
 use crate::solve::engine::{Element, Engine};
 use crate::solve::state::State;
 
@@ -32,7 +32,7 @@ impl Engine {
     pub(super) fn add_elements(
         &self,
         state: &State,
-        predicted: Option<&[[Six; 3]]>,
+        predicted: Option<&[[Strain; 3]]>,
         out: &mut Residual,
         sink: &mut Sink,
     ) {
@@ -57,7 +57,7 @@ impl Engine {
         &self,
         e: usize,
         state: &State,
-        predicted: Option<&[Six; 3]>,
+        predicted: Option<&[Strain; 3]>,
         tangent: Option<&mut ElementTangent>,
     ) -> ElementOutput {
         let element = &self.elements[e];
@@ -94,14 +94,14 @@ impl Engine {
     }
 
     /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
-    pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Six; 3]> {
+    pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Stress; 3]> {
         let predict = |e: usize| self.predict_element(e, state, increment);
         self.install(|| parallel::map(self.elements.len(), GRAIN, &predict))
     }
 
     /// Stresses C ε at all points.
-    pub(crate) fn actual_stress(&self, state: &State) -> Vec<[Six; 3]> {
-        let stress = |e: usize| -> [Six; 3] {
+    pub(crate) fn actual_stress(&self, state: &State) -> Vec<[Stress; 3]> {
+        let stress = |e: usize| -> [Stress; 3] {
             let strain = self.element_strain(e, state);
             let material = self.body(e).material;
             std::array::from_fn(|g| material.stress(g, &strain[g]))
@@ -110,7 +110,7 @@ impl Engine {
     }
 
     /// Strains minus reference at the points of an element.
-    pub(crate) fn element_strain(&self, e: usize, state: &State) -> [Six; 3] {
+    pub(crate) fn element_strain(&self, e: usize, state: &State) -> [Strain; 3] {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let raw = element::raw_strains(self.table(element.rod), &nodes, self.element_length(element.rod));
@@ -118,7 +118,7 @@ impl Engine {
         std::array::from_fn(|g| std::array::from_fn(|i| raw[g][i] - reference[g][i]))
     }
 
-    fn predict_element(&self, e: usize, state: &State, increment: &[f64]) -> [Six; 3] {
+    fn predict_element(&self, e: usize, state: &State, increment: &[f64]) -> [Strain; 3] {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
         let local = self.local_increment(element, increment);
@@ -142,14 +142,14 @@ impl Engine {
         state: &State,
         moved: &State,
         increment: &[f64],
-    ) -> (Vec<[Six; 3]>, Vec<f64>) {
+    ) -> (Vec<[Strain; 3]>, Vec<f64>) {
         let mut out = vec![0.0; increment.len()];
         let mut stresses = Vec::with_capacity(self.elements.len());
         self.install(|| {
             for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
                 let force = |k: usize| {
                     let element: &Element = &batch[k];
-                    element::surprise_force(
+                    element::second_order_force(
                         &self.body(batch_index * BATCH + k),
                         &self.element_nodes(state, element),
                         &self.element_nodes(moved, element),

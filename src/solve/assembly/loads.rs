@@ -1,9 +1,9 @@
 //! Dead forces and moments, line loads, pressure.
 
 use super::{Residual, Sink};
-use crate::math::Vec3;
 use crate::math::quadrature::gauss;
 use crate::math::shape_functions::lagrange;
+use crate::scene::LineLoad;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
 
@@ -20,26 +20,30 @@ impl Engine {
             out.potential.load -= factor * load.force.dot(&state.positions[node]);
         }
         for load in &self.model.line_loads {
-            self.add_line_load(load.rod, load.force * factor, state, out);
+            self.add_line_load(load, factor, state, out);
         }
         for (rod, &pressure) in state.pressures.iter().enumerate().filter(|(_, p)| **p != 0.0) {
             self.add_pressure(rod, pressure, state, out, sink.as_deref_mut());
         }
     }
 
-    fn add_line_load(&self, rod: usize, force: Vec3, state: &State, out: &mut Residual) {
-        let weights = integrals(self.model.rods[rod].order).0;
-        let length = self.element_length(rod);
-        for element in self.elements.iter().filter(|e| e.rod == rod) {
-            for a in 0..=self.model.rods[rod].order {
-                let nodal = force * (weights[a] * length);
-                let node = element.nodes[a];
-                for k in 0..3 {
-                    add_load(out, 6 * node + k, nodal[k]);
-                }
-                out.potential.load -= nodal.dot(&state.positions[node]);
+    fn add_line_load(&self, load: &LineLoad, factor: f64, state: &State, out: &mut Residual) {
+        for (node, share) in self.shares(load.rod) {
+            let (force, moment) = (load.force * factor * share, load.moment * factor * share);
+            for k in 0..3 {
+                add_load(out, 6 * node + k, force[k]);
+                add_load(out, 6 * node + 3 + k, moment[k]);
             }
+            out.potential.load -= force.dot(&state.positions[node]);
         }
+    }
+
+    /// Nodes of a rod, element by element, with their shares ∫N_a ds \[L\] of a line load.
+    pub(in crate::solve) fn shares(&self, rod: usize) -> impl Iterator<Item = (usize, f64)> {
+        let order = self.model.rods[rod].order;
+        let (weights, length) = (integrals(order).0, self.element_length(rod));
+        let elements = self.elements.iter().filter(move |e| e.rod == rod);
+        elements.flat_map(move |e| (0..=order).map(move |a| (e.nodes[a], weights[a] * length)))
     }
 
     /// Pressure p on a closed planar rod has the potential p × enclosed area ½∮(x dy − y dx).

@@ -18,7 +18,7 @@ fn engine() -> Engine {
     // loads and pressure belong to supported or planar scenes; here only their derivatives are of interest
     let node = NodeRef { rod: 0, node: 5 };
     engine.model.loads.push(NodeLoad { node, force: Vec3::new(1.0, -2.0, 0.5), moment: Vec3::zeros() });
-    engine.model.line_loads.push(LineLoad { rod: 1, force: Vec3::new(0.3, 0.2, -0.4) });
+    engine.model.line_loads.push(LineLoad::of_force(1, Vec3::new(0.3, 0.2, -0.4)));
     engine.state.load_factor = 0.7;
     engine.state.pressures[0] = 1.1;
     engine.state.seams[0] = 0.4;

@@ -2,7 +2,7 @@
 //! are one contact; under an augmented Lagrangian also what lies nearer together than its offsets can tell apart.
 
 use crate::contact::arc::{self, ascending};
-use crate::contact::chain::{Link, pieces};
+use crate::contact::chain::{ChainPiece, pieces};
 use crate::contact::curve::CurveSet;
 use crate::math::groups::Groups;
 use crate::solve::engine::Engine;
@@ -36,7 +36,7 @@ impl Contacts {
         if side.broad_phase.pairs().is_empty() {
             return Self::default();
         }
-        let terms = engine.residual(&engine.state).meetings;
+        let terms = engine.residual(&engine.state).contact_pairs;
         let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), MEETING * side.min_radius);
         let augments = solver.augments();
         for term in &terms {
@@ -44,7 +44,7 @@ impl Contacts {
                 reach = reach.max(solver.window(side, term.slave, term.master));
             }
             let ends = [term.slave as u32, term.master as u32];
-            for Link { curves, arcs, .. } in pieces(&side.set, term) {
+            for ChainPiece { curves, arcs, .. } in pieces(&side.set, term) {
                 places.push(Place { curves, arcs: arcs.map(ascending) });
                 pairs.push([ends[0].min(ends[1]), ends[0].max(ends[1])]);
             }

@@ -1,7 +1,7 @@
 //! From a point of a path to the next: tangent, bordered mixed-integration-point Newton, critical eigenvalue.
 
 use crate::error::SolveError;
-use crate::rod::element::Six;
+use crate::rod::element::Stress;
 use crate::scene::ContactLaw;
 use crate::solve::assembly::Residual;
 use crate::solve::continuation::contacts::Contacts;
@@ -233,7 +233,7 @@ impl Tracer<'_> {
     fn bordered_step(
         &mut self,
         state: &State,
-        stress: &[[Six; 3]],
+        stress: &[[Stress; 3]],
         residual: &Residual,
         moved: &Motion,
         plane: &Plane,
@@ -249,7 +249,7 @@ impl Tracer<'_> {
     }
 
     /// Motion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
-    pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Six; 3]]) -> Motion {
+    pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Stress; 3]]) -> Motion {
         let solver = &mut *self.solver;
         let driven = &solver.workspace.tangent.drive;
         let rate = self.parameter.rate(&solver.engine, state, stress, driven);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::element::MAX_DOF;
-use crate::rod::element::{Six, predicted_stress};
+use crate::rod::element::{Stress, predicted_stress};
 use crate::scene::Ramp;
 use crate::scene::model::unit;
 use crate::solve::assembly::symmetric;
@@ -110,7 +110,7 @@ impl Parameter {
     }
 
     /// ∂gradient/∂parameter for fixed unknowns; `driven` is the part of moved supports, from the tangent.
-    pub(super) fn rate(&self, engine: &Engine, state: &State, stress: &[[Six; 3]], driven: &[f64]) -> Vec<f64> {
+    pub(super) fn rate(&self, engine: &Engine, state: &State, stress: &[[Stress; 3]], driven: &[f64]) -> Vec<f64> {
         match self.quantity {
             Quantity::Node(..) => driven.to_vec(),
             Quantity::Load => loads_alone(engine, state, 1.0, None),
@@ -120,7 +120,7 @@ impl Parameter {
     }
 
     /// Stresses that mixed-integration-point Newton predicts for a step, the turn of the seam included.
-    pub(super) fn predicted_stress(&self, engine: &Engine, state: &State, step: &[f64], by: f64) -> Vec<[Six; 3]> {
+    pub(super) fn predicted_stress(&self, engine: &Engine, state: &State, step: &[f64], by: f64) -> Vec<[Stress; 3]> {
         let mut stress = engine.predicted_stress(state, step);
         let Quantity::Link(rod) = self.quantity else { return stress };
         let Some(e) = closing_element(engine, rod) else { return stress };
@@ -153,7 +153,7 @@ fn loads_alone(engine: &Engine, state: &State, factor: f64, pressed: Option<usiz
 
 /// A turn of the seam turns the last node of the closing element about its own d3 before the increment turns it with
 /// the first node: K d3, and ½ d3 × m where m is the moment there, because the two rotations do not commute.
-fn link_rate(engine: &Engine, rod: usize, state: &State, stress: &[[Six; 3]]) -> Vec<f64> {
+fn link_rate(engine: &Engine, rod: usize, state: &State, stress: &[[Stress; 3]]) -> Vec<f64> {
     let mut out = vec![0.0; 6 * engine.num_nodes()];
     let Some(e) = closing_element(engine, rod) else { return out };
     let order = engine.model.rods[rod].order;

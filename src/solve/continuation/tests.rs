@@ -14,7 +14,7 @@ fn open_rod() -> Solver {
     let model = Model {
         supports: ends.map(Support::clamp).to_vec(),
         loads: vec![NodeLoad { node: middle, force: Vec3::new(1.0, -2.0, 0.5), moment: Vec3::zeros() }],
-        line_loads: vec![LineLoad { rod: 0, force: Vec3::new(0.1, 0.2, 0.3) }],
+        line_loads: vec![LineLoad::of_force(0, Vec3::new(0.1, 0.2, 0.3))],
         contact: Contact::NONE,
         rods: vec![rod],
         ..Model::default()

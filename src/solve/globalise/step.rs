@@ -146,9 +146,9 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
     let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
     let Some(side) = &engine.contact else { return turn };
-    let sliding = |term: &crate::contact::detect::Meeting| {
+    let sliding = |term: &crate::contact::potential::ContactPair| {
         let [a, _, b, _] = side.nodes_of(term);
         (part(a, 0) - part(b, 0)).norm() / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
     };
-    residual.meetings.iter().map(sliding).fold(turn, f64::max)
+    residual.contact_pairs.iter().map(sliding).fold(turn, f64::max)
 }

@@ -4,7 +4,7 @@
 use super::step::Step;
 use super::{gain, noise};
 use crate::error::SolveError;
-use crate::rod::element::Six;
+use crate::rod::element::{Strain, Stress};
 use crate::solve::assembly::Residual;
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
@@ -36,7 +36,7 @@ pub(super) struct Trial {
     /// The corrections shrank.
     pub(super) settled: bool,
     /// C e of the last correction: with the linear prediction the stresses that balance the step.
-    pub(super) excess: Option<Vec<[Six; 3]>>,
+    pub(super) excess: Option<Vec<[Stress; 3]>>,
 }
 
 impl Workspace {
@@ -132,7 +132,7 @@ impl Workspace {
         there: &Residual,
         trial: &Trial,
         contact: bool,
-    ) -> (Vec<[Six; 3]>, Vec<f64>) {
+    ) -> (Vec<[Strain; 3]>, Vec<f64>) {
         let (excess, mut out) = engine.elastic_surprise(state, &trial.state, &trial.increment);
         if contact {
             engine.add_contact_surprise(state, &trial.increment, residual, there, &mut out);

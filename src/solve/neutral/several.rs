@@ -5,7 +5,7 @@
 //! along themselves is left to the mesh's ripple.
 
 use super::{Supports, holds_all, is_free, is_loaded, rigid_motions, spin_of, spins, subtract};
-use crate::contact::detect::Meeting;
+use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
 use crate::solve::engine::Engine;
 use crate::solve::state::State;
@@ -28,9 +28,9 @@ pub(super) struct Several {
 
 impl Several {
     /// Of a model where strands touch as in `meetings`; groups with free rods that bear loads have none.
-    pub(super) fn of(engine: &Engine, state: &State, meetings: &[Meeting], weights: [f64; 2]) -> Self {
+    pub(super) fn of(engine: &Engine, state: &State, contact_pairs: &[ContactPair], weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
-        let mut groups = groups(engine, meetings);
+        let mut groups = groups(engine, contact_pairs);
         let loaded = |rod: &usize| engine.bears_loads(*rod);
         groups.retain(|group| !(group.iter().any(loaded) && group.iter().any(|rod| is_free(engine, *rod))));
         for group in groups {
@@ -108,12 +108,12 @@ fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> Motion {
 }
 
 /// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
-fn groups(engine: &Engine, meetings: &[Meeting]) -> Vec<Vec<usize>> {
+fn groups(engine: &Engine, contact_pairs: &[ContactPair]) -> Vec<Vec<usize>> {
     let mut scratch = Vec::new();
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
     if let Some(side) = &engine.contact {
-        for meeting in meetings {
-            let [a, _, b, _] = side.nodes_of(meeting).map(|node| engine.rod_of(node));
+        for pair in contact_pairs {
+            let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
             touching.join(a, b);
         }
     }

@@ -99,7 +99,7 @@ fn beams() -> Solver {
     let rods: Vec<Rod> = (0..3).map(beam).collect();
     let ends = (0..3).flat_map(|rod| [0, 36].map(|node| Support::clamp(NodeRef { rod, node })));
     let law = ContactLaw::AugmentedLagrangian { stiffness: 1.0, tol_penetration: 1e-9 };
-    let line_loads = vec![LineLoad { rod: 2, force: Vec3::y() * -0.768 }];
+    let line_loads = vec![LineLoad::of_force(2, Vec3::y() * -0.768)];
     let model = Model { rods, supports: ends.collect(), line_loads, contact: Contact { law }, ..Model::default() };
     Solver::new(model, Options::default()).unwrap()
 }

@@ -13,7 +13,7 @@ pub(super) const LOOP_HEIGHT: f64 = 1.25 * HEIGHT[0] + HEIGHT[1];
 /// A place of the strand: distance x from the axis, height z, angle φ about the axis, with first and second derivatives
 /// by the parameter.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct StrandPoint {
     pub x: [f64; 3],
     pub z: [f64; 3],
     pub phi: [f64; 3],
@@ -34,7 +34,7 @@ pub(super) struct HalfLoop {
 
 impl HalfLoop {
     /// The place at the parameter v = 1 − w, 0 at the helix, 1 at the apex; z and φ from the end of the helix.
-    pub(super) fn at(&self, v: f64) -> Place {
+    pub(super) fn at(&self, v: f64) -> StrandPoint {
         let w = 1.0 - v;
         let (w2, y, y1) = (w * w, v * (2.0 - v), -2.0 * w); // y by differences: exact near the helix
         let a = [w * (15.0 + w2 * (3.0 * w2 - 10.0)) / 8.0, 15.0 * y * y / 8.0, -7.5 * w * y];
@@ -49,7 +49,7 @@ impl HalfLoop {
             [rate * (3.0 - w2 * w2 * (5.0 - 2.0 * w2)) / 8.0, rate * w * w2 * (2.5 - 1.5 * w2), -7.5 * rate * w2 * y];
         let (r, s) = (self.radius, self.size);
         // d/dv = −d/dw
-        Place {
+        StrandPoint {
             x: [r * a[0] + s * b[0], -r * a[1] - s * b[1], r * a[2] + s * b[2]],
             z: [s * c[0], -s * c[1], s * c[2]],
             phi: winding,
@@ -57,7 +57,7 @@ impl HalfLoop {
     }
 }
 
-impl Place {
+impl StrandPoint {
     /// First and second derivative in the axes that turn with the strand: outwards, around, along the (straight) axis.
     fn derivatives(&self) -> [[f64; 3]; 2] {
         let ([x, x1, x2], [_, z1, z2], [_, p1, p2]) = (self.x, self.z, self.phi);
@@ -109,7 +109,7 @@ mod tests {
         let h = 1e-5;
         for v in [0.1, 0.35, 0.6, 0.9] {
             let [before, here, after] = [v - h, v, v + h].map(|v| HALF.at(v));
-            for pick in [|p: &Place| p.x, |p: &Place| p.z, |p: &Place| p.phi] {
+            for pick in [|p: &StrandPoint| p.x, |p: &StrandPoint| p.z, |p: &StrandPoint| p.phi] {
                 for k in 0..2 {
                     let slope = (pick(&after)[k] - pick(&before)[k]) / (2.0 * h);
                     assert!((slope - pick(&here)[k + 1]).abs() < 1e-7 * (1.0 + slope.abs()), "{v} {k}");

@@ -13,7 +13,7 @@ fn plectonemes() -> impl Iterator<Item = Plectoneme> {
 fn the_formulas_are_those_of_the_curve() {
     for p in plectonemes() {
         let axis = AxisCurve::new(&p.axis, p.distance).unwrap();
-        let wound = Wound { half_loop: p.half_loop(), height: p.helix_height(), axis: &axis };
+        let wound = WoundStrands { half_loop: p.half_loop(), height: p.helix_height(), axis: &axis };
         let measured = Measured::new(&wound, &wound.breaks(1));
         assert!((measured.length() / p.length - 1.0).abs() < 1e-13, "{} {p:?}", measured.length());
         let curve = |u: f64| {

@@ -61,7 +61,7 @@ fn closed_rods_may_float_open_ones_among_others_may_not() {
     assert!(refusal(&both).contains("rods.beam: other rods may push it"));
     both.contact = Contact::NONE;
     assert!(both.check().is_ok());
-    both.line_loads = vec![LineLoad { rod: 0, force: Vec3::z() }];
+    both.line_loads = vec![LineLoad::of_force(0, Vec3::z())];
     assert!(refusal(&both).contains("rods.ring: line_loads[0] acts on it"));
 }
 

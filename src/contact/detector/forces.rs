@@ -1,0 +1,144 @@
+//! Energy, forces and Hessians of a contact law on curves.
+
+use super::Detector;
+use crate::contact::curves::input::{Curve, CurveShape, Strands};
+use crate::contact::law::Law;
+use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairTerm, Pressures, Want};
+use crate::error::InputError;
+use crate::math::{Vec3, parallel};
+
+/// Candidate pairs whose forces are computed before they are added up in order.
+const BLOCK: usize = 8192;
+/// Of these, those per parallel piece of work.
+const FORCES: usize = 64;
+
+/// Energy and forces of the contact of curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forces {
+    /// Energy \[F·L\].
+    pub energy: f64,
+    /// Forces \[F\] on each curve's control points, −∂energy/∂point at fixed arc lengths: one for each point of a
+    /// polyline, four for each cubic piece (of two that share a joint each has its part).
+    pub forces: Vec<Vec<Vec3>>,
+    /// Smallest gap \[L\] of the overlaps; infinite if there is none.
+    pub min_gap: f64,
+}
+
+impl Default for Forces {
+    fn default() -> Self {
+        Self { energy: 0.0, forces: Vec::new(), min_gap: f64::INFINITY }
+    }
+}
+
+impl Forces {
+    /// No contact, in the old buffers.
+    fn clear(&mut self, strands: &Strands) {
+        (self.energy, self.min_gap) = (0.0, f64::INFINITY);
+        self.forces.resize_with(strands.curves.len(), Vec::new);
+        for (forces, strand) in self.forces.iter_mut().zip(&strands.curves) {
+            forces.clear();
+            forces.resize(strand.num_control_points(), Vec3::zeros());
+        }
+    }
+
+    fn add(&mut self, strands: &Strands, pair: [u32; 2], found: &PairForce) {
+        if found.min_gap == f64::INFINITY {
+            return;
+        }
+        self.energy += found.energy;
+        self.min_gap = self.min_gap.min(found.min_gap);
+        for (segment, force) in pair.into_iter().zip(&found.force) {
+            let curve = strands.curve_of(segment as usize);
+            let strand = &strands.curves[curve];
+            let (k, sums) = (segment as usize - strand.first, &mut self.forces[curve]);
+            if matches!(strand.shape, CurveShape::Polyline(_)) {
+                sums[k] += force[0];
+                let next = if k + 1 < sums.len() { k + 1 } else { 0 };
+                sums[next] += force[3];
+            } else {
+                (0..4).for_each(|m| sums[4 * k + m] += force[m]);
+            }
+        }
+    }
+}
+
+impl Detector {
+    /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another
+    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an
+    /// explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in contact all along, and the
+    /// result is kept in buffers.
+    ///
+    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
+    /// there, farthest ones between two of them counted off (`contact::zones` says why), corners of polylines included. So
+    /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
+    /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
+    /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle
+    /// or more, by what they leave out. Points where centrelines coincide have energy, but no direction and no force.
+    ///
+    /// # Errors
+    /// As [`Detector::detect`], and numbers of the law that are not finite and positive.
+    pub fn forces(&mut self, curves: &[Curve], law: impl Into<Law>) -> Result<&Forces, InputError> {
+        let law = checked(law.into())?;
+        let strands = self.update(curves, self.options.range.max(0.0))?;
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.clear(&strands);
+        let mut found = std::mem::take(&mut self.pair_forces);
+        let this = &*self;
+        let geometry = ContactGeometry::new(strands.clone(), &this.lengths, Some(&this.exclusion));
+        let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
+        for block in this.broad.pairs().chunks(BLOCK) {
+            found.resize(block.len(), PairForce::NONE);
+            parallel::each_part(&mut found, FORCES, &|first, part| {
+                let mut pieces = Vec::new();
+                for (force, pair) in part.iter_mut().zip(&block[first..]) {
+                    let pair = pair.map(|k| k as usize);
+                    *force = if potential::wanted(&strands, &this.exclusion, pair) {
+                        geometry.force(pair, &pressures, &mut pieces)
+                    } else {
+                        PairForce::NONE
+                    };
+                }
+            });
+            block.iter().zip(&found).for_each(|(pair, found)| forces.add(&strands, *pair, found));
+        }
+        (self.forces, self.pair_forces) = (forces, found);
+        Ok(&self.forces)
+    }
+
+    /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per
+    /// ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A
+    /// polyline's segment p₀p₁ counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise:
+    /// [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points. A term
+    /// takes about 400 bytes, with Hessian 5 kB.
+    ///
+    /// # Errors
+    /// As [`Detector::forces`].
+    pub fn terms(&mut self, curves: &[Curve], law: impl Into<Law>, want: Want) -> Result<Vec<PairTerm>, InputError> {
+        let law = checked(law.into())?;
+        let strands = self.update(curves, self.options.range.max(0.0))?;
+        let wanted = |p: &&[u32; 2]| potential::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
+        let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
+        let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
+        let geometry = ContactGeometry::new(strands, &self.lengths, Some(&self.exclusion));
+        Ok(potential::evaluate_within(&geometry, &pairs, &pressures, want))
+    }
+}
+
+impl From<f64> for Law {
+    /// The penalty of this stiffness \[F/L²\].
+    fn from(stiffness: f64) -> Self {
+        Self::Linear { stiffness }
+    }
+}
+
+/// A law whose numbers make sense.
+fn checked(law: Law) -> Result<Law, InputError> {
+    match law {
+        Law::Linear { stiffness } => InputError::positive("stiffness", stiffness)?,
+        Law::Core { pressure, depth } => {
+            InputError::positive("pressure", pressure)?;
+            InputError::positive("depth", depth)?;
+        }
+    }
+    Ok(law)
+}

@@ -1,0 +1,320 @@
+//! From candidate pairs to terms of the contact potential: energy, gradient and symmetric Hessian with respect to the
+//! control points of both cubics, and the zones for reports.
+//!
+//! ```text
+//! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
+//! ```
+//!
+//! Each strand integrates over its own length with factor ½; what is counted off (−) tells [`zone`](crate::contact::zones). With
+//! d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein weights (minus on
+//! the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur
+//! complement of the foot.
+
+use crate::contact::curves::curve::{Cubic, CurveSet};
+use crate::contact::curves::input::{CurveShape, Strands};
+use crate::contact::law::Law;
+use crate::contact::pairs::capsule::Capsule;
+use crate::contact::projection::smooth_joint;
+use crate::contact::tree::exclusion::Exclusion;
+use crate::contact::zones::facing::Facing;
+use crate::contact::zones::straight::Lines;
+use crate::contact::zones::{BranchPiece, SegmentPair, SmoothJoint};
+use crate::math::{Vec3, parallel};
+use integral::{PairIntegral, Projector};
+pub use pressure::Offsets;
+use pressure::PairLaw;
+pub(crate) use pressure::Pressures;
+use stiffness::{Coordinates, PairStiffness};
+pub use term::{ContactPair, Hessian, PairTerm, Want, ZonePiece};
+pub(crate) use term::{EndTerm, PairForce, Request};
+
+mod guess;
+mod integral;
+mod pressure;
+mod rings;
+pub(crate) mod second_order;
+pub(crate) mod stiffness;
+mod term;
+
+/// Segments per parallel piece of work.
+const SEGMENTS: usize = 256;
+
+/// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
+///
+/// `offset(slave, master)` is the offset c at both ends of a segment towards another one \[L\] (0 for a plain penalty);
+/// where contact goes on from one segment to the next, on either strand, it is to do so too. Parallel over candidates
+/// in the current rayon pool; the result does not depend on the number of threads.
+pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
+    evaluate_within(&ContactGeometry::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
+}
+
+/// The curves that terms are evaluated on.
+pub(crate) struct ContactGeometry<'a> {
+    strands: Strands<'a>,
+    /// Reference length of each segment \[L\].
+    lengths: &'a [f64],
+    /// Capsule of each segment; none if all curves are polylines.
+    capsules: Vec<Capsule>,
+    /// Whether the curve has a kink at the start of each segment; none if all curves are polylines.
+    kinked: Vec<bool>,
+    /// Which pairs are left out as neighbours, if the candidates are those that are not.
+    exclusion: Option<&'a Exclusion>,
+    /// What rounding took from the control points of each segment \[L\]; none if nothing is known of that.
+    remainders: &'a [[Vec3; 4]],
+}
+
+impl<'a> ContactGeometry<'a> {
+    /// The curves of a set.
+    pub(crate) fn of_set(set: &'a CurveSet) -> Self {
+        Self { remainders: &set.remainders, ..Self::new(Strands::of_set(set), &set.lengths, None) }
+    }
+
+    /// Curves with the reference lengths of their segments \[L\], and the neighbours that are not among the candidates.
+    pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64], exclusion: Option<&'a Exclusion>) -> Self {
+        let mut capsules = Vec::new();
+        if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
+            let capsule = |k: usize| Capsule::new(&strands.cubic(k));
+            capsules = parallel::map(strands.len(), SEGMENTS, &capsule);
+        }
+        let mut kinked = Vec::new();
+        if !capsules.is_empty() {
+            let kink = |k: usize| {
+                let own = strands.cubic(k);
+                let before = strands.prev(k).map(|before| strands.cubic(before));
+                before.is_some_and(|before| !smooth_joint(&before, &own, own.b[0].amax()))
+            };
+            kinked = parallel::map(strands.len(), SEGMENTS, &kink);
+        }
+        Self { strands, lengths, capsules, kinked, exclusion, remainders: &[] }
+    }
+}
+
+/// [`evaluate`] for callers that go through the candidates in parts.
+pub(crate) fn evaluate_within(
+    geometry: &ContactGeometry,
+    candidates: &[[u32; 2]],
+    pressures: &Pressures,
+    want: Want,
+) -> Vec<PairTerm> {
+    let add =
+        |pair, pieces: &mut _, out: &mut Vec<_>| geometry.terms(pair, pressures, want, pieces, |term| out.push(term));
+    in_chunks(candidates, add).into_iter().flatten().collect()
+}
+
+/// The terms of [`evaluate_within`] with respect to the segments' ends, in parts: they are large, and moved no more
+/// than need be.
+pub(crate) fn evaluate_ends(
+    geometry: &ContactGeometry,
+    candidates: &[[u32; 2]],
+    pressures: &Pressures,
+    request: Request,
+) -> Vec<Vec<EndTerm>> {
+    in_chunks(candidates, |pair, pieces, out| {
+        geometry.each(pair, pressures, request.zones, pieces, |found| out.push(geometry.end_term(found, request)));
+    })
+}
+
+/// Calls `add(pair, scratch, out)` for every pair; what is put out, in the order of the pairs, in parts.
+fn in_chunks<T: Send>(
+    candidates: &[[u32; 2]],
+    add: impl Fn([usize; 2], &mut Vec<BranchPiece>, &mut Vec<T>) + Sync,
+) -> Vec<Vec<T>> {
+    const CHUNK: usize = 64;
+    parallel::map_ranges(candidates.len(), CHUNK, &|range| {
+        let (mut found, mut pieces) = (Vec::new(), Vec::new());
+        candidates[range].iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
+        found
+    })
+}
+
+impl ContactGeometry<'_> {
+    /// The terms of one candidate pair, either way round. `pieces` is scratch.
+    fn terms(
+        &self,
+        pair: [usize; 2],
+        pressures: &Pressures,
+        want: Want,
+        pieces: &mut Vec<BranchPiece>,
+        mut found: impl FnMut(PairTerm),
+    ) {
+        self.each(pair, pressures, true, pieces, |place| found(place.pair_term(want)));
+    }
+
+    /// The contacts of one candidate pair, either way round. `pieces` is scratch; where they are nearest they tell only
+    /// if that is asked for.
+    fn each(
+        &self,
+        [i, j]: [usize; 2],
+        pressures: &Pressures,
+        nearest: bool,
+        pieces: &mut Vec<BranchPiece>,
+        mut found: impl FnMut(&PairIntegral),
+    ) {
+        let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
+        let distance = self.nearest(i, j);
+        for (slave, master) in [(i, j), (j, i)] {
+            let reach = pressures.reach(slave, master, contact_distance);
+            if distance >= reach[0].max(reach[1]) {
+                continue;
+            }
+            let pair_law = self.pair_law(slave, master, reach, contact_distance, pressures);
+            pieces.clear();
+            let mut collect = |project: &Projector, pieces: &mut Vec<BranchPiece>| {
+                self.keep_rings([slave, master], &pair_law, project, pieces);
+                if !pieces.is_empty() {
+                    found(&PairIntegral { slave, master, pair_law: &pair_law, pieces, project });
+                }
+            };
+            if let Some(lines) = self.lines(slave, master, &pair_law) {
+                lines.pieces(|piece| pieces.push(piece));
+                collect(&|u, _, branch| lines.project(u, branch), pieces);
+                continue;
+            }
+            self.with_pair(slave, master, pair_law.reach, |pair, facing| match facing {
+                Some(facing) if facing.pieces(pair, nearest, pieces) => {
+                    collect(&|u, guess, _| (facing.project(pair, u, guess), 1.0), pieces);
+                }
+                _ => {
+                    pair.pieces(pieces);
+                    collect(&|t, guess, branch| pair.project(t, guess, branch), pieces);
+                }
+            });
+        }
+    }
+
+    /// A segment as seen from a point.
+    fn near(&self, segment: usize, origin: &Vec3) -> Cubic {
+        let mut cubic = self.strands.cubic(segment).relative_to(origin);
+        if let Some(lost) = self.remainders.get(segment) {
+            cubic.b.iter_mut().zip(lost).for_each(|(point, lost)| *point += lost);
+        }
+        cubic
+    }
+
+    fn end_term(&self, found: &PairIntegral, request: Request) -> EndTerm {
+        let origin = self.strands.ends(found.slave).0;
+        let coordinates = Coordinates::ends(&self.near(found.slave, &origin), &self.near(found.master, &origin));
+        let mut stiffness = request.tangent.then(|| PairStiffness::new(coordinates));
+        let term = found.sum(request, stiffness.as_mut());
+        EndTerm {
+            energy: term.energy,
+            gradient: coordinates.pull(&term.gradient),
+            tangent: stiffness.map(|s| s.finish(&term.gradient)),
+            pair: term.into(),
+        }
+    }
+
+    /// The sum of [`ContactGeometry::terms`] without the terms.
+    pub(crate) fn force(&self, [i, j]: [usize; 2], pressures: &Pressures, pieces: &mut Vec<BranchPiece>) -> PairForce {
+        let mut sum = PairForce::NONE;
+        if !(self.strands.is_straight(i) && self.strands.is_straight(j)) {
+            self.terms([i, j], pressures, Want::Gradient, pieces, |term| {
+                sum.add_term(&self.strands, &term, term.slave != i)
+            });
+            return sum;
+        }
+        let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
+        for (slave, master) in [(i, j), (j, i)] {
+            let reach = pressures.reach(slave, master, contact_distance);
+            if reach[0].max(reach[1]) <= 0.0 {
+                continue;
+            }
+            let pair_law = self.pair_law(slave, master, reach, contact_distance, pressures);
+            let Some(lines) = self.lines(slave, master, &pair_law) else { continue };
+            if !self.may_be_ring(slave, master) {
+                lines.pieces(|piece| sum.add_lines(&lines, &piece, &pair_law, slave != i));
+                continue;
+            }
+            pieces.clear();
+            lines.pieces(|piece| pieces.push(piece));
+            self.keep_rings([slave, master], &pair_law, &|u, _, branch| lines.project(u, branch), pieces);
+            pieces.iter().for_each(|piece| sum.add_lines(&lines, piece, &pair_law, slave != i));
+        }
+        sum
+    }
+
+    /// Lower bound of the distance \[L\]. Straight segments tell their intervals faster than this would save.
+    fn nearest(&self, i: usize, j: usize) -> f64 {
+        if self.capsules.is_empty() { 0.0 } else { self.capsules[i].distance_lower_bound(&self.capsules[j]) }
+    }
+
+    /// What holds all along the slave.
+    fn pair_law<'a>(
+        &self,
+        slave: usize,
+        master: usize,
+        reach: [f64; 2],
+        contact_distance: f64,
+        pressures: &'a Pressures<'a>,
+    ) -> PairLaw<'a> {
+        let (length, offset) = (self.lengths[slave], (pressures.offset)(slave, master));
+        let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
+        let span = if straight {
+            let (start, end) = self.strands.ends(slave);
+            (end - start).norm()
+        } else {
+            length
+        };
+        PairLaw { pressures, contact_distance, reach, offset, length, straight, span }
+    }
+
+    /// The pair as lines, if both are straight and the reach does not vary along the slave.
+    fn lines(&self, slave: usize, master: usize, pair_law: &PairLaw) -> Option<Lines> {
+        let lines = pair_law.straight && pair_law.reach[0] == pair_law.reach[1];
+        lines.then(|| Lines::new(&self.strands, slave, master, pair_law.reach[0], self.kinks(slave, master)))
+    }
+
+    /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is
+    /// left out as a neighbour of the slave.
+    fn kinks(&self, slave: usize, master: usize) -> [bool; 2] {
+        let left_out = |next: usize| self.exclusion.is_some_and(|e| !wanted(&self.strands, e, [slave, next]));
+        [true, self.strands.next(master).is_some_and(left_out)]
+    }
+
+    /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen
+    /// to have no foot: far from the origin the ends of zones would be lost in rounding, and looked for in vain. The
+    /// same origin for every master, so that two that meet at a joint find the same bits there.
+    fn with_pair(
+        &self,
+        slave: usize,
+        master: usize,
+        reach: [f64; 2],
+        with: impl FnOnce(&SegmentPair, Option<&Facing>),
+    ) {
+        let origin = self.strands.ends(slave).0;
+        let near = |k: usize| self.near(k, &origin);
+        let (own, foreign) = (near(slave), near(master));
+        let beyond = [self.strands.prev(master), self.strands.next(master)];
+        let goes_on = beyond.map(|k| k.is_some());
+        let counted = self.kinks(slave, master);
+        let kinked = [master, beyond[1].unwrap_or(master)].map(|k| self.kinked.get(k) != Some(&false));
+        let counted: [bool; 2] = std::array::from_fn(|k| goes_on[k] && kinked[k] && counted[k]);
+        let facing = Facing::new(&own, &foreign);
+        if facing.as_ref().is_some_and(|facing| (0..2).any(|k| goes_on[k] && !counted[k] && facing.misses()[k])) {
+            return;
+        }
+        let [before, after] = beyond.map(|k| k.map(near));
+        let joints = SmoothJoint::both(before, &foreign, after, &origin);
+        let tangents = [before.map(|before| before.end_tangent()), after.map(|after| after.start_tangent())];
+        let pair = SegmentPair {
+            slave: &own,
+            master: &foreign,
+            open_start: !goes_on[0],
+            open_end: !goes_on[1],
+            reach,
+            joints,
+            kinks: std::array::from_fn(|k| tangents[k].filter(|_| counted[k] && joints[k].is_none())),
+        };
+        with(&pair, facing.as_ref().filter(|_| goes_on == [true; 2] && counted == [false; 2]));
+    }
+}
+
+/// Whether a pair is not one of neighbours along a curve.
+pub(crate) fn wanted(strands: &Strands, exclusion: &Exclusion, [i, j]: [usize; 2]) -> bool {
+    !exclusion.excluded(i, j) && !strands.adjacent(i, j)
+}
+
+#[cfg(test)]
+mod folds;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,186 @@
+//! The integral over pieces of zones: quadrature points, and what each adds to a term.
+
+use super::guess::Interpolation;
+use super::pressure::{PairLaw, without_limit};
+use super::stiffness::{Coordinates, PairStiffness};
+use super::term::{PairForce, PairTerm, QuadraturePoint, Request, Want, ZonePiece};
+use crate::contact::zones::straight::Lines;
+use crate::contact::zones::{Branch, BranchPiece, FootKind, Projection};
+use crate::math::bernstein::{cubic_slopes, cubic_weights};
+use crate::math::quadrature::gauss;
+use crate::math::{Mat3, Vec3};
+
+/// Points of the Gauss rule on each piece of a zone.
+const POINTS_PER_PIECE: usize = 5;
+/// Both ends of a piece and the points of its rule.
+const MAX_PLACES: usize = POINTS_PER_PIECE + 2;
+/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well: polylines have many.
+const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
+/// Parts that a piece through a fold is divided into: there and back on the slave.
+const PARTS_OF_FOLD: f64 = 4.0;
+
+/// Where one ordered pair is in contact.
+pub(super) struct PairIntegral<'a> {
+    pub(super) slave: usize,
+    pub(super) master: usize,
+    pub(super) pair_law: &'a PairLaw<'a>,
+    pub(super) pieces: &'a [BranchPiece],
+    pub(super) project: &'a Projector<'a>,
+}
+
+/// The geometry of a branch at the parameter it is followed by, from a guess of the other, and by what the slave's
+/// parameter changes with that: less than nothing where it is counted off.
+pub(super) type Projector<'a> = dyn Fn(f64, f64, &Branch) -> (Projection, f64) + 'a;
+
+impl PairIntegral<'_> {
+    pub(super) fn pair_term(&self, want: Want) -> PairTerm {
+        let mut stiffness = (want == Want::Hessian).then(|| PairStiffness::new(Coordinates::Points));
+        let mut term = self.sum(Request { zones: true, tangent: false }, stiffness.as_mut());
+        term.hessian = stiffness.map(|stiffness| {
+            let sum = stiffness.finish(&term.gradient);
+            let block = |m: usize, n: usize| Mat3::from_fn(|i, j| if m <= n { sum[3 * m + i][3 * n + j] } else { 0.0 });
+            Box::new(std::array::from_fn(|m| std::array::from_fn(|n| block(m, n))))
+        });
+        term
+    }
+
+    /// The integral over the pieces, its second derivative in `stiffness`; with the tangent, the points in contact.
+    pub(super) fn sum(&self, request: Request, mut stiffness: Option<&mut PairStiffness>) -> PairTerm {
+        let mut term = PairTerm {
+            slave: self.slave,
+            master: self.master,
+            energy: 0.0,
+            gradient: [Vec3::zeros(); 8],
+            hessian: None,
+            zones: Vec::new(),
+            points: Vec::new(),
+        };
+        for piece in self.pieces {
+            // ½∫p uᵏ ds
+            let mut moments = [0.0; 3];
+            let mut half_push = Vec3::zeros();
+            let kind = piece.branch.kind;
+            self.pair_law.integrate(piece, |t, guess, weight| {
+                let (touch, rate) = (self.project)(t, guess, &piece.branch);
+                let weight = weight * rate;
+                let force =
+                    weight * add_point(&mut term, stiffness.as_deref_mut(), kind, &touch, weight, self.pair_law);
+                // farthest points, counted off, are followed by no one
+                if request.tangent && weight > 0.0 {
+                    let (law, carried) = self.pair_law.response(touch.u, touch.distance);
+                    let known = carried > 0.0 && law.stiffness.is_finite();
+                    let point = QuadraturePoint { u: touch.u, v: touch.v, kind, stiffness: weight * law.stiffness };
+                    term.points.extend(known.then_some(point));
+                }
+                moments[0] += force;
+                moments[1] += force * touch.u;
+                moments[2] += force * touch.u * touch.u;
+                if touch.distance > 0.0 {
+                    half_push += touch.normal * force;
+                }
+                if kind == FootKind::Fold { touch.u } else { touch.v }
+            });
+            if request.zones {
+                let [half_force, first, second] = moments;
+                let min_gap = piece.nearest.distance - self.pair_law.contact_distance;
+                let piece = piece.ascending();
+                term.zones.push(ZonePiece { piece, min_gap, half_force, half_moments: [first, second], half_push });
+            }
+        }
+        term
+    }
+}
+
+impl PairLaw<'_> {
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t what it
+    /// is followed by, which returns the other parameter; long pieces are divided so that each part is shorter than the
+    /// contact distance. Guesses are interpolated between the ends of the piece and what was returned.
+    fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
+        let [t, other] = piece.along();
+        let width = t[1] - t[0];
+        let extent = width * self.span / self.contact_distance;
+        let parts = match piece.branch.kind {
+            FootKind::Fold => PARTS_OF_FOLD,
+            _ => extent.ceil().clamp(1.0, 64.0),
+        };
+        let points = FEWER_POINTS.iter().find(|(longest, _)| self.straight && extent <= *longest);
+        let rule = gauss(points.map_or(POINTS_PER_PIECE, |(_, points)| *points));
+        let mut last = [t[0], other[0]];
+        for part in 0..parts as usize {
+            let mut known = Interpolation::<MAX_PLACES>::between(last, [t[1], other[1]]);
+            for (&x, &w) in rule.points.iter().zip(rule.weights) {
+                let t = t[0] + width * (part as f64 + x) / parts;
+                let other = add(t, known.at(t), 0.5 * w * width * self.length / parts);
+                known.add(t, other);
+                last = [t, other];
+            }
+        }
+    }
+}
+
+impl PairForce {
+    /// Adds one piece of a pair of lines; `swapped` if the slave is j.
+    pub(super) fn add_lines(&mut self, lines: &Lines, piece: &BranchPiece, pair_law: &PairLaw, swapped: bool) {
+        // ∫p n ds, and the same weighted by u and by v
+        let (mut plain, mut at_u, mut at_v) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
+        pair_law.integrate(piece, |u, _, weight| {
+            let (touch, sign) = lines.project(u, &piece.branch);
+            let weight = weight * sign;
+            let (law, _) = pair_law.response(u, touch.distance);
+            if without_limit(&law, weight) {
+                return touch.v;
+            }
+            self.energy += weight * law.energy;
+            let push = touch.normal * (weight * law.pressure);
+            plain += push;
+            at_u += push * u;
+            at_v += push * touch.v;
+            touch.v
+        });
+        self.min_gap = self.min_gap.min(piece.nearest.distance - pair_law.contact_distance);
+        let [own, other] = if swapped { [1, 0] } else { [0, 1] };
+        self.force[own][0] += plain - at_u;
+        self.force[own][3] += at_u;
+        self.force[other][0] -= plain - at_v;
+        self.force[other][3] -= at_v;
+    }
+}
+
+/// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
+fn add_point(
+    term: &mut PairTerm,
+    stiffness: Option<&mut PairStiffness>,
+    kind: FootKind,
+    touch: &Projection,
+    weight: f64,
+    pair_law: &PairLaw,
+) -> f64 {
+    let Projection { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
+    let (law, carried) = pair_law.response(u, distance);
+    if carried == 0.0 || without_limit(&law, weight) {
+        return 0.0;
+    }
+    term.energy += weight * law.energy;
+    // Where the centrelines cross, the force has no direction.
+    if distance == 0.0 {
+        return law.pressure;
+    }
+    let (wa, wb) = (cubic_weights(u), cubic_weights(v));
+    let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
+    let push = normal * (weight * law.pressure);
+    for m in 0..8 {
+        term.gradient[m] -= push * w[m];
+    }
+    let Some(stiffness) = stiffness else { return law.pressure };
+    let over_d = carried / distance;
+    stiffness.add_product(&w.map(|w| normal * w), weight * (law.stiffness + over_d));
+    stiffness.subtract_spread(&w, weight * over_d);
+    if matches!(kind, FootKind::Orthogonal | FootKind::Fold) {
+        let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
+        let slopes = cubic_slopes(v);
+        let along = db / -distance;
+        let way = |m: usize| if m < 4 { along * w[m] } else { along * w[m] - normal * slopes[m - 4] };
+        stiffness.add_product(&std::array::from_fn(way), weight * carried / d_vv);
+    }
+    law.pressure
+}

@@ -1,0 +1,66 @@
+//! What decides over pressures: the law, the offsets, and under a law that has just been replaced the one before.
+
+use crate::contact::law::{Law, Response};
+
+/// Offsets c at both ends of a segment (the first, the slave), towards another one \[L\].
+pub type Offsets<'a> = dyn Fn(usize, usize) -> [f64; 2] + Sync + 'a;
+
+/// What decides over pressures.
+#[derive(Clone, Copy)]
+pub(crate) struct Pressures<'a> {
+    pub(crate) law: Law,
+    pub(crate) offset: &'a Offsets<'a>,
+    /// The law that the present pressures come from, if it has just been replaced: they are kept, and linearised is the
+    /// new law about the overlap at which it has the same pressure. A Newton step then moves the strands there.
+    pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
+}
+
+impl Pressures<'_> {
+    /// Where pressure ends, at both ends of a segment, from another one's centreline \[L\].
+    pub(super) fn reach(&self, slave: usize, master: usize, contact_distance: f64) -> [f64; 2] {
+        let offset = self.before.map_or(self.offset, |(_, offset)| offset);
+        offset(slave, master).map(|c| contact_distance + c)
+    }
+}
+
+/// What holds all along the slave of an ordered pair.
+pub(super) struct PairLaw<'a> {
+    pub(super) pressures: &'a Pressures<'a>,
+    pub(super) contact_distance: f64,
+    /// Of the slave \[L\].
+    pub(super) length: f64,
+    /// Where the pressure ends, at both ends of the slave: contact distance + offset \[L\].
+    pub(super) reach: [f64; 2],
+    pub(super) offset: [f64; 2],
+    /// Both are straight.
+    pub(super) straight: bool,
+    /// Length of the slave as it is, if that is known \[L\].
+    pub(super) span: f64,
+}
+
+impl PairLaw<'_> {
+    /// The response at a slave parameter and distance \[L\], and the pressure that the geometric stiffness belongs to.
+    pub(super) fn response(&self, u: f64, distance: f64) -> (Response, f64) {
+        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * u;
+        let law = &self.pressures.law;
+        let Some((before, _)) = self.pressures.before else {
+            let response = law.response(between(self.reach) - distance, self.contact_distance);
+            return (response, response.pressure);
+        };
+        let pressure = before.response(between(self.reach) - distance, self.contact_distance).pressure;
+        let overlap = law.overlap(pressure, self.contact_distance);
+        let there = law.response(overlap, self.contact_distance);
+        let way = self.contact_distance + between(self.offset) - distance - overlap;
+        let response = Response {
+            energy: there.energy + (pressure + 0.5 * there.stiffness * way) * way,
+            pressure: pressure + there.stiffness * way,
+            stiffness: there.stiffness,
+        };
+        (response, pressure)
+    }
+}
+
+/// Infinite, and to be counted off: it is infinite already at the nearer points that a farthest one lies between.
+pub(super) fn without_limit(law: &Response, weight: f64) -> bool {
+    weight < 0.0 && law.energy == f64::INFINITY
+}

@@ -1,0 +1,139 @@
+//! What a finite motion makes of gaps beyond their linear prediction.
+//!
+//! Strands that slide sideways by s come apart by s²/2d, and a line of contact turned about its axis opens: by little,
+//! but contact is stiff. What is told is how far the constraint was left, whether contact holds there or not:
+//! differences of contact forces would say nothing once it is lost, and would push along the strands as their normals
+//! turn. Gaps are compared where the points in contact have gone: along either strand, by as much as the motion slides
+//! them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
+
+use super::stiffness::Coordinates;
+use super::term::{ContactPair, QuadraturePoint};
+use crate::contact::curves::curve::{Cubic, CurveSet};
+use crate::contact::zones::FootKind;
+use crate::math::Vec3;
+use crate::math::bernstein::cubic_weights;
+
+/// Segments passed, and Newton steps for a foot, at most.
+const MAX_STEPS: usize = 16;
+/// Parameters closer than this are the same foot: gaps are flat there.
+const SAME_FOOT: f64 = 1e-9;
+/// Square of the difference of unit tangents below which lines are taken for parallel.
+const SAME_DIRECTION: f64 = 0.01;
+
+/// Σ W k e ∂gap/∂x, e = gap(moved) − gap − δgap, of a term with respect to the ends of `cubics` (slave and master where
+/// the term was evaluated): the gradient, six coordinates an end, of a law that went on linearly. `change` is the
+/// linear motion of the control points, slave's four and master's four \[L\]. Also the segments that the first and the
+/// last point in contact have gone to.
+pub(crate) fn second_order_of_gaps(
+    term: &ContactPair,
+    cubics: [&Cubic; 2],
+    change: &[Vec3; 8],
+    moved: &CurveSet,
+) -> ([f64; 24], [usize; 2]) {
+    let [slave, master] = cubics;
+    let (mut first, mut last) = (None, term.slave);
+    let gradient = sum_of_gaps(term, cubics, change, |point, touch| {
+        let (along, beside) = (slave.derivatives(point.u).1, master.derivatives(point.v).1);
+        let (speed, speed_beside) = (along.norm(), beside.norm());
+        let follows = matches!(point.kind, FootKind::Orthogonal | FootKind::Fold);
+        let [shift, shift_beside] =
+            if follows { sliding(&(along / speed), &(beside / speed_beside), &touch.approach) } else { [0.0; 2] };
+        let (segment, u) = place(moved, term.slave, point.u + shift / speed);
+        (first, last) = (first.or(Some(segment)), segment);
+        let there = moved.segments[segment].point(u);
+        let foot = if follows {
+            follow_foot(moved, &there, term.master, point.v + shift_beside / speed_beside)
+        } else {
+            moved.segments[term.master].point(point.v)
+        };
+        let slope = touch.normal.dot(&along) / speed;
+        (there - foot).norm() - touch.distance - touch.linear - slope * shift
+    });
+    (gradient, [first.unwrap_or(last), last])
+}
+
+/// How far the point of contact of two lines with these unit tangents moves along each \[L\] when the second moves by
+/// `by` against the first: exactly where they cross; of parallel ones half of what they slide.
+fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
+    let part = |way: Vec3| {
+        let size_sq = way.norm_squared();
+        if size_sq < SAME_DIRECTION { 0.0 } else { by.dot(&way) / size_sq }
+    };
+    let (sum, difference) = (part(first + second), part(first - second));
+    [difference + sum, difference - sum]
+}
+
+/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`surprise_of_gaps`]: what the stiffness of contact along its normals makes
+/// of a motion.
+pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
+    sum_of_gaps(term, cubics, change, |_, here| here.linear)
+}
+
+/// A point in contact where its term was evaluated.
+struct Here {
+    distance: f64,
+    normal: Vec3,
+    /// Linear change of the distance at this slave point.
+    linear: f64,
+    /// Linear motion of the foot against the slave point.
+    approach: Vec3,
+}
+
+/// Σ W k e ∂gap/∂x.
+fn sum_of_gaps(
+    term: &ContactPair,
+    [slave, master]: [&Cubic; 2],
+    change: &[Vec3; 8],
+    mut e: impl FnMut(&QuadraturePoint, &Here) -> f64,
+) -> [f64; 24] {
+    let mut sum = [Vec3::zeros(); 8];
+    for point in &term.points {
+        let chord = slave.point(point.u) - master.point(point.v);
+        let distance = chord.norm();
+        if distance == 0.0 {
+            continue;
+        }
+        let normal = chord / distance;
+        let (wa, wb) = (cubic_weights(point.u), cubic_weights(point.v));
+        let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
+        let apart: Vec3 = w.iter().zip(change).map(|(w, change)| change * *w).sum();
+        let here = Here { distance, normal, linear: normal.dot(&apart), approach: -apart };
+        let push = normal * (point.stiffness * e(point, &here));
+        for (sum, w) in sum.iter_mut().zip(w) {
+            *sum += push * w;
+        }
+    }
+    Coordinates::ends(slave, master).pull(&sum)
+}
+
+/// Segment and parameter of a place that is told by a parameter beyond a segment's ends; beyond an end of the curve it
+/// stays with the last segment.
+fn place(set: &CurveSet, mut segment: usize, mut u: f64) -> (usize, f64) {
+    for _ in 0..MAX_STEPS {
+        let beyond = match u {
+            _ if u < 0.0 => set.prev(segment).map(|prev| (prev, u + 1.0)),
+            _ if u > 1.0 => set.next(segment).map(|next| (next, u - 1.0)),
+            _ => None,
+        };
+        let Some(place) = beyond else { break };
+        (segment, u) = place;
+    }
+    (segment, u.clamp(0.0, 1.0))
+}
+
+/// The foot of a point near parameter `v` of a segment; it may have gone over to a neighbour.
+fn follow_foot(set: &CurveSet, point: &Vec3, segment: usize, v: f64) -> Vec3 {
+    let (mut segment, mut v) = place(set, segment, v);
+    for _ in 0..MAX_STEPS {
+        let (foot, tangent, curvature) = set.segments[segment].derivatives(v);
+        let (chord, speed_sq) = (point - foot, tangent.norm_squared());
+        // beyond the centre of curvature Newton would go the wrong way
+        let step = chord.dot(&tangent) / (speed_sq - chord.dot(&curvature)).max(0.2 * speed_sq);
+        let before = (segment, v);
+        (segment, v) = place(set, segment, v + step.clamp(-1.0, 1.0));
+        if step.abs() < SAME_FOOT || before == (segment, v) {
+            break;
+        }
+    }
+    set.segments[segment].point(v)
+}

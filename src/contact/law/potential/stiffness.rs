@@ -1,0 +1,198 @@
+//! The second derivative of a pair's contact potential, summed over quadrature points in the coordinates that are
+//! wanted.
+//!
+//! At a point with pressure p, stiffness k and weight W, δd = g·δx and δv = −h·δx/d_vv to first order in the
+//! coordinates x, and
+//!
+//! ```text
+//! K += W [(k + p/d) g gᵀ + p/d_vv h hᵀ − p/d Σ w_m w_n δx_m·δx_n]
+//! ```
+//!
+//! Forces on the eight control points (slave's four, then the master's) are carried to the coordinates by the transpose
+//! of the map δx ↦ control points, so two vectors of 24 are all that a point adds; the last term is summed over w only
+//! and put in place at the end.
+
+use crate::contact::curves::curve::Cubic;
+use crate::math::Vec3;
+
+/// What moves the control points of slave and master, 24 numbers in all.
+#[derive(Clone, Copy)]
+pub(super) enum Coordinates {
+    /// The control points themselves.
+    Points,
+    /// Displacement and rotation vector of the four ends (slave's start and end, the master's): a handle, from an end
+    /// to the control point next to it, turns with the end. Start and end handle, slave and master \[L\].
+    Ends([Vec3; 4]),
+}
+
+/// Second derivative with respect to 24 coordinates: blocks of six rows p ≤ six columns q filled, those on the diagonal
+/// in full.
+pub(crate) type PairTangent = [[f64; 24]; 24];
+
+/// Vectors kept before their products are added.
+const PENDING: usize = 10;
+
+impl Coordinates {
+    pub(super) fn ends(slave: &Cubic, master: &Cubic) -> Self {
+        let ([a, _, b], [c, _, d]) = (slave.edges(), master.edges());
+        Self::Ends([a, -b, c, -d])
+    }
+
+    /// Forces on the control points as forces on the coordinates.
+    #[inline]
+    pub(super) fn pull(&self, forces: &[Vec3; 8]) -> [f64; 24] {
+        let mut out = [0.0; 24];
+        let mut put = |k: usize, v: &Vec3| out[k..k + 3].copy_from_slice(v.as_slice());
+        match self {
+            Self::Points => (0..8).for_each(|m| put(3 * m, &forces[m])),
+            Self::Ends(handles) => {
+                for (end, handle) in handles.iter().enumerate() {
+                    let (own, held) = points(end);
+                    put(6 * end, &(forces[own] + forces[held]));
+                    put(6 * end + 3, &handle.cross(&forces[held]));
+                }
+            }
+        }
+        out
+    }
+
+    /// Σ w_m δx_m as weights of eight vectors: the control points, or position and turned handle of each end.
+    #[inline]
+    fn weights(&self, w: &[f64; 8]) -> [f64; 8] {
+        match self {
+            Self::Points => *w,
+            Self::Ends(_) => std::array::from_fn(|m| {
+                let (own, held) = points(m / 2);
+                if m % 2 == 0 { w[own] + w[held] } else { w[held] }
+            }),
+        }
+    }
+}
+
+/// Control points at an end and at the tip of its handle.
+fn points(end: usize) -> (usize, usize) {
+    [(0, 1), (3, 2), (4, 5), (7, 6)][end]
+}
+
+/// Sum over the points of one ordered pair.
+pub(super) struct PairStiffness {
+    coordinates: Coordinates,
+    sum: Box<PairTangent>,
+    /// Σ W p/d w_m w_n for m ≤ n.
+    spread: [[f64; 8]; 8],
+    pending: [[f64; 24]; PENDING],
+    factors: [f64; PENDING],
+    count: usize,
+}
+
+impl PairStiffness {
+    pub(super) fn new(coordinates: Coordinates) -> Self {
+        Self {
+            coordinates,
+            sum: Box::new([[0.0; 24]; 24]),
+            spread: [[0.0; 8]; 8],
+            pending: [[0.0; 24]; PENDING],
+            factors: [0.0; PENDING],
+            count: 0,
+        }
+    }
+
+    /// Adds factor × f fᵀ, f the forces on the control points.
+    pub(super) fn add_product(&mut self, forces: &[Vec3; 8], factor: f64) {
+        if self.count == PENDING {
+            self.flush();
+        }
+        self.pending[self.count] = self.coordinates.pull(forces);
+        self.factors[self.count] = factor;
+        self.count += 1;
+    }
+
+    /// Subtracts factor × the product of Σ w_m δx_m with itself.
+    pub(super) fn subtract_spread(&mut self, w: &[f64; 8], factor: f64) {
+        let w = self.coordinates.weights(w);
+        for m in 0..8 {
+            let scaled = factor * w[m];
+            for n in 0..8 {
+                self.spread[m][n] += scaled * w[n];
+            }
+        }
+    }
+
+    fn flush(&mut self) {
+        for row in 0..24 {
+            match row / 6 {
+                0 => self.flush_row::<0, 24>(row),
+                1 => self.flush_row::<6, 18>(row),
+                2 => self.flush_row::<12, 12>(row),
+                _ => self.flush_row::<18, 6>(row),
+            }
+        }
+        self.count = 0;
+    }
+
+    #[inline]
+    fn flush_row<const FIRST: usize, const LEN: usize>(&mut self, row: usize) {
+        let mut sum = [0.0; LEN];
+        for (vector, factor) in self.pending[..self.count].iter().zip(&self.factors) {
+            let scaled = factor * vector[row];
+            for (s, v) in sum.iter_mut().zip(&vector[FIRST..FIRST + LEN]) {
+                *s += scaled * v;
+            }
+        }
+        for (total, s) in self.sum[row][FIRST..FIRST + LEN].iter_mut().zip(&sum) {
+            *total += s;
+        }
+    }
+
+    /// The sum; `gradient` is that of the potential by the control points, which turning handles curve.
+    pub(super) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<PairTangent> {
+        self.flush();
+        match self.coordinates {
+            Coordinates::Points => {
+                for (m, n) in (0..8).flat_map(|m| (m..8).map(move |n| (m, n))) {
+                    (0..3).for_each(|k| self.sum[3 * m + k][3 * n + k] -= self.spread[m][n]);
+                }
+            }
+            Coordinates::Ends(handles) => {
+                for (p, q) in (0..4).flat_map(|p| (p..4).map(move |q| (p, q))) {
+                    self.subtract_ends(p, q, &handles[p], &handles[q]);
+                }
+                for (end, handle) in handles.iter().enumerate() {
+                    self.add_turning(end, handle, &gradient[points(end).1]);
+                }
+            }
+        }
+        self.sum
+    }
+
+    /// The block of two ends: (δr_p A + θ_p × h_p B)·(δr_q C + θ_q × h_q D).
+    fn subtract_ends(&mut self, p: usize, q: usize, hp: &Vec3, hq: &Vec3) {
+        let s = |i: usize, j: usize| self.spread[2 * p + i][2 * q + j];
+        let (both, right, left, turned) = (s(0, 0), s(0, 1), s(1, 0), s(1, 1));
+        let (row, col) = (6 * p, 6 * q);
+        let (cross_p, cross_q, dot) = (hp.cross_matrix(), hq.cross_matrix(), hp.dot(hq));
+        for i in 0..3 {
+            self.sum[row + i][col + i] -= both;
+            self.sum[row + 3 + i][col + 3 + i] -= turned * dot;
+            for j in 0..3 {
+                self.sum[row + i][col + 3 + j] += right * cross_q[(i, j)];
+                self.sum[row + 3 + i][col + j] -= left * cross_p[(i, j)];
+                self.sum[row + 3 + i][col + 3 + j] += turned * hq[i] * hp[j];
+            }
+        }
+    }
+
+    /// A handle under a force f turns by θ × h + ½θ × (θ × h) + …: ½(f hᵀ + h fᵀ) − f·h.
+    fn add_turning(&mut self, end: usize, handle: &Vec3, force: &Vec3) {
+        let (first, dot) = (6 * end + 3, force.dot(handle));
+        for i in 0..3 {
+            self.sum[first + i][first + i] -= dot;
+            for j in 0..3 {
+                self.sum[first + i][first + j] += 0.5 * (force[i] * handle[j] + handle[i] * force[j]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

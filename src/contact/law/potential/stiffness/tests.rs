@@ -1,0 +1,72 @@
+//! Ends with turning handles against the control points that they move.
+
+use super::super::*;
+use crate::contact::curves::curve::{Cubic, CurveInput};
+use crate::math::quaternion::exp;
+
+fn crossing() -> CurveSet {
+    let v = Vec3::new;
+    let one = Cubic { b: [v(-0.9, 0.1, 0.2), v(-0.3, 0.0, 0.26), v(0.3, 0.05, 0.24), v(1.0, 0.0, 0.3)] };
+    let two = Cubic { b: [v(-0.8, -0.5, 0.0), v(-0.2, -0.3, 0.05), v(0.2, 0.2, -0.02), v(0.6, 0.7, 0.0)] };
+    let input = |cubic: Cubic| CurveInput { segments: vec![cubic], lengths: vec![1.3], closed: false, radius: 0.15 };
+    CurveSet::new(vec![input(one), input(two)]).unwrap()
+}
+
+/// Control points of both cubics when their ends are displaced and turned.
+fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
+    let part = |k: usize| Vec3::new(step[k], step[k + 1], step[k + 2]);
+    let at = |m: usize| {
+        let (b, end) = (&cubics[m / 4].b, 2 * (m / 4) + usize::from(m % 4 >= 2));
+        let (own, held) = if m % 4 < 2 { (b[0], b[1]) } else { (b[3], b[2]) };
+        let tip =
+            if m.is_multiple_of(4) || m % 4 == 3 { Vec3::zeros() } else { exp(&part(6 * end + 3)) * (held - own) };
+        own + part(6 * end) + tip
+    };
+    std::array::from_fn(at)
+}
+
+/// The potential's second-order expansion by the control points, seen from the ends, has the gradient and the tangent
+/// that are told for them.
+#[test]
+fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
+    let set = crossing();
+    let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize, _: usize| [0.01, -0.01]);
+    let (geometry, pressures) = (ContactGeometry::of_set(&set), Pressures { law, offset: &offset, before: None });
+    let points = evaluate_within(&geometry, &[[0, 1]], &pressures, Want::Hessian);
+    let ends = evaluate_ends(&geometry, &[[0, 1]], &pressures, Request { tangent: true, zones: false });
+    let ends: Vec<_> = ends.into_iter().flatten().collect();
+    assert_eq!((points.len(), ends.len()), (2, 2));
+    for (by_points, by_ends) in points.iter().zip(&ends) {
+        assert!(by_points.energy > 0.1 && (by_points.energy - by_ends.energy).abs() < 1e-14);
+        let cubics = [by_points.slave, by_points.master].map(|k| set.segments[k]);
+        let start = moved(&cubics, &[0.0; 24]);
+        let hessian = by_points.hessian.as_deref().unwrap();
+        let full = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m].transpose() };
+        let potential = |step: &[f64; 24]| {
+            let x = moved(&cubics, step);
+            let way: [Vec3; 8] = std::array::from_fn(|m| x[m] - start[m]);
+            let slope = |m: usize| by_points.gradient[m] + (0..8).map(|n| full(m, n) * way[n]).sum::<Vec3>() * 0.5;
+            (0..8).map(|m| slope(m).dot(&way[m])).sum::<f64>()
+        };
+        let along = |i: usize, a: f64, j: usize, b: f64| {
+            let mut step = [0.0; 24];
+            step[i] += a;
+            step[j] += b;
+            potential(&step)
+        };
+        let tangent = by_ends.tangent.as_deref().unwrap();
+        let scale = tangent.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
+        for i in 0..24 {
+            let h = 1e-5;
+            let slope = (along(i, h, i, 0.0) - along(i, -h, i, 0.0)) / (2.0 * h);
+            assert!((slope - by_ends.gradient[i]).abs() < 1e-7 * scale, "{i}: {slope} {}", by_ends.gradient[i]);
+            for j in i / 6 * 6..24 {
+                let second = |h: f64| {
+                    (along(i, h, j, h) - along(i, h, j, -h) - along(i, -h, j, h) + along(i, -h, j, -h)) / (4.0 * h * h)
+                };
+                let difference = (4.0 * second(1e-3) - second(2e-3)) / 3.0;
+                assert!((difference - tangent[i][j]).abs() < 1e-7 * scale, "({i},{j}): {difference} {}", tangent[i][j]);
+            }
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Terms of the contact potential: what a pair of segments in contact gives.
+
+use super::stiffness::PairTangent;
+use crate::contact::curves::input::Strands;
+use crate::contact::zones::{BranchPiece, FootKind};
+use crate::math::{Mat3, Vec3};
+
+/// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
+pub type Hessian = [[Mat3; 8]; 8];
+
+/// One piece of a contact zone, for reports and multiplier updates.
+#[derive(Debug, Clone, Copy)]
+pub struct ZonePiece {
+    /// Geometry of the piece.
+    pub(crate) piece: BranchPiece,
+    /// Smallest gap inside \[L\].
+    pub min_gap: f64,
+    /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is counted off.
+    pub half_force: f64,
+    /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: where in the piece the force sits.
+    pub half_moments: [f64; 2],
+    /// ½∫p n ds \[F\], n from the foot to the slave: this strand's half of the force on the slave.
+    pub half_push: Vec3,
+}
+
+impl ZonePiece {
+    /// Slave parameters of both ends, ascending, in \[0, 1\].
+    #[must_use]
+    pub fn u(&self) -> [f64; 2] {
+        self.piece.u
+    }
+
+    /// Parameters of the master at the feet of both ends, in \[0, 1\].
+    #[must_use]
+    pub fn v(&self) -> [f64; 2] {
+        self.piece.v
+    }
+}
+
+/// Contribution of one ordered pair (slave, master) that is in contact.
+#[derive(Debug, Clone)]
+pub struct PairTerm {
+    /// Slave segment.
+    pub slave: usize,
+    /// Master segment.
+    pub master: usize,
+    /// Energy \[F·L\].
+    pub energy: f64,
+    /// ∂U/∂(control points): slave's four, master's four \[F\].
+    pub gradient: [Vec3; 8],
+    /// Symmetric Hessian \[F/L\]; empty unless asked for.
+    pub hessian: Option<Box<Hessian>>,
+    /// Zones of this pair.
+    pub zones: Vec<ZonePiece>,
+    /// Points in contact, if the solver asks for the tangent.
+    pub(crate) points: Vec<QuadraturePoint>,
+}
+
+impl PairTerm {
+    /// The gradient with respect to the ends of two *straight* segments: slave's start and end, master's start and end
+    /// \[F\].
+    #[must_use]
+    pub fn point_gradient(&self) -> [Vec3; 4] {
+        let ends = |g: &[Vec3]| [g[0] + (g[1] * 2.0 + g[2]) / 3.0, (g[1] + g[2] * 2.0) / 3.0 + g[3]];
+        let ([a0, a1], [b0, b1]) = (ends(&self.gradient[..4]), ends(&self.gradient[4..]));
+        [a0, a1, b0, b1]
+    }
+
+    /// The Hessian with respect to the ends of two *straight* segments, in the order of [`PairTerm::point_gradient`]:
+    /// all 16 blocks \[F/L\]; zero if it was not asked for.
+    #[must_use]
+    pub fn point_hessian(&self) -> [[Mat3; 4]; 4] {
+        // Parts that the ends have in the control points of a straight segment.
+        const PARTS: [[f64; 4]; 2] = [[1.0, 2.0 / 3.0, 1.0 / 3.0, 0.0], [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]];
+        let mut sum = [[Mat3::zeros(); 4]; 4];
+        let Some(hessian) = &self.hessian else { return sum };
+        for (m, n) in (0..8).flat_map(|m| (0..8).map(move |n| (m, n))) {
+            let block = if m <= n { hessian[m][n] } else { hessian[n][m].transpose() };
+            for (p, q) in (0..2).flat_map(|p| (0..2).map(move |q| (p, q))) {
+                sum[p + 2 * (m / 4)][q + 2 * (n / 4)] += block * (PARTS[p][m % 4] * PARTS[q][n % 4]);
+            }
+        }
+        sum
+    }
+}
+
+/// A quadrature point in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct QuadraturePoint {
+    pub(super) u: f64,
+    pub(super) v: f64,
+    pub(super) kind: FootKind,
+    /// Weight × stiffness of the law \[F/L\].
+    pub(super) stiffness: f64,
+}
+
+/// What [`evaluate`](super::evaluate) computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Want {
+    /// Energy, gradient, zones.
+    Gradient,
+    /// Also the Hessian.
+    Hessian,
+}
+
+/// Where one ordered pair (slave, master) is in contact: what is kept of its term once that is summed.
+#[derive(Debug, Clone)]
+pub struct ContactPair {
+    /// Slave segment.
+    pub slave: usize,
+    /// Master segment.
+    pub master: usize,
+    /// Zones of this pair; none unless asked for.
+    pub zones: Box<[ZonePiece]>,
+    /// Points in contact; none unless the tangent was asked for.
+    pub(crate) points: Box<[QuadraturePoint]>,
+}
+
+impl From<PairTerm> for ContactPair {
+    fn from(PairTerm { slave, master, zones, points, .. }: PairTerm) -> Self {
+        Self { slave, master, zones: zones.into(), points: points.into() }
+    }
+}
+
+/// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six
+/// coordinates each (displacement, rotation vector), slave's start and end, master's start and end.
+pub(crate) struct EndTerm {
+    pub(crate) pair: ContactPair,
+    /// Energy \[F·L\].
+    pub(crate) energy: f64,
+    pub(crate) gradient: [f64; 24],
+    /// Second derivative; none unless asked for.
+    pub(crate) tangent: Option<Box<PairTangent>>,
+}
+
+/// What is computed besides energy and gradient.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Request {
+    pub(crate) tangent: bool,
+    pub(crate) zones: bool,
+}
+
+/// What one candidate pair does to the control points of both segments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairForce {
+    /// Energy \[F·L\], both ways round.
+    pub(crate) energy: f64,
+    /// Smallest gap \[L\]; infinite if the pair is not in contact.
+    pub(crate) min_gap: f64,
+    /// −∂U/∂(control points) of i and of j \[F\]; of a straight segment its two ends, in the first and last place.
+    pub(crate) force: [[Vec3; 4]; 2],
+}
+
+impl PairForce {
+    pub(crate) const NONE: Self =
+        Self { energy: 0.0, min_gap: f64::INFINITY, force: [[Vec3::new(0.0, 0.0, 0.0); 4]; 2] };
+
+    /// Adds a term; `swapped` if its slave is j.
+    pub(super) fn add_term(&mut self, strands: &Strands, term: &PairTerm, swapped: bool) {
+        self.energy += term.energy;
+        self.min_gap = term.zones.iter().map(|zone| zone.min_gap).fold(self.min_gap, f64::min);
+        let ends = term.point_gradient();
+        for (side, segment) in [term.slave, term.master].into_iter().enumerate() {
+            let force = &mut self.force[side ^ usize::from(swapped)];
+            if strands.is_straight(segment) {
+                force[0] -= ends[2 * side];
+                force[3] -= ends[2 * side + 1];
+            } else {
+                (0..4).for_each(|m| force[m] -= term.gradient[4 * side + m]);
+            }
+        }
+    }
+}

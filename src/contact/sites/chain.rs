@@ -1,0 +1,103 @@
+//! Pieces of contact zones that go on in each other: one contact as seen from one strand.
+//!
+//! Zones are cut at the joints of segments, of either strand. Pieces belong together where they follow each other along
+//! the slave and their feet do on the master.
+
+use crate::contact::curves::arc::near;
+use crate::contact::curves::curve::CurveSet;
+use crate::contact::law::potential::{ContactPair, ZonePiece};
+
+/// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
+const TOL_ARC: f64 = 1e-6;
+/// … and on the other strand to how well a foot is known where the distance hardly changes along it.
+pub(crate) const TOL_FOOT: f64 = 1e-2;
+
+/// A piece with its place on both strands, the slave's first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ChainPiece<'a> {
+    pub(crate) segments: [usize; 2],
+    pub(crate) curves: [usize; 2],
+    /// Arc lengths of both ends \[L\]: ascending on the slave; their feet, descending where the strands run against
+    /// each other.
+    pub(crate) arcs: [[f64; 2]; 2],
+    pub(crate) zone: &'a ZonePiece,
+}
+
+/// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is
+/// counted off is left out.
+pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec<ChainPiece<'a>>> {
+    let links = links(set, terms);
+    let next = successors(set, &links);
+    let mut follows = vec![false; links.len()];
+    next.iter().flatten().for_each(|&j| follows[j] = true);
+    let mut used = vec![false; links.len()];
+    let mut chains = Vec::new();
+    // from their first piece; what is left are zones all round a closed strand
+    let starts = (0..links.len()).filter(|&i| !follows[i]).chain((0..links.len()).filter(|&i| follows[i]));
+    for start in starts {
+        let mut chain = Vec::new();
+        let mut last = Some(start);
+        while let Some(piece) = last.filter(|&j| !used[j]) {
+            used[piece] = true;
+            chain.push(links[piece]);
+            last = next[piece];
+        }
+        if !chain.is_empty() {
+            chains.push(chain);
+        }
+    }
+    chains
+}
+
+/// The pieces of one pair, but what is counted off.
+pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
+    let segments = [term.slave, term.master];
+    term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()).map(move |zone| {
+        let arcs = [(term.slave, zone.piece.u), (term.master, zone.piece.v)];
+        let arcs = arcs.map(|(segment, ends)| ends.map(|u| set.arc_length(segment, u)));
+        ChainPiece { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone }
+    })
+}
+
+fn links<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<ChainPiece<'a>> {
+    let mut links: Vec<ChainPiece> = terms.iter().flat_map(|term| pieces(set, term)).collect();
+    let place = |x: &ChainPiece| [x.arcs[0][0], x.arcs[1][0]];
+    links.sort_by(|x, y| {
+        let ([a, b], [c, d]) = (place(x), place(y));
+        x.curves.cmp(&y.curves).then(a.total_cmp(&c)).then(b.total_cmp(&d))
+    });
+    links
+}
+
+/// For each piece the one that continues it.
+fn successors(set: &CurveSet, links: &[ChainPiece]) -> Vec<Option<usize>> {
+    let mut taken = vec![false; links.len()];
+    let mut successors = Vec::with_capacity(links.len());
+    let mut first = 0;
+    for same in links.chunk_by(|x, y| x.curves == y.curves) {
+        for link in same {
+            let distance = link.segments.map(|k| set.radius_of(k)).iter().sum::<f64>();
+            let (tol_arc, tol_foot) = (TOL_ARC * distance, TOL_FOOT * distance);
+            let [period_a, period_b] = link.curves.map(|curve| set.period(curve));
+            let mut best: Option<(f64, usize)> = None;
+            for shift in [Some(0.0), period_a].into_iter().flatten() {
+                let end = link.arcs[0][1] - shift;
+                let from = same.partition_point(|x| x.arcs[0][0] < end - tol_arc);
+                let meets = |x: &&ChainPiece| x.arcs[0][0] <= end + tol_arc;
+                for (k, other) in same[from..].iter().take_while(meets).enumerate() {
+                    let jump = (near(other.arcs[1][0], link.arcs[1][1], period_b) - link.arcs[1][1]).abs();
+                    let index = first + from + k;
+                    if jump <= tol_foot && !taken[index] && best.is_none_or(|(least, _)| jump < least) {
+                        best = Some((jump, index));
+                    }
+                }
+            }
+            if let Some((_, j)) = best {
+                taken[j] = true;
+            }
+            successors.push(best.map(|(_, j)| j));
+        }
+        first += same.len();
+    }
+    successors
+}

@@ -1,0 +1,78 @@
+//! The material matrix: from strains to stress resultants.
+
+use super::kinematics::inner;
+use super::{Strain, Stress};
+use crate::rod::Section;
+
+/// The material matrix C of an element, in the order of [`Strain`].
+#[derive(Debug, Clone, Copy)]
+pub enum Material<'a> {
+    /// A diagonal one, the same everywhere.
+    Diagonal(&'a Strain),
+    /// A full symmetric one for each integration point.
+    Full(&'a [[Strain; 6]; 3]),
+}
+
+impl Material<'_> {
+    /// Stress of a strain at integration point `g`.
+    #[must_use]
+    pub fn stress(&self, g: usize, strain: &Stress) -> Stress {
+        match self {
+            Self::Diagonal(material) => material.stress(g, strain),
+            Self::Full(material) => material.stress(g, strain),
+        }
+    }
+}
+
+/// Products with the material matrix. The diagonal has its own, which is what most rods pay for.
+pub(super) trait MaterialLaw<const S: usize> {
+    /// C ε at integration point `g`.
+    fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];
+
+    /// C B for the rows of B.
+    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; S]) -> [[f64; N]; S];
+}
+
+impl<const S: usize> MaterialLaw<S> for [f64; S] {
+    #[inline]
+    fn stress(&self, _: usize, strain: &[f64; S]) -> [f64; S] {
+        std::array::from_fn(|i| self[i] * strain[i])
+    }
+
+    #[inline]
+    fn of_rows<const N: usize>(&self, _: usize, b: &[[f64; N]; S]) -> [[f64; N]; S] {
+        std::array::from_fn(|i| std::array::from_fn(|k| self[i] * b[i][k]))
+    }
+}
+
+impl MaterialLaw<6> for [[Strain; 6]; 3] {
+    #[inline]
+    fn stress(&self, g: usize, strain: &Stress) -> Stress {
+        std::array::from_fn(|i| inner(&self[g][i], strain))
+    }
+
+    #[inline]
+    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; 6]) -> [[f64; N]; 6] {
+        let mut out = [[0.0; N]; 6];
+        for (row, entries) in out.iter_mut().zip(&self[g]) {
+            for (entry, b) in entries.iter().zip(b) {
+                for k in 0..N {
+                    row[k] += entry * b[k];
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Diagonal of the material matrix, in the order of [`Strain`].
+pub fn stiffness(section: &Section) -> Strain {
+    [
+        section.shearing[0],
+        section.shearing[1],
+        section.stretching,
+        section.bending[0],
+        section.bending[1],
+        section.twisting,
+    ]
+}

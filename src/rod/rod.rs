@@ -1,0 +1,320 @@
+//! A rod: section, elements, nodes and the natural (stress-free) state.
+
+use crate::error::InputError;
+use crate::math::quadrature::gauss;
+use crate::math::quaternion::spin;
+use crate::math::{Quat, Vec3};
+use crate::rod::along::{Along, Values};
+use crate::rod::natural::Natural;
+use crate::rod::stiffness::Stiffness;
+use crate::rod::{Section, Shape};
+
+/// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a
+/// turn would not have.
+pub const MAX_TURN: f64 = 0.4;
+
+/// A rod ready to be put in a model.
+///
+/// Nodes lie at equal reference arc lengths; an element of order p spans p + 1 of them.
+#[derive(Debug, Clone)]
+pub struct Rod {
+    /// Name, for reports.
+    pub name: String,
+    /// Stiffnesses and contact radius.
+    pub section: Section,
+    /// Full stiffness along the rod, instead of that of `section`: see [`Rod::with_stiffness`].
+    pub stiffness: Option<Along<Stiffness>>,
+    /// Order p of the elements (1, 2 or 3).
+    pub order: usize,
+    /// Number of elements.
+    pub num_elements: usize,
+    /// Closed on itself.
+    pub closed: bool,
+    /// Reference length \[L\].
+    pub length: f64,
+    /// Start positions of the nodes \[L\].
+    pub positions: Vec<Vec3>,
+    /// Start frames of the nodes.
+    pub frames: Vec<Quat>,
+    /// Stress-free state.
+    pub natural: Natural,
+    /// Closed rods: excess link of the start state, turns: the link Tw + Wr of the centreline with the material line d1
+    /// beyond that of the relaxed rod, Lk − Lk₀, see [`Rod::start_link`] and [`Rod::natural_link`]. Open rods: 0.
+    ///
+    /// Its whole turns are exact. Its fraction is a matter of where the frames at s = 0 and s = L are taken to be: it
+    /// is exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean
+    /// twist of the others, which makes it, on a shape with twist-free frames, the shape's writhe up to the fourth
+    /// power of the spacing.
+    pub start_excess_link: f64,
+    /// Turns by which [`Rod::with_excess_link`] has twisted the frames, evenly along the rod: no part of the natural
+    /// state where that is [`Natural::AsShaped`].
+    pub twist_put_in: f64,
+    /// Closed rods: link Tw + Wr of the frames that the rod was made with, turns, which is its natural one where it is
+    /// [`Natural::AsShaped`].
+    pub shape_link: f64,
+}
+
+impl Rod {
+    /// Places `shape` and checks everything. [`Natural::AsShaped`] becomes [`Natural::Uniform`] on arcs and circles.
+    /// Frames turn about d3 by the natural twist: a rod starts without twisting moment.
+    ///
+    /// # Errors
+    /// See [`Section::check`], [`Shape::place`] and [`Rod::check`].
+    pub fn new(
+        name: &str,
+        shape: &Shape,
+        closed: bool,
+        section: Section,
+        num_elements: usize,
+        order: usize,
+        natural: Natural,
+    ) -> Result<Self, InputError> {
+        let path = format!("rods.{name}");
+        check_order(&path, order)?;
+        section.check(&format!("{path}.section"))?;
+        let mut placement =
+            shape.place(closed, num_elements.saturating_mul(order)).map_err(|error| within(&path, error))?;
+        let natural = match (natural, shape.uniform_curvature()) {
+            (Natural::AsShaped, Some(kappa)) => Natural::Uniform { kappa },
+            (natural, _) => natural,
+        };
+        let twist = natural.mean_twist(placement.length);
+        if twist != 0.0 {
+            let each = twist * placement.length / (num_elements * order) as f64;
+            placement.frames.iter_mut().enumerate().for_each(|(i, frame)| *frame *= spin(each * i as f64));
+        }
+        Self::from_nodes(name, placement.length, placement.positions, placement.frames, closed, section, order, natural)
+    }
+
+    /// A rod from nodes and frames of one's own; `positions.len()` must be a multiple of the order (closed) or one more
+    /// (open).
+    ///
+    /// The segment that closes a closed rod is given the mean twist of the other segments, so frames that turn evenly
+    /// may carry any number of turns, fractions included; see [`Rod::start_excess_link`] and [`Rod::with_excess_link`].
+    ///
+    /// # Errors
+    /// See [`Rod::check`].
+    #[allow(clippy::too_many_arguments)]
+    pub fn from_nodes(
+        name: &str,
+        length: f64,
+        positions: Vec<Vec3>,
+        frames: Vec<Quat>,
+        closed: bool,
+        section: Section,
+        order: usize,
+        natural: Natural,
+    ) -> Result<Self, InputError> {
+        let num_segments = if closed { positions.len() } else { positions.len().saturating_sub(1) };
+        let mut rod = Self {
+            name: name.to_owned(),
+            section,
+            stiffness: None,
+            order,
+            num_elements: num_segments / order.max(1),
+            closed,
+            length,
+            positions,
+            frames,
+            natural,
+            start_excess_link: 0.0,
+            twist_put_in: 0.0,
+            shape_link: 0.0,
+        };
+        rod.check()?;
+        if closed {
+            rod.shape_link = rod.link_of_nodes();
+            rod.start_excess_link = rod.shape_link - rod.natural_link();
+        }
+        Ok(rod)
+    }
+
+    /// The same rod with a full stiffness, constant or varying along it; elements take it at their integration points,
+    /// see [`Along`]. `section` then serves for scales alone: its six stiffnesses become the mean of the diagonal, its
+    /// contact radius stays.
+    ///
+    /// ```
+    /// use supercoil::math::Vec3;
+    /// use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+    /// let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
+    /// let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
+    /// let mut stiffness = section.stiffness();
+    /// (stiffness[(4, 5)], stiffness[(5, 4)]) = (0.6, 0.6); // bending about d2 and twist
+    /// let rod = Rod::new("rod", &line, false, section, 4, 3, Natural::Straight)?
+    ///     .with_stiffness(Along::constant(stiffness))?;
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A matrix that is not finite, symmetric and positive definite, with its arc length; a table that does not end at
+    /// the rod's.
+    pub fn with_stiffness(self, stiffness: Along<Stiffness>) -> Result<Self, InputError> {
+        let rod = Self { stiffness: Some(stiffness), ..self };
+        rod.check_stiffness(&format!("rods.{}", rod.name))?;
+        let mean = rod.stiffness.as_ref().map_or(rod.section.stiffness(), |along| along.mean(rod.length));
+        Ok(Self { section: Section::of_diagonal(&mean, rod.section.contact_radius), ..rod })
+    }
+
+    /// Number of nodes.
+    pub fn num_nodes(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of segments between neighbouring nodes.
+    pub fn num_segments(&self) -> usize {
+        self.num_elements * self.order
+    }
+
+    /// Reference arc length between neighbouring nodes \[L\].
+    pub fn spacing(&self) -> f64 {
+        self.length / self.num_segments() as f64
+    }
+
+    /// What varies along the rod at the integration points of one of its elements.
+    pub(crate) fn on_element<T: Values>(&self, along: &Along<T>, element: usize) -> [T; 3] {
+        let length = self.length / self.num_elements as f64;
+        along.on_element(element as f64 * length, length, &gauss(self.order))
+    }
+
+    /// Reference arc length of a node \[L\].
+    pub fn arc_of_node(&self, node: usize) -> f64 {
+        self.length * (node as f64 / self.num_segments() as f64)
+    }
+}
+
+pub(super) fn check_order(path: &str, order: usize) -> Result<(), InputError> {
+    if (1..=3).contains(&order) {
+        return Ok(());
+    }
+    Err(InputError::Count { field: format!("{path}.order"), value: order, allowed: "1, 2 or 3" })
+}
+
+/// Puts `path` in front of the field an error names.
+pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
+    match &mut error {
+        InputError::Value { field, .. }
+        | InputError::Count { field, .. }
+        | InputError::Vector { field, .. }
+        | InputError::Name { field, .. }
+        | InputError::Inconsistent { field, .. } => *field = format!("{path}.{field}"),
+        InputError::Parse { .. } | InputError::File { .. } | InputError::Write { .. } => {}
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    fn section(contact_radius: f64) -> Section {
+        Section::isotropic(1.0, 1.5, 100.0, 100.0, contact_radius)
+    }
+
+    fn circle(num_elements: usize, order: usize, contact_radius: f64) -> Result<Rod, InputError> {
+        let shape = Shape::Circle { length: TAU, center: Vec3::zeros(), normal: Vec3::new(1.0, 2.0, 3.0) };
+        Rod::new("ring", &shape, true, section(contact_radius), num_elements, order, Natural::Straight)
+    }
+
+    fn message(rod: Result<Rod, InputError>) -> String {
+        rod.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn flat_circle_has_no_excess_link() {
+        let rod = circle(5, 3, 0.1).unwrap();
+        assert_eq!((rod.num_nodes(), rod.num_segments(), rod.start_excess_link), (15, 15, 0.0));
+    }
+
+    /// Frames turn about d1 by the curvature: what "as shaped" takes from circle and arc is what their nodes measure.
+    #[test]
+    fn as_shaped_on_circle_and_arc_is_their_curvature() {
+        let circle = Shape::Circle { length: 4.0, center: Vec3::zeros(), normal: Vec3::new(1.0, 2.0, 3.0) };
+        let (start, tangent, towards) = (Vec3::zeros(), Vec3::x(), Vec3::new(0.3, -1.0, 2.0));
+        let arc = Shape::Arc { start, tangent, towards, radius: 3.0, angle: 1.0 };
+        for (shape, closed, curvature) in [(circle, true, TAU / 4.0), (arc, false, 1.0 / 3.0)] {
+            let rod = Rod::new("bend", &shape, closed, section(0.0), 50, 3, Natural::AsShaped).unwrap();
+            assert_eq!(rod.natural, Natural::Uniform { kappa: [curvature, 0.0, 0.0] });
+            let turn = (rod.frames[4].inverse() * rod.frames[5]).scaled_axis() * (150.0 / rod.length);
+            assert!((turn - Vec3::x() * curvature).norm() < 1e-12, "{turn}");
+        }
+    }
+
+    #[test]
+    fn evenly_turned_frames_carry_their_turns() {
+        let rod = circle(20, 2, 0.1).unwrap();
+        let turned = |turns: f64| {
+            let turn = |i: usize| Quat::from_axis_angle(&Vec3::z_axis(), TAU * turns * i as f64 / 40.0);
+            let frames = rod.frames.iter().enumerate().map(|(i, q)| q * turn(i)).collect();
+            let (name, length, positions) = (&rod.name, rod.length, rod.positions.clone());
+            Rod::from_nodes(name, length, positions, frames, true, rod.section, 2, Natural::Straight).unwrap()
+        };
+        for turns in [-3.0, -0.3, 0.25, 1.0, 2.6] {
+            let found = turned(turns).start_excess_link;
+            assert!((found - turns).abs() < 1e-13, "{found} for {turns}");
+        }
+    }
+
+    /// The link of twist-free frames is the writhe of the curve (Fuller 1971), here the Gauss integral, whole turns
+    /// included.
+    #[test]
+    fn holonomy_is_the_writhe() {
+        let ring = |elements: usize| {
+            let point = |t: f64| {
+                let (double, triple) = ((2.0 * t).sin_cos(), (3.0 * t).sin());
+                Vec3::new(t.cos() + 0.4 * double.1, t.sin() - 0.4 * double.0, 0.5 * triple)
+            };
+            let points = (0..60).map(|i| point(TAU * f64::from(i) / 60.0)).collect();
+            Rod::new("loop", &Shape::Points(points), true, section(0.0), elements, 3, Natural::Straight).unwrap()
+        };
+        let fine = ring(300);
+        let (x, h) = (&fine.positions, fine.length / 900.0);
+        let tangents: Vec<Vec3> = fine.frames.iter().map(|q| q * Vec3::z()).collect();
+        let pair = |i: usize, j: usize| {
+            let r = x[i] - x[j];
+            r.dot(&tangents[i].cross(&tangents[j])) / r.norm().powi(3)
+        };
+        let pairs = (0..900).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let writhe = pairs.map(|(i, j)| pair(i, j)).sum::<f64>() * h * h / TAU;
+        assert!(writhe.abs() > 0.01, "{writhe}");
+        for elements in [20, 40, 300] {
+            let excess = ring(elements).start_excess_link;
+            assert!((excess - writhe).abs() < 1e-5, "{excess} {writhe}");
+        }
+    }
+
+    #[test]
+    fn bad_rods_are_refused() {
+        assert_eq!(message(circle(4, 4, 0.1)), "rods.ring.order = 4: must be 1, 2 or 3");
+        assert!(message(circle(0, 1, 0.1)).starts_with("rods.ring.elements = 0"));
+        assert!(message(circle(2, 1, 0.1)).starts_with("rods.ring.elements = 2: must be at least 3 nodes"));
+        assert!(message(circle(4, 3, f64::NAN)).starts_with("rods.ring.section.contact_radius = NaN"));
+        let thick = message(circle(4, 3, 1.25));
+        assert!(thick.contains("thicker than its own curvature") && thick.contains("contact_radius = 1.25"), "{thick}");
+        assert!(thick.contains("curvature = 1.000000"), "{thick}");
+        let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: -1.0 };
+        let rod = Rod::new("beam", &shape, false, section(0.0), 4, 2, Natural::Straight);
+        assert!(message(rod).starts_with("rods.beam.shape.length = -1"));
+        let kappa = Natural::Uniform { kappa: [0.0, f64::NAN, 0.0] };
+        let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+        let rod = Rod::new("beam", &shape, false, section(0.0), 4, 2, kappa);
+        assert!(message(rod).starts_with("rods.beam.natural.kappa[1] = NaN"));
+    }
+
+    #[test]
+    fn bad_nodes_are_refused() {
+        let build = |positions: Vec<Vec3>, frames: Vec<Quat>, order: usize| {
+            Rod::from_nodes("rod", 2.0, positions, frames, false, section(0.0), order, Natural::Straight)
+        };
+        let (x, q) = (|t: f64| Vec3::new(0.0, 0.0, t), Quat::identity());
+        let about_z = |angle: f64| Quat::from_axis_angle(&Vec3::z_axis(), angle);
+        assert!(build(vec![x(0.0), x(1.0), x(2.0)], vec![q; 3], 2).is_ok());
+        assert!(message(build(vec![x(0.0), x(1.0)], vec![q; 2], 2)).contains("elements = 0"));
+        assert!(message(build(vec![x(0.0), x(1.0), x(1.5), x(2.0)], vec![q; 4], 2)).contains("positions = 4"));
+        assert!(message(build(vec![x(0.0), x(0.0), x(2.0)], vec![q; 3], 2)).contains("nodes 0 and 1 coincide"));
+        assert!(message(build(vec![x(0.0), x(f64::NAN), x(2.0)], vec![q; 3], 2)).contains("rods.rod.positions[1]"));
+        let half_turn = vec![q, about_z(std::f64::consts::PI), q];
+        assert!(message(build(vec![x(0.0), x(1.0), x(2.0)], half_turn, 2)).contains("half a turn apart"));
+    }
+}

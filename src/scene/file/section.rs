@@ -1,0 +1,108 @@
+//! A section from the text of a scene: stiffnesses, moduli and geometry, a 6 × 6 matrix or a table.
+
+use std::path::Path;
+
+use crate::error::InputError;
+use crate::rod::{Along, CrossSection, Section, Stiffness, check_stiffness};
+use crate::scene::read_stiffness;
+
+use super::refuse::inconsistent;
+use super::text::SectionText;
+use super::values::List;
+
+const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by young, \
+    poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \
+    table";
+
+const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
+
+/// The section, and the full stiffness if that is given.
+pub(super) fn section(
+    text: &SectionText,
+    contact: bool,
+    base_dir: &Path,
+    by_sequence: Option<Along<Stiffness>>,
+) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
+    let radius = match (text.contact_radius, text.circle) {
+        (Some(radius), _) | (None, Some(radius)) => radius,
+        (None, None) if !contact => 0.0,
+        (None, None) => {
+            let reason = "missing: the radius within which other strands touch this rod (0 = takes no part in contact)";
+            return Err(inconsistent("section.contact_radius".into(), reason));
+        }
+    };
+    let moduli = [text.young, text.poisson, text.shear_modulus, text.circle, text.shear_correction];
+    let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
+    let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
+        || [text.bending, text.shearing].iter().any(Option::is_some);
+    let full = match (full_stiffness(text, base_dir)?, by_sequence) {
+        (Some(_), Some(_)) => {
+            return Err(inconsistent("section".into(), BY_SEQUENCE));
+        }
+        (None, Some(_)) if stiff || geometric => return Err(inconsistent("section".into(), BY_SEQUENCE)),
+        (own, by_sequence) => own.or(by_sequence),
+    };
+    if let Some(along) = full {
+        if stiff || geometric {
+            return Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")));
+        }
+        // replaced by the mean over the rod, whose length is not known here
+        let section = Section::of_diagonal(&along.at(0.0), radius);
+        return section.check("section").map(|()| (section, Some(along)));
+    }
+    match (stiff, geometric) {
+        (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
+        (false, true) => moduli_section(text, radius).map(|section| (section, None)),
+        (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
+        (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
+    }
+}
+
+/// The full stiffness, where a table or a matrix is given.
+fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<Stiffness>>, InputError> {
+    match (&text.table, text.stiffness) {
+        (None, None) => Ok(None),
+        (Some(file), None) => read_stiffness(&base_dir.join(file)).map(Some),
+        (None, Some(List(rows))) => {
+            let matrix = Stiffness::from_fn(|i, j| rows[i].0[j]);
+            check_stiffness("section.stiffness", &matrix).map(|()| Some(Along::constant(matrix)))
+        }
+        (Some(_), Some(_)) => Err(inconsistent("section".into(), "give either a table or a stiffness")),
+    }
+}
+
+fn stiffnesses(text: &SectionText, contact_radius: f64) -> Result<Section, InputError> {
+    let section = Section {
+        bending: present("bending", text.bending)?.0,
+        twisting: present("twisting", text.twisting)?,
+        stretching: present("stretching", text.stretching)?,
+        shearing: present("shearing", text.shearing)?.0,
+        contact_radius,
+    };
+    section.check("section").map(|()| section)
+}
+
+fn moduli_section(text: &SectionText, contact_radius: f64) -> Result<Section, InputError> {
+    let young = present("young", text.young)?;
+    let shear_modulus = match (text.poisson, text.shear_modulus) {
+        (None, Some(shear_modulus)) => shear_modulus,
+        (Some(poisson), None) => {
+            let ok = poisson > -1.0 && poisson <= 0.5;
+            InputError::check("section.poisson", poisson, ok, "greater than -1 and at most 0.5")?;
+            young / (2.0 * (1.0 + poisson))
+        }
+        _ => return Err(inconsistent("section".into(), "give either poisson or shear_modulus")),
+    };
+    let cross_section = match (text.circle, text.rectangle) {
+        (Some(radius), None) => CrossSection::Circle { radius },
+        (None, Some(List([width, height]))) => CrossSection::Rectangle { width, height },
+        _ => return Err(inconsistent("section".into(), "give either circle = radius or rectangle = [width, height]")),
+    };
+    let poisson = young / (2.0 * shear_modulus) - 1.0;
+    let shear_correction = text.shear_correction.unwrap_or_else(|| cross_section.shear_correction(poisson));
+    Section::from_moduli(young, shear_modulus, cross_section, shear_correction, contact_radius)
+}
+
+fn present<T>(key: &str, value: Option<T>) -> Result<T, InputError> {
+    value.ok_or_else(|| inconsistent(format!("section.{key}"), &format!("missing: {SECTION_WAYS}")))
+}
