@@ -460,7 +460,7 @@ impl Workspace {
 }
 
 /// Stresses at a state, three per element, with other shear forces and tensions if `forces` has any.
-pub(crate) fn stress_about(engine: &Engine, state: &State, forces: &[[[f64; 3]; 3]]) -> Vec<[Six; 3]> {
+pub(crate) fn stress_about(engine: &Engine, state: &State, forces: &[[[f64; 3]; 3]]) -> Vec<[Stress; 3]> {
     let mut stress = engine.actual_stress(state);
     for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
         point[..3].copy_from_slice(force);
