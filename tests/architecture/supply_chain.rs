@@ -76,7 +76,7 @@ fn one(tokens: &[&str], at: &mut usize, allowed: &[String]) -> bool {
 }
 
 /// The workspace's own packages.
-const MEMBERS: [&str; 2] = [env!("CARGO_PKG_NAME"), "supercoil-python"];
+const MEMBERS: [&str; 3] = [env!("CARGO_PKG_NAME"), "supercoil-live", "supercoil-python"];
 
 #[test]
 fn licences_and_sources_are_allowed() {
