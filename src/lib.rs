@@ -150,3 +150,8 @@ pub use nalgebra;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// So is the book's.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/book/src/contact-alone.md")]
+struct Book;
