@@ -9,11 +9,14 @@ use supercoil::math::Vec3;
 const BEADS: usize = 21;
 const RADIUS: f64 = 0.3;
 
-/// Smallest gap seen, in radii; vertical velocity of the upper chain, before and after; change of the total momentum.
+/// Numbers of the run.
 #[derive(Debug)]
 pub struct Summary {
+    /// Smallest gap seen, in radii.
     pub deepest: f64,
+    /// Vertical velocity of the upper chain, before and after.
     pub velocity: [f64; 2],
+    /// Change of the total momentum.
     pub momentum_error: f64,
 }
 
@@ -51,7 +54,6 @@ pub fn run() -> Result<Summary, InputError> {
 
 fn main() -> Result<(), InputError> {
     let Summary { deepest, velocity: [before, after], momentum_error } = run()?;
-    println!("deepest overlap {:.3} radii; velocity {before:.3} -> {after:.3}", -deepest);
-    println!("momentum error {momentum_error:.1e}");
+    println!("deepest gap {deepest:.3} radii; velocity {before:.3} -> {after:.3}; momentum error {momentum_error:.1e}");
     Ok(())
 }

@@ -1,8 +1,6 @@
 //! How much can Lee's frame carry, and what does it do then? Two rods of length 120, joined rigidly at a right angle,
-//! hinged at their far ends, are loaded near the corner. Units: L = 120, loads in EI/L². The path through its limit
-//! points goes to `out/lee_frame.svg`.
-//!
-//! `cargo run --release --example lee_frame`
+//! hinged at their far ends, are loaded near the corner. Units: L = 120, loads in EI/L². The path goes to
+//! `out/lee_frame.svg`. `cargo run --release --example lee_frame`
 #![allow(clippy::print_stdout)] // an example talks to its reader
 
 use std::ops::ControlFlow;
@@ -15,10 +13,13 @@ use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver};
 
-/// How the path ended; (sinking of the loaded point / L, load L²/EI) along it, and at the load's maximum and minimum.
+/// Points are (sinking of the loaded point / L, load L²/EI).
 pub struct Summary {
+    /// How the path ended.
     pub end: PathEnd,
+    /// Every point of it.
     pub path: Vec<(f64, f64)>,
+    /// The load's maximum and minimum.
     pub limits: Vec<(f64, f64)>,
 }
 

@@ -105,7 +105,10 @@ fn dependencies_have_reasons() {
     let first_cells: String = table.lines().filter_map(|line| line.split('|').nth(1)).collect();
     let named: Vec<&str> = first_cells.split([' ', ',']).filter(|name| !name.is_empty()).collect();
     for (name, _) in manifest("Cargo.toml")["dependencies"].as_table().unwrap() {
-        assert!(named.contains(&name.as_str()), "{name} is not in the list of dependencies of docs/book/src/library.md");
+        assert!(
+            named.contains(&name.as_str()),
+            "{name} is not in the list of dependencies of docs/book/src/library.md"
+        );
     }
 }
 

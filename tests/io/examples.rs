@@ -77,7 +77,8 @@ fn examples_are_short() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let sources = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let lines = |path: &std::path::Path| std::fs::read_to_string(path).unwrap().lines().count();
-    let code = sources.filter(|path| path.extension().is_some_and(|extension| extension == "rs" || extension == "toml"));
+    let code =
+        sources.filter(|path| path.extension().is_some_and(|extension| extension == "rs" || extension == "toml"));
     let long: Vec<_> = code.map(|path| (lines(&path), path)).filter(|(lines, _)| *lines > 60).collect();
     assert!(long.is_empty(), "{long:?}");
 }
