@@ -28,7 +28,7 @@ function record() {
   show(film.frames.length - 1);
 }
 
-/** Lets the colour bars and the longest arrow span what there is now. */
+/** Lets the colour bars and the longest arrow span all states so far. */
 function widen(data, forces) {
   for (let k = 1; k < film.quantities.length; k++) {
     const { range } = film.quantities[k];

@@ -1,4 +1,4 @@
-//! The solver in a page: what its script may call.
+//! The solver in a page: the functions that its script calls.
 
 pub mod ring;
 

@@ -1,4 +1,4 @@
-//! The minicircle that the page turns, and what it tells of it. Units: nm, pN.
+//! The minicircle whose link the page turns, its numbers and its picture. Units: nm, pN.
 
 use supercoil::contact::{Curve, Detector, Options as ContactOptions};
 use supercoil::math::Vec3;
@@ -42,7 +42,7 @@ pub struct Ring {
     seen: Observation,
 }
 
-/// What is drawn of a state.
+/// A state as it is drawn.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Nodes \[nm\].
@@ -124,7 +124,7 @@ impl Ring {
         [step, self.excess_link, writhe, twist, bend, turn, gap, sites, force, unstable, iterations]
     }
 
-    /// What is drawn.
+    /// The state as it is drawn.
     #[must_use]
     pub fn picture(&self) -> Picture {
         let engine = self.solver.engine();
