@@ -66,3 +66,13 @@ impl Minicircle {
 pub fn contacts_of_cubics() -> Result<Vec<f64>, JsError> {
     Ok(ring::contacts_of_cubics()?)
 }
+
+/// Coordinates of the nodes of a pulled rod: the solver without sines and cosines. The same bits on every machine that does
+/// not fuse products and sums.
+///
+/// # Errors
+/// None in practice: the rod is given.
+#[wasm_bindgen(js_name = pulledRod)]
+pub fn pulled_rod() -> Result<Vec<f64>, JsError> {
+    Ok(ring::pulled_rod()?)
+}

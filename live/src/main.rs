@@ -12,7 +12,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use supercoil::io::view::{Film, FilmRod, Frame, FrameRod, Plot, Table};
 use supercoil::scene::Units;
-use supercoil_live::ring::{COLUMNS, Ring, contacts_of_cubics};
+use supercoil_live::ring::{COLUMNS, Ring, contacts_of_cubics, pulled_rod};
 use wasm_bindgen_cli_support::Bindgen;
 
 const SCRIPT: &str = include_str!("../page/live.js");
@@ -79,8 +79,8 @@ fn circle() -> Result<Film, Box<dyn Error>> {
     })
 }
 
-/// As JSON: the numbers of the table after going to an excess link, and the contacts of two cubics as bits in
-/// hexadecimal.
+/// As JSON: the numbers of the table after going to an excess link; the contacts of two cubics and the nodes of a pulled
+/// rod as bits in hexadecimal; whether products and sums are fused here.
 fn numbers(excess_link: f64) -> Result<String, Box<dyn Error>> {
     let mut ring = Ring::new()?;
     while ring.excess_link() != excess_link {
@@ -88,6 +88,15 @@ fn numbers(excess_link: f64) -> Result<String, Box<dyn Error>> {
             return Err("did not converge".into());
         }
     }
-    let bits: Vec<String> = contacts_of_cubics()?.iter().map(|x| format!("{:016x}", x.to_bits())).collect();
-    Ok(format!("{{ \"row\": {:?}, \"contacts\": {bits:?} }}", ring.row()))
+    let bits = |numbers: &[f64]| numbers.iter().map(|x| format!("{:016x}", x.to_bits())).collect::<Vec<_>>();
+    let (row, contacts, rod) = (ring.row(), bits(&contacts_of_cubics()?), bits(&pulled_rod()?));
+    Ok(format!("{{ \"row\": {row:?}, \"contacts\": {contacts:?}, \"rod\": {rod:?}, \"fused\": {} }}", is_fused()))
+}
+
+/// Whether faer takes kernels that fuse products and sums.
+fn is_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    true
 }

@@ -5,7 +5,7 @@ use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section, Shape};
-use supercoil::scene::{Model, Ramp};
+use supercoil::scene::{Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
 use supercoil::{InputError, dna};
 
@@ -161,4 +161,19 @@ pub fn contacts_of_cubics() -> Result<Vec<f64>, InputError> {
     let mut detector = Detector::new(ContactOptions { range: 0.5, ..ContactOptions::default() });
     let contacts = detector.detect(&[Curve::polyline(&a, 0.05), Curve::polyline(&b, 0.05)])?;
     Ok(contacts.sites.iter().flat_map(|site| [site.arc_a, site.arc_b, site.gap]).collect())
+}
+
+/// Coordinates of the nodes of a clamped rod that is pulled at its end: the solver where nothing turns.
+///
+/// # Errors
+/// None with this rod.
+pub fn pulled_rod() -> Result<Vec<f64>, InputError> {
+    let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::z(), length: 1.0 };
+    let rod = Rod::new("rod", &line, false, Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.01), 8, 3, Natural::Straight)?;
+    let end = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
+    let loads = vec![NodeLoad { node: end, force: Vec3::z() * 10.0, moment: Vec3::zeros() }];
+    let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 })];
+    let mut solver = Solver::new(Model { rods: vec![rod], supports, loads, ..Model::default() }, Options::default())?;
+    let _ = solver.step_to(&[Ramp::Load { to: 1.0 }])?;
+    Ok(solver.engine().positions(0).iter().flatten().copied().collect())
 }
