@@ -94,7 +94,7 @@ function startLive() {
   begin();
   fit();
   // the supercoil is longer than the circle is high
-  view.distance *= 1.25;
+  view.distance *= 1.35;
 }
 
 if (drawable) startLive();
