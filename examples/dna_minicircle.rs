@@ -25,7 +25,7 @@ fn units() -> Units {
 }
 
 /// The molecule with its ends joined after `excess_link` extra turns, at rest.
-fn run(excess_link: f64, elements: usize, bar: &ProgressBar) -> Result<Outcome, RunError> {
+pub fn run(excess_link: f64, elements: usize, out: &Path, bar: &ProgressBar) -> Result<Outcome, RunError> {
     let radius = 0.5 * dna::contact_diameter_nm(0.15)?; // 150 mM salt: strands keep 5 nm apart
     let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
     let section = Section::isotropic(bending, twisting, stretching, stretching, radius);
@@ -39,7 +39,7 @@ fn run(excess_link: f64, elements: usize, bar: &ProgressBar) -> Result<Outcome, 
         stages: vec![Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: excess_link }], steps: 30 }],
         ..Scene::default()
     };
-    run_scene(scene, Path::new(OUT), &mut |step| {
+    run_scene(scene, out, &mut |step| {
         bar.set_position((1000.0 * step.fraction) as u64);
         ControlFlow::Continue(())
     })
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let excess_link = arguments.next().map_or(Ok(-3.0), |text| text.parse())?;
     let elements = arguments.next().map_or(Ok(48), |text| text.parse())?;
     let bar = ProgressBar::new(1000);
-    let outcome = run(excess_link, elements, &bar)?;
+    let outcome = run(excess_link, elements, Path::new(OUT), &bar)?;
     bar.finish_and_clear();
     print!("{}", StepTable { units: &units(), steps: &outcome.steps });
     println!("{} after {:.1} s. Look at {OUT}/picture.png and {OUT}/writhe.svg;", outcome.status, outcome.seconds);

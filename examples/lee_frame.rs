@@ -1,8 +1,6 @@
 //! How much can Lee's frame carry, and what does it do then? Two rods of length 120, joined rigidly at a right angle,
-//! hinged at their far ends, are loaded near the corner. Units: L = 120, loads in EI/L². The path through its limit
-//! points goes to `out/lee_frame/path.svg`.
-//!
-//! `cargo run --release --example lee_frame`
+//! hinged at their far ends, are loaded near the corner. Units: L = 120, loads in EI/L². The path goes to
+//! `out/lee_frame.svg`. `cargo run --release --example lee_frame`
 #![allow(clippy::print_stdout)] // an example talks to its reader
 
 use std::ops::ControlFlow;
@@ -15,11 +13,11 @@ use supercoil::rod::{Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver};
 
-/// What the example finds: (sinking of the loaded point / L, load L²/EI) along the path and at its limit points.
+/// Points are (sinking of the loaded point / L, load L²/EI).
 pub struct Summary {
     /// How the path ended.
     pub end: PathEnd,
-    /// Every point.
+    /// Every point of it.
     pub path: Vec<(f64, f64)>,
     /// The load's maximum and minimum.
     pub limits: Vec<(f64, f64)>,
@@ -44,27 +42,18 @@ pub fn run(to: f64) -> Result<Summary, InputError> {
     let report = solver.follow(&Ramp::Load { to }, &FollowOptions::default(), &mut |point| {
         let here = (1.0 - point.engine().positions(1)[loaded].y / 120.0, point.value);
         path.push(here);
-        if point.kind == PointKind::Limit {
-            limits.push(here);
-        }
+        limits.extend((point.kind == PointKind::Limit).then_some(here));
         ControlFlow::Continue(())
     })?;
     Ok(Summary { end: report.end, path, limits })
 }
 
-fn main() -> Result<(), InputError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let Summary { end, path, limits } = run(30.0)?;
     println!("path: {end:?} after {} points; (sinking/L, P L²/EI) at its limit points: {limits:.6?}", path.len());
-    let series = |name: &str, points, style| Series { name: name.to_owned(), points, style };
-    let series = vec![
-        series("path of equilibria", path, SeriesStyle::LinePoints),
-        series("limit points", limits, SeriesStyle::Points),
-    ];
-    let label = |text: &str| text.to_owned();
-    let (title, x_label) = (label("Lee's frame"), label("sinking of the loaded point / L"));
-    let plot = PlotSpec { title, x_label, y_label: label("P L²/EI"), series, ..PlotSpec::default() };
-    let folder = Path::new("out/lee_frame");
-    std::fs::create_dir_all(folder)
-        .and_then(|()| plot_lines(&folder.join("path.svg"), &plot).map_err(std::io::Error::other))
-        .map_err(|e| InputError::File { path: folder.to_owned(), reason: e.to_string() })
+    let series = vec![Series { name: "path of equilibria".to_owned(), points: path, style: SeriesStyle::LinePoints }];
+    let [title, x_label, y_label] = ["Lee's frame", "sinking of the loaded point / L", "P L²/EI"].map(str::to_owned);
+    std::fs::create_dir_all("out")?;
+    plot_lines(Path::new("out/lee_frame.svg"), &PlotSpec { title, x_label, y_label, series, ..PlotSpec::default() })?;
+    Ok(())
 }

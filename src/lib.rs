@@ -114,8 +114,8 @@
 //! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 77 |
 //! | `cli` | the command line; `runs` | 96 |
 //!
-//! Without `solver` there are no modules `sparse`, `solve` and `observe`. All builds for `wasm32-unknown-unknown`; what
-//! runs there are contact, rods and scenes: the solver asks for the time, which that target has not.
+//! Without `solver` there are no modules `sparse`, `solve` and `observe`. Without features and with
+//! `solver` it builds for `wasm32-unknown-unknown` and runs in the browser (`live/` is a page with the solver in it).
 //!
 //! # Manners
 //!
@@ -152,3 +152,8 @@ pub use nalgebra;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// So is the book's.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/book/src/contact-alone.md")]
+struct Book;

@@ -27,7 +27,7 @@ function numbers(index) {
 function frameNodes(index) {
   const frame = film.frames[index];
   if (frame.nodes) return frame.nodes;
-  const data = numbers(index);
+  const data = frame.data ?? numbers(index);
   const drawn = film.rods.map((rod, r) => frame.counts[r] + (rod.closed && frame.counts[r] > 1 ? 1 : 0));
   const nodes = { data: new Float32Array(AS_DRAWN * drawn.reduce((a, b) => a + b, 0)), rods: [], turning: 0, reach: 0 };
   let [from, to] = [0, 0];

@@ -201,11 +201,14 @@ function listenToControls() {
 /** Whether there is anything to be drawn, and with what. */
 const drawable = gl !== null && film.frames.length > 0;
 
-const mark = makePanel((row) => {
+/** What a click on a row of the table or on a plot does. */
+function choose(row) {
   if (!drawable) return mark(row);
   play(false);
   show(frameOfRow(row));
-});
+}
+
+let mark = makePanel(choose);
 
 function start() {
   setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");

@@ -30,8 +30,8 @@ function readable(x, digits = 4) {
   return signed(x.toFixed(Math.max(0, Math.min(digits, digits - Math.floor(Math.log10(size))))));
 }
 
-/** Whether a column counts something. */
-const counts = film.columns.map((_, k) => film.rows.every((row) => row[k] === null || Number.isInteger(row[k])));
+/** Which columns count something; see `makePanel`. */
+let counts = [];
 
 /** A number of the table as text. */
 function cell(row, k, digits) {
@@ -131,6 +131,7 @@ function makeTable(choose) {
 
 /** Fills the panel; returns what marks a row everywhere. `choose` is called with the row that was pointed at. */
 function makePanel(choose) {
+  counts = film.columns.map((_, k) => film.rows.every((row) => row[k] === null || Number.isInteger(row[k])));
   const plots = film.rows.length > 1 ? film.plots.map((plot) => makePlot(plot, choose)) : [];
   const table = makeTable(choose);
   byId("note").textContent = [film.note, film.program].filter(Boolean).join(" · ");

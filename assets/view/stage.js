@@ -30,7 +30,7 @@ const view = {
 };
 
 const thickest = Math.max(...film.rods.map((rod) => rod.radius), 1e-300);
-const largestForce = Math.max(0, ...film.frames.flatMap((frame) => frame.forces.map((f) => Math.hypot(f[3], f[4], f[5]))));
+let largestForce = Math.max(0, ...film.frames.flatMap((frame) => frame.forces.map((f) => Math.hypot(f[3], f[4], f[5]))));
 
 /** Makes a program and finds its inputs. */
 function program(vertex, fragment) {

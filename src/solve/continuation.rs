@@ -20,7 +20,6 @@ mod locate;
 mod parameter;
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
@@ -30,6 +29,7 @@ use crate::solve::continuation::parameter::Parameter;
 use crate::solve::engine::Engine;
 use crate::solve::path::{Progress, Solver};
 use crate::solve::step_report::StepReport;
+use crate::solve::timing::Instant;
 
 /// Newton iterations per point that the step size aims at.
 const AIM: f64 = 5.0;

@@ -1,7 +1,6 @@
 //! Load stepping: runs the stages of a model with adaptive steps, each of which is brought to rest.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
@@ -18,7 +17,7 @@ use crate::solve::predictor::{History, lifted};
 use crate::solve::restart::{Place, Restart};
 use crate::solve::state::{Drive, Moved, State, Target};
 use crate::solve::step_report::{Status, StepReport};
-use crate::solve::timing::Timings;
+use crate::solve::timing::{Instant, Timings};
 
 /// What the observer sees after every accepted step.
 #[derive(Debug)]

@@ -1,6 +1,12 @@
 //! What searches cost, and where the time goes.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+/// The clock; the standard library has none in the browser and panics.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+pub(super) use std::time::Instant;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+pub(super) use web_time::Instant;
 
 /// Work of searches so far and time on the clock spent in their parts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

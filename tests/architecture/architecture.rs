@@ -23,10 +23,11 @@ const MAY_USE: [(&str, &[&str]); 11] = [
 ];
 
 /// Foreign crates that a single file names.
-const NAMED_ONCE: [(&str, &str); 8] = [
+const NAMED_ONCE: [(&str, &str); 9] = [
     ("rayon", "math/parallel.rs"),
     ("parry3d", "contact/tree/leaves.rs"),
     ("faer", "sparse/factor.rs"),
+    ("web_time", "solve/timing.rs"),
     ("gltf_json", "io/view/glb.rs"),
     ("base64", "io/view/page.rs"),
     ("postcard", "io/checkpoint.rs"),

@@ -76,7 +76,7 @@ fn one(tokens: &[&str], at: &mut usize, allowed: &[String]) -> bool {
 }
 
 /// The workspace's own packages.
-const MEMBERS: [&str; 2] = [env!("CARGO_PKG_NAME"), "supercoil-python"];
+const MEMBERS: [&str; 4] = [env!("CARGO_PKG_NAME"), "supercoil-live", "supercoil-python", "supercoil-tools"];
 
 #[test]
 fn licences_and_sources_are_allowed() {
@@ -96,15 +96,19 @@ fn licences_and_sources_are_allowed() {
     }
 }
 
-/// Each direct dependency is explained: a comment in Cargo.toml above it or its group, a row in the README.
+/// Each direct dependency is explained: a comment in Cargo.toml above it or its group, a row in the book.
 #[test]
 fn dependencies_have_reasons() {
-    let readme = std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
-    let table = readme.split("## Dependencies").nth(1).unwrap().split("\n## ").next().unwrap();
+    let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/book/src/library.md");
+    let library = std::fs::read_to_string(page).unwrap();
+    let table = library.split("## Dependencies").nth(1).unwrap().split("\n## ").next().unwrap();
     let first_cells: String = table.lines().filter_map(|line| line.split('|').nth(1)).collect();
     let named: Vec<&str> = first_cells.split([' ', ',']).filter(|name| !name.is_empty()).collect();
     for (name, _) in manifest("Cargo.toml")["dependencies"].as_table().unwrap() {
-        assert!(named.contains(&name.as_str()), "{name} is not in the README's list of dependencies");
+        assert!(
+            named.contains(&name.as_str()),
+            "{name} is not in the list of dependencies of docs/book/src/library.md"
+        );
     }
 }
 

@@ -154,3 +154,8 @@ def decode_png(data):
     if size == 4:
         pixels = bytes(v for i, v in enumerate(pixels) if i % 4 != 3)
     return width, height, pixels
+
+
+def differing(a, b):
+    """Share of pixels of which two pictures of one size differ."""
+    return sum(a[2][i:i + 3] != b[2][i:i + 3] for i in range(0, len(a[2]), 3)) / (len(a[2]) / 3)

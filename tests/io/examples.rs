@@ -1,4 +1,5 @@
-//! Every example's one number. (`.ci/run` runs the scene of `dna_minicircle`: it is long and writes files.)
+//! Every example's one number, and that each is short. (Those of contact alone: `tests/contact/contact_examples.rs`;
+//! those that are scenes: `gallery.rs`, `poses.rs`.)
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 #![allow(dead_code)] // the examples' own main functions
@@ -6,6 +7,7 @@
 use supercoil::solve::Status;
 
 use crate::crossed_beams;
+use crate::dna_minicircle;
 use crate::elastica;
 use crate::lee_frame;
 use crate::ring_pressure;
@@ -56,4 +58,27 @@ fn the_ring_collapses() {
     let centers = [site.arc_a, site.arc_b].map(|arc| 0.5 * (arc[0] + arc[1]));
     assert!((centers[0] - 1.571).abs() < 1e-2 && (centers[1] - 4.712).abs() < 1e-2, "{centers:?}");
     assert!(site.angle < 1e-6 && state.min_gap.unwrap().lower > -1e-9, "{state:?}");
+}
+
+/// A coarse minicircle taken to the figure-eight: its writhe, −.83087 on 48 elements.
+#[test]
+fn the_minicircle_writhes() {
+    let out = std::env::temp_dir().join(format!("supercoil_example_{}", std::process::id()));
+    let outcome = dna_minicircle::run(-1.2, 16, &out, &indicatif::ProgressBar::hidden()).unwrap();
+    std::fs::remove_dir_all(&out).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let writhe = outcome.steps.last().unwrap().links[0].writhe;
+    assert!((writhe + 0.83087).abs() < 2e-3, "{writhe}");
+}
+
+/// Sixty lines fit on a screen.
+#[test]
+fn examples_are_short() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let sources = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let lines = |path: &std::path::Path| std::fs::read_to_string(path).unwrap().lines().count();
+    let code =
+        sources.filter(|path| path.extension().is_some_and(|extension| extension == "rs" || extension == "toml"));
+    let long: Vec<_> = code.map(|path| (lines(&path), path)).filter(|(lines, _)| *lines > 60).collect();
+    assert!(long.is_empty(), "{long:?}");
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use supercoil::io::run::options;
 use supercoil::observe::observe;
@@ -11,7 +11,7 @@ use supercoil::scene::Scene;
 use supercoil::solve::{self, Status};
 
 /// Scenes that take seconds.
-const SLOW: [&str; 3] = ["pbr322", "lambda_phage", "cable"];
+const SLOW: [&str; 4] = ["pbr322", "lambda_phage", "cable", "tweezers"];
 
 /// Scene, quantity and value of each row.
 fn rows() -> Vec<[String; 3]> {
@@ -24,10 +24,16 @@ fn rows() -> Vec<[String; 3]> {
     rows.map(cells).collect()
 }
 
+/// A scene of `examples/`, or one that `supercoil new` writes.
+fn file_of(name: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let example = root.join(format!("examples/{name}.toml"));
+    if example.exists() { example } else { root.join(format!("assets/scenes/{name}.toml")) }
+}
+
 fn check(scenes: impl Fn(&str) -> bool) {
     for [name, quantity, printed] in rows().into_iter().filter(|[name, ..]| scenes(name)) {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
-        let scene = Scene::read(&file).unwrap();
+        let scene = Scene::read(&file_of(&name)).unwrap();
         let choices = options(&scene);
         let mut last = None;
         let solution = solve::run(scene.model, &scene.stages, &choices, &mut |progress| {
@@ -44,7 +50,7 @@ fn check(scenes: impl Fn(&str) -> bool) {
 
 #[test]
 fn gallery_of_quick_scenes() {
-    assert_eq!(rows().len(), 8);
+    assert_eq!(rows().len(), 11);
     check(|name| !SLOW.contains(&name));
 }
 

@@ -7,6 +7,9 @@ mod common;
 #[path = "../../examples/crossed_beams.rs"]
 #[allow(dead_code)] // each module uses its part
 mod crossed_beams;
+#[path = "../../examples/dna_minicircle.rs"]
+#[allow(dead_code)] // each module uses its part
+mod dna_minicircle;
 #[path = "../../examples/elastica.rs"]
 #[allow(dead_code)] // each module uses its part
 mod elastica;

@@ -1,6 +1,11 @@
-//! A plasmid of a scene file brought from the flat circle to its excess link, and the middle of its plectoneme beside
-//! the closed forms.
+//! A plasmid of `examples/` brought to rest: how long it takes, and the middle of its plectoneme beside the closed forms.
+//! Units nm, pN.
+//!
+//! `cargo run --release -p supercoil-tools --bin plasmid -- puc19`; or `pbr322`, `lambda_phage`, `ecoli_length` (5 min,
+//! 8.9 GiB).
+#![allow(clippy::print_stdout)] // a program talks to its reader
 
+use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -14,26 +19,26 @@ use supercoil::solve::{self, RunError, Status};
 /// What a run came to. Lengths in nm, angles in degrees.
 #[derive(Debug)]
 #[allow(dead_code)] // printed as a whole
-pub struct Summary {
-    pub status: Status,
-    pub steps: usize,
-    pub iterations: usize,
+struct Summary {
+    status: Status,
+    steps: usize,
+    iterations: usize,
     /// Iterations on a shorter rod or a coarser mesh beforehand.
-    pub iterations_elsewhere: usize,
+    iterations_elsewhere: usize,
     /// Largest residual over its largest contribution.
-    pub residual: f64,
-    pub seconds: f64,
-    pub excess_link: f64,
+    residual: f64,
+    seconds: f64,
+    excess_link: f64,
     /// Wr/ΔLk.
-    pub writhe_share: f64,
-    pub num_unstable: usize,
+    writhe_share: f64,
+    num_unstable: usize,
     /// Half the distance of the strands at the middle of the longest line of contact, and the contact radius.
-    pub superhelix_radius: [f64; 2],
+    superhelix_radius: [f64; 2],
     /// Angle of the strands to the axis there; that which the twisting moment asks for; that of an endless plectoneme
     /// of the whole link.
-    pub superhelix_angle: [f64; 3],
+    superhelix_angle: [f64; 3],
     /// 2πR/tan α, from the first and the second of these angles.
-    pub pitch: [f64; 2],
+    pitch: [f64; 2],
 }
 
 /// Nodes on either side of the middle of a line among which the one that faces the other strand's is sought.
@@ -50,8 +55,9 @@ fn angle_of_moment(moment: f64, bending: f64, radius: f64) -> f64 {
     low
 }
 
-pub fn run(file: &str) -> Result<Summary, RunError> {
-    let scene = Scene::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(file))?;
+fn run(name: &str) -> Result<Summary, RunError> {
+    let file = format!("{}/../examples/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let scene = Scene::read(Path::new(&file))?;
     let (rod, started) = (scene.model.rods[0].clone(), Instant::now());
     let (mut last, mut iterations_elsewhere) = (None, 0);
     let solution = solve::run(scene.model, &scene.stages, &solve::Options::default(), &mut |progress| {
@@ -94,4 +100,10 @@ pub fn run(file: &str) -> Result<Summary, RunError> {
         superhelix_angle: [angle, of_moment, endless].map(f64::to_degrees),
         pitch: [angle, of_moment].map(pitch),
     })
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let name = std::env::args().nth(1).ok_or("say which: puc19, pbr322, lambda_phage or ecoli_length")?;
+    println!("{:#?}", run(&name)?);
+    Ok(())
 }

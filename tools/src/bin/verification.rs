@@ -1,10 +1,10 @@
 //! Runs the tests, slow ones included, and writes their verification rows to VERIFICATION.md: a summary, then one table
 //! per physical case.
 //!
-//! `cargo run --example verification` for all (a quarter of an hour on two quiet cores),
-//! `cargo run --example verification -- lee_frame roll_up` for some tests only (to the terminal, without the slow
+//! `cargo run -p supercoil-tools --bin verification` for all (a quarter of an hour on two quiet cores),
+//! `cargo run -p supercoil-tools --bin verification -- lee_frame roll_up` for some tests only (to the terminal, without the slow
 //! ones).
-#![allow(clippy::print_stdout)] // an example talks to its reader
+#![allow(clippy::print_stdout)] // a program talks to its reader
 
 use std::fmt::Write;
 use std::path::Path;
@@ -33,7 +33,7 @@ struct Section {
 }
 
 const INTRODUCTION: &str = "# Verification\n\n\
-    Written by `cargo run --example verification` from the rows that the tests print; do not edit. Every row is asserted by the test file \
+    Written by `cargo run -p supercoil-tools --bin verification` from the rows that the tests print; do not edit. Every row is asserted by the test file \
     that heads its table: |measured − reference| ≤ tolerance. `cargo test NAME -- --nocapture` prints them again, with all digits; rows \
     marked *slow* are of tests that run on demand only, with `--ignored` after the `--`.\n\n\
     Where references come from is told in the header of each test file: closed forms, numerical solutions of the continuous equations (shooting or \
@@ -95,7 +95,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
 
 fn main() -> ExitCode {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
     let mut sections = Vec::new();
     let mut failed = Vec::new();
     for (binary, test) in tests(&root.join("tests")) {
