@@ -106,7 +106,7 @@ impl Ring {
                 self.seen = look(&self.solver, self.num_steps, &report);
                 return Ok(true);
             }
-            self.solver.engine_mut().set_state(before)?;
+            self.solver.set_state(before)?;
         }
         Ok(false)
     }
