@@ -16,7 +16,7 @@ pub enum Natural {
     /// Arcs and circles have the same curvature everywhere: [`Rod::new`] then takes it as it is, and nothing is stored.
     /// On other shapes, and on nodes of one's own, natural strains are measured on the interpolated start shape, at its
     /// integration points. There no element is then stressed at all, but natural curvature is known to the order p + 1
-    /// of the elements only, which bounds what comes of it: the tip of a bent arc converges with orders 2, 4, 4 for p =
+    /// of the elements only, which bounds the accuracy: the tip of a bent arc converges with orders 2, 4, 4 for p =
     /// 1, 2, 3 (fitted 3.75 for p = 3 on 3 to 12 elements, where given curvature has 5.94;
     /// `tests/convergence/convergence_orders.rs`). Where frames can be laid so that curvature and twist are uniform (a helix with
     /// its Frenet frames), [`Rod::from_nodes`] with [`Natural::Uniform`] has the full order.
