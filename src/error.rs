@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-/// Input that was refused: names the field, the value found, and what is allowed.
+/// Input that was refused: names the field, the value found and the values allowed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
@@ -34,7 +34,7 @@ pub enum InputError {
         field: String,
         /// The value found.
         value: [f64; 3],
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
     /// A name (of a rod, a node, a key …) that is unknown or ambiguous.
@@ -44,7 +44,7 @@ pub enum InputError {
         field: String,
         /// The name found.
         name: String,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: String,
     },
     /// Input whose parts contradict each other or make an ill-posed problem.
@@ -52,7 +52,7 @@ pub enum InputError {
     Inconsistent {
         /// Path of the offending field.
         field: String,
-        /// Why it is refused and what to do instead.
+        /// The reason, and a way out.
         reason: String,
     },
     /// Text that could not be parsed (TOML, CSV, XYZ).

@@ -92,7 +92,7 @@
 //! * `sparse` (private): sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
-//! * [`observe`]: what there is to know of a state
+//! * [`observe`]: numbers of a state
 //! * [`io`]: VTK, CSV, pictures, pages to turn and to step through, glTF, the record of a run
 //! * [`dna`]: constants and molecules; natural strains and stiffness of a sequence
 //!
@@ -119,7 +119,7 @@
 //!
 //! # Manners
 //!
-//! The library never prints and never panics on input: what is wrong with it is an [`InputError`] with field and value,
+//! The library never prints and never panics on input: bad input is an [`InputError`] with field and value,
 //! numbers that break down are a [`SolveError`], and a run that does not converge has a [`Status`](solve::Status) that
 //! says so. Work is parallel in the caller's rayon pool (or in one of its own), with the feature `parallel`; results
 //! are the same bits for any number of threads.

@@ -24,7 +24,7 @@ const CHUNK: usize = 2048;
 /// Segments per parallel piece of work.
 const SEGMENTS: usize = 4096;
 
-/// What was found.
+/// Sites and zones found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contacts {
     /// Sites ordered by (curve, segment, parameter) of a, then of b.
@@ -47,7 +47,7 @@ pub struct Contacts {
 /// # Ok::<(), supercoil::InputError>(())
 /// ```
 ///
-/// **What is promised.** All local minima with gap ≤ `range` of the distance between different curves, and between
+/// **Promise.** All local minima with gap ≤ `range` of the distance between different curves, and between
 /// parts of one curve that are not neighbours, are found: broad phase and capsule test discard only what provably is
 /// farther; straight pairs are solved in closed form; pairs of cubics by cutting up their square of parameters, where
 /// every part is discarded or accepted on bounds of slopes and second derivatives of the distance in Bernstein form,
@@ -82,7 +82,7 @@ pub struct Detector {
     start: Vec<f64>,
     lengths: Vec<f64>,
     minima: Vec<Minimum>,
-    /// Parts of zones, by pieces of the candidate list, and what they are joined in.
+    /// Parts of zones, by pieces of the candidate list, and the buffers they are joined in.
     parts: Vec<Vec<Part>>,
     joining: interval::JoinBuffers,
     pub(super) contacts: Contacts,

@@ -1,4 +1,4 @@
-//! What the detector is asked for.
+//! Options of the detector.
 
 use crate::error::InputError;
 use crate::math::LARGEST;
@@ -15,7 +15,7 @@ pub enum Neighbours {
     Segments(usize),
 }
 
-/// What to look for.
+/// Options of [`Detector`](super::Detector).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Sites and zones with a gap of at most this are found \[L\]. May be negative (only overlaps deeper than that).

@@ -23,8 +23,8 @@ pub enum DetectorStep {
 }
 
 impl Detector {
-    /// Bytes that the detector holds between calls, in use or kept for later: all but what it found, and sites and
-    /// zones.
+    /// Bytes that the detector holds between calls, in use or kept for later: first without, then only, the sites and zones
+    /// found.
     #[doc(hidden)]
     #[must_use]
     pub fn memory(&self) -> (usize, usize) {
@@ -32,7 +32,7 @@ impl Detector {
         (self.exclusion.memory() + self.broad.memory() + self.own_memory(), found)
     }
 
-    /// Runs one step on what the steps before it left, and returns the number of things found (segments, pairs, sites,
+    /// Runs one step on the results of the steps before it, and returns the number of things found (segments, pairs, sites,
     /// zones).
     ///
     /// # Errors

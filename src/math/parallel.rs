@@ -2,7 +2,7 @@
 //!
 //! Work is an index range cut into pieces of a given `grain`. Pieces are computed in any order by any thread, and their
 //! results are merged in the order of the index. The cuts depend on the length and the grain alone, so results are the
-//! same bits for any number of threads. What is called is a `&dyn Fn`: the machinery is compiled once, not once per
+//! same bits for any number of threads. Callers pass a `&dyn Fn`: the machinery is compiled once, not once per
 //! caller.
 //!
 //! Threads are those of the caller's rayon pool, or of a [`Pool`] of one's own. Without the feature `parallel` there is
@@ -84,7 +84,7 @@ fn share(count: usize, task: &(dyn Fn(usize) + Sync)) {
     (0..count).for_each(task);
 }
 
-/// What `piece` makes of the ranges that 0..`len` is cut into, each but the last of `grain` indices, in their order.
+/// Results of `piece` on the ranges that 0..`len` is cut into, each but the last of `grain` indices, in their order.
 pub(crate) fn map_ranges<T: Send>(len: usize, grain: usize, piece: &(dyn Fn(Range<usize>) -> T + Sync)) -> Vec<T> {
     let range = |k: usize| k * grain..((k + 1) * grain).min(len);
     let results: Vec<Mutex<Option<T>>> = (0..len.div_ceil(grain)).map(|_| Mutex::new(None)).collect();

@@ -1,8 +1,8 @@
-//! Sums with what rounding took from them.
+//! Sums with their rounding errors.
 
 use crate::math::Vec3;
 
-/// a + b as rounded, and what is missing to the exact sum (Knuth, The Art of Computer Programming 2, section 4.2.2):
+/// a + b as rounded, and its rounding error (Knuth, The Art of Computer Programming 2, section 4.2.2):
 /// the two together are exact, whichever is larger, unless the sum overflows.
 #[inline]
 pub(crate) fn two_sum(a: &Vec3, b: &Vec3) -> (Vec3, Vec3) {

@@ -1,4 +1,4 @@
-//! What varies along a rod: constant, constant pieces, points with straight lines between them, or a function.
+//! A quantity along a rod: constant, constant pieces, points with straight lines between them, or a function.
 
 use std::fmt;
 use std::ops::{Add, Mul};

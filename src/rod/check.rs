@@ -60,7 +60,7 @@ impl Rod {
         Err(InputError::Inconsistent { field: path.to_owned(), reason })
     }
 
-    /// What a rod would turn by from node to node where nothing holds it must be within what elements can tell.
+    /// The rotation from node to node of the stress-free rod must be one that elements can tell.
     fn check_natural(&self, path: &str) -> Result<(), InputError> {
         let turn = |at: &str, kappa: Vec3| {
             let turns = kappa.amax() * self.spacing() / std::f64::consts::TAU;

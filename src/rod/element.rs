@@ -19,7 +19,7 @@
 //! (Magisano, Leonetti & Garcea 2017) passes the stress predicted by the previous linear solve.
 
 use crate::math::shape_functions::ShapeTable;
-use blocks::{NodeBlocks, add_nodal_gradient};
+use blocks::{NodeBlocks, ShapeAt, add_nodal_gradient};
 use kinematics::{InPlane, Space, inner};
 use material::MaterialLaw;
 
@@ -43,7 +43,7 @@ pub const MAX_DOF: usize = 24;
 /// Nodal input of one element in space.
 pub type ElementNodes = Nodes<3, 4>;
 
-/// What the elements of a rod have in common.
+/// Shape functions, length and material shared by the elements of a rod.
 #[derive(Debug, Clone, Copy)]
 pub struct ElementProperties<'a> {
     /// Shape functions.
@@ -97,6 +97,13 @@ pub fn raw_strains(table: &ShapeTable, nodes: &ElementNodes, length: f64) -> [St
 }
 
 impl ElementProperties<'_> {
+    /// The shape functions at integration point `g`.
+    fn shape_at(&self, g: usize) -> ShapeAt {
+        let (table, length) = (self.table, self.length);
+        let (n, d) = (table.n[g], table.d[g].map(|x| x / length));
+        ShapeAt { n, d, weight: table.rule.weights[g] * length, num_nodes: table.order + 1 }
+    }
+
     /// The plane, the nodes in it, if all are, and the stiffnesses there. Rods with a full material are computed in space.
     fn flat(&self, nodes: &ElementNodes) -> Option<(&Plane, Nodes<2, 2>, [f64; 3])> {
         let (plane, Material::Diagonal(material)) = (self.plane?, self.material) else { return None };
@@ -104,7 +111,8 @@ impl ElementProperties<'_> {
     }
 }
 
-/// R components of r', Z of z, S strains, N = R + 2Z numbers y, T rotations of a node. Strains are P_i/|z|².
+/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y, T
+/// rotations of a node. Five numbers because an array's length must be named; the two implementations fix them all.
 trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize, const T: usize> {
     /// The energy that a strain belongs to: stretch, shear, bend, twist.
     const KIND: [usize; S];
@@ -202,16 +210,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
                     grad[k] += excess[g][i] * b[i][k];
                 }
             }
-            let d = table.d[g].map(|x| x / length);
-            add_nodal_gradient(
-                &grad,
-                &table.n[g],
-                &d,
-                table.rule.weights[g] * length,
-                num_nodes,
-                &mut grad_r,
-                &mut grad_q,
-            );
+            add_nodal_gradient(&grad, &body.shape_at(g), &mut grad_r, &mut grad_q);
         }
         let mut out = [0.0; MAX_DOF];
         for a in 0..num_nodes {
@@ -290,10 +289,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         let mut grad_q = [[0.0; Z]; 4];
         let mut blocks = tangent.is_some().then(NodeBlocks::<R, Z>::default);
         for g in 0..table.order {
-            let weight = table.rule.weights[g] * length;
-            let n = &table.n[g];
-            let d = table.d[g].map(|x| x / length);
-            let p = interpolate(nodes, n, &table.d[g], num_nodes, 1.0 / length);
+            let shape = body.shape_at(g);
+            let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
             let raw = Self::strain(&p);
             let b = Self::gradients(&p, &raw);
             let strain: [f64; S] = std::array::from_fn(|i| raw[i] - reference[g][i]);
@@ -307,12 +304,12 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
                 }
             }
             for (sum, part) in out.energy.iter_mut().zip(energy) {
-                *sum += 0.5 * weight * part;
+                *sum += 0.5 * shape.weight * part;
             }
-            add_nodal_gradient(&grad, n, &d, weight, num_nodes, &mut grad_r, &mut grad_q);
+            add_nodal_gradient(&grad, &shape, &mut grad_r, &mut grad_q);
             let Some(blocks) = &mut blocks else { continue };
             let (mut h, grad) = Self::geometric(&p, &raw, &b, predicted.map_or(&stress, |s| &s[g]));
-            add_nodal_gradient(&grad, n, &d, weight, num_nodes, &mut [[0.0; R]; 4], &mut blocks.grad_q);
+            add_nodal_gradient(&grad, &shape, &mut [[0.0; R]; 4], &mut blocks.grad_q);
             let scaled = material.of_rows(g, &b);
             for i in 0..S {
                 for k in 0..N {
@@ -321,7 +318,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
                     }
                 }
             }
-            blocks.add(&h, n, &d, weight, num_nodes);
+            blocks.add(&h, &shape);
         }
         let ways: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
         for a in 0..num_nodes {
@@ -343,8 +340,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     }
 }
 
-/// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): what
-/// the mixed-integration-point step predicts.
+/// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): the
+/// prediction of the mixed-integration-point step.
 pub fn predicted_stress(
     body: &ElementProperties,
     nodes: &ElementNodes,
@@ -393,7 +390,7 @@ pub struct ElementOutput {
 /// plane only the displacements in x and y and the rotation about z of them.
 pub type ElementTangent = [[f64; MAX_DOF]; MAX_DOF];
 
-/// Energy, residual and (if wanted) tangent of an element; what is not filled stays as it was.
+/// Energy, residual and (if wanted) tangent of an element; entries that are not filled stay as they were.
 ///
 /// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent
 /// per point (`None`: C ε(x)).

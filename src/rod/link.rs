@@ -99,7 +99,7 @@ impl Rod {
     /// Tw + Wr of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane
     /// curves whose frames do not turn.
     ///
-    /// The frames decide the fraction of a turn: what the closing segment lacks is put into the seam. The whole turns
+    /// The frames decide the fraction of a turn: the part that the closing segment lacks is put into the seam. The whole turns
     /// are those of the ribbon's linking number, exact on a polygon along the rod's contact centreline.
     pub(super) fn link_of_nodes(&self) -> f64 {
         let last = self.num_nodes() - 1;

@@ -11,15 +11,15 @@ pub(crate) const STRAINS: [&str; 6] = ["gamma1", "gamma2", "gamma3", "kappa1", "
 pub enum Natural {
     /// Straight and untwisted: nothing is stored.
     Straight,
-    /// The start shape itself is free of stress, as it is before [`Rod::with_excess_link`] twists it.
+    /// The start shape itself is free of stress, as it is before [`Rod::with_excess_link`](crate::rod::Rod::with_excess_link) twists it.
     ///
-    /// Arcs and circles have the same curvature everywhere: [`Rod::new`] then takes it as it is, and nothing is stored.
+    /// Arcs and circles have the same curvature everywhere: [`Rod::new`](crate::rod::Rod::new) then takes it as it is, and nothing is stored.
     /// On other shapes, and on nodes of one's own, natural strains are measured on the interpolated start shape, at its
     /// integration points. There no element is then stressed at all, but natural curvature is known to the order p + 1
-    /// of the elements only, which bounds what comes of it: the tip of a bent arc converges with orders 2, 4, 4 for p =
+    /// of the elements only, which bounds the accuracy: the tip of a bent arc converges with orders 2, 4, 4 for p =
     /// 1, 2, 3 (fitted 3.75 for p = 3 on 3 to 12 elements, where given curvature has 5.94;
     /// `tests/convergence/convergence_orders.rs`). Where frames can be laid so that curvature and twist are uniform (a helix with
-    /// its Frenet frames), [`Rod::from_nodes`] with [`Natural::Uniform`] has the full order.
+    /// its Frenet frames), [`Rod::from_nodes`](crate::rod::Rod::from_nodes) with [`Natural::Uniform`] has the full order.
     AsShaped,
     /// Uniform intrinsic curvature and twist \[1/L\], in the material frame: nothing is stored per element.
     Uniform {

@@ -170,7 +170,7 @@ impl Rod {
         self.length / self.num_segments() as f64
     }
 
-    /// What varies along the rod at the integration points of one of its elements.
+    /// Values of a quantity that varies along the rod, at the integration points of one element.
     pub(crate) fn on_element<T: Values>(&self, along: &Along<T>, element: usize) -> [T; 3] {
         let length = self.length / self.num_elements as f64;
         along.on_element(element as f64 * length, length, &gauss(self.order))

@@ -237,7 +237,7 @@ pub struct CurveSet {
     pub lengths: Vec<f64>,
     /// The curves, in order of their segments.
     pub curves: Vec<CurveInfo>,
-    /// What rounding took from the control points of each segment \[L\]; none if nothing is known of that.
+    /// Remainders of the control points of each segment after rounding \[L\]; empty if they are not known.
     pub(crate) remainders: Vec<[Vec3; 4]>,
     owner: Vec<u32>,
     arc_start: Vec<f64>,
@@ -382,7 +382,7 @@ impl CurveSet {
         if self.radii.is_empty() { self.curves[self.curve_of(segment)].radius } else { self.radii[segment] }
     }
 
-    /// Gives each segment a radius of its own \[L\]; see [`Radius`] for what that means.
+    /// Gives each segment a radius of its own \[L\]; see [`Radius`].
     ///
     /// # Errors
     /// [`InputError`] naming the first radius that is not finite and positive, or if there are not as many as segments.

@@ -64,8 +64,8 @@ impl Forces {
 
 impl Detector {
     /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another
-    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. What an
-    /// explicit stepper asks: it costs up to four times [`Detector::detect`] on polylines in contact all along, and the
+    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. For
+    /// explicit steppers: it costs up to four times [`Detector::detect`] on polylines in contact all along, and the
     /// result is kept in buffers.
     ///
     /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
@@ -73,7 +73,7 @@ impl Detector {
     /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
     /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
     /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle
-    /// or more, by what they leave out. Points where centrelines coincide have energy, but no direction and no force.
+    /// or more, by the forces they leave out. Points where centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
     /// As [`Detector::detect`], and numbers of the law that are not finite and positive.

@@ -5,7 +5,7 @@
 //! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with factor ½; what is counted off (−) tells [`zone`](crate::contact::zones). With
+//! Each strand integrates over its own length with factor ½; [`zones`](crate::contact::zones) says which parts are counted off (−). With
 //! d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein weights (minus on
 //! the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur
 //! complement of the foot.
@@ -59,7 +59,7 @@ pub(crate) struct ContactGeometry<'a> {
     kinked: Vec<bool>,
     /// Which pairs are left out as neighbours, if the candidates are those that are not.
     exclusion: Option<&'a Exclusion>,
-    /// What rounding took from the control points of each segment \[L\]; none if nothing is known of that.
+    /// Remainders of the control points of each segment after rounding \[L\]; empty if they are not known.
     remainders: &'a [[Vec3; 4]],
 }
 
@@ -114,7 +114,7 @@ pub(crate) fn evaluate_ends(
     })
 }
 
-/// Calls `add(pair, scratch, out)` for every pair; what is put out, in the order of the pairs, in parts.
+/// Calls `add(pair, scratch, out)` for every pair; its output, in the order of the pairs, in parts.
 fn in_chunks<T: Send>(
     candidates: &[[u32; 2]],
     add: impl Fn([usize; 2], &mut Vec<BranchPiece>, &mut Vec<T>) + Sync,
@@ -238,7 +238,7 @@ impl ContactGeometry<'_> {
         if self.capsules.is_empty() { 0.0 } else { self.capsules[i].distance_lower_bound(&self.capsules[j]) }
     }
 
-    /// What holds all along the slave.
+    /// The law along the slave.
     fn pair_law<'a>(
         &self,
         slave: usize,

@@ -23,8 +23,8 @@ pub(crate) struct ChainPiece<'a> {
     pub(crate) zone: &'a ZonePiece,
 }
 
-/// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand. What is
-/// counted off is left out.
+/// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand, without
+/// pieces that are counted off.
 pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec<ChainPiece<'a>>> {
     let links = links(set, terms);
     let next = successors(set, &links);
@@ -49,7 +49,7 @@ pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec
     chains
 }
 
-/// The pieces of one pair, but what is counted off.
+/// The pieces of one pair, without those that are counted off.
 pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
     let segments = [term.slave, term.master];
     term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()).map(move |zone| {

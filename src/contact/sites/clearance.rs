@@ -144,7 +144,7 @@ struct ClearanceSearch<'a> {
     dropped: f64,
 }
 
-/// What became of the neighbour test for a pair of pieces.
+/// Outcome of the neighbour test for a pair of pieces: all, a part or none of it is excluded.
 enum ExcludedPart {
     Yes,
     Partly,

@@ -11,7 +11,7 @@
 //! * *sheared* along the valley of D that crosses it, so that it may be narrowed to a thin strip;
 //! * else halved.
 //!
-//! **What is proved.** Cells are looked at enlarged by β = 1e-9 on all sides, and every bound has its roundings added.
+//! **Proof.** Cells are looked at enlarged by β = 1e-9 on all sides, and every bound has its roundings added.
 //! On a convex cell the mean H̄ of the Hessians between a point p and a stationary point q obeys the cell's bounds, and
 //! ∇D(p) = H̄ (p − q). So (i) there is at most one stationary point, and it is a minimum; (ii) from the slopes at p,
 //! rounding included, follow bounds of its distances from p along u and t; (iii) if p is farther than these from the
@@ -21,7 +21,7 @@
 //! undecided cells are told, each once, and nothing else*. (A minimum within β of the end of a segment is told at that
 //! end.)
 //!
-//! **What stays undecided.** A cell along which D_u is zero to the rounding of the coordinates as given (parallel or
+//! **Undecided cells.** A cell along which D_u is zero to the rounding of the coordinates as given (parallel or
 //! coincident curves): it is *level*, every point of it a minimum as far as f64 can tell. And what is left when
 //! [`CELLS`] × sampling cells have been looked at: parallel curves of unlike speed, minima merging with saddles to
 //! within rounding. Undecided cells that hang together give one minimum, marked `flat`, at the nearest level point
@@ -85,7 +85,7 @@ struct MinimumSearch {
     a: Cubic,
     b: Cubic,
     reach: f64,
-    /// What the rounding of the coordinates as they were given does to slopes.
+    /// Error of slopes from the rounding of the coordinates as they were given.
     noise: f64,
 }
 

@@ -139,7 +139,7 @@ fn owned(strands: &Strands, segment: usize, u: f64, w: &Vec3) -> bool {
     })
 }
 
-/// Fills in what a site tells besides its parameters. `arc(segment, u)` is the arc length from the start of the curve.
+/// The site of a minimum: gap, normal, angle and arc lengths from its parameters. `arc(segment, u)` is the arc length from the start of the curve.
 pub(crate) fn dress(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
     let (i, j, u, v) = (found.i as usize, found.j as usize, found.u, found.v);
     let ((a, da), (b, db)) = (point_and_tangent(strands, i, u), point_and_tangent(strands, j, v));

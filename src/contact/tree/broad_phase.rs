@@ -35,12 +35,10 @@ use crate::contact::curves::input::{CurveShape, Strands};
 use crate::contact::pairs::filter::keep_near;
 use crate::contact::tree::boxes::{Block, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
-use crate::contact::tree::leaves::Leaves;
+use crate::contact::tree::leaves::{Leaves, MIN_LEN};
 use crate::error::InputError;
 use crate::math::{Vec3, parallel};
 
-/// Segments per parallel piece of work.
-const MIN_LEN: usize = 4096;
 /// Leaves or pairs of leaves per task of the search.
 const TASK: usize = 1024;
 /// Finds candidate pairs and keeps them from one call to the next.
@@ -65,7 +63,7 @@ impl std::fmt::Debug for BroadPhase {
     }
 }
 
-/// What the present list was built for.
+/// The curves, radii and reach that the present list was built for.
 #[derive(Default)]
 struct Built {
     points: Vec<Vec3>,
@@ -205,7 +203,7 @@ impl BroadPhase {
     }
 }
 
-/// What the segments of two leaves are compared by.
+/// Everything that the comparison of two leaves needs.
 struct LeafComparison<'a> {
     strands: &'a Strands<'a>,
     exclusion: &'a Exclusion,
@@ -329,7 +327,7 @@ fn radii_of<'a>(strands: &'a Strands) -> impl Iterator<Item = &'a f64> + 'a {
     strands.curves.iter().flat_map(|c| c.radius.list().unwrap_or_default())
 }
 
-/// What [`BroadPhase::candidates`] must contain, by trying all pairs with the capsule bound: those not excluded and
+/// The pairs that [`BroadPhase::candidates`] must contain, by trying all with the capsule bound: those not excluded and
 /// perhaps within radius_i + radius_j + `range`. For tests; O(n²).
 #[doc(hidden)]
 #[must_use]

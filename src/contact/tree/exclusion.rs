@@ -19,7 +19,7 @@ use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::error::SolveError;
 use crate::math::Vec3;
 
-/// What a kept candidate list leaves for the turning to change before it must be rebuilt, rad.
+/// Change of turning that a kept candidate list stands, rad; beyond it the list is rebuilt.
 const SLACK: f64 = 0.25;
 /// Covers the rounding of sums of angles, rad per rad of accumulated turning.
 const ROUNDING: f64 = 1e-12;

@@ -11,7 +11,7 @@ use crate::contact::tree::exclusion::bytes;
 use crate::math::{Vec3, parallel};
 
 /// Segments per parallel piece of work.
-const MIN_LEN: usize = 4096;
+pub(super) const MIN_LEN: usize = 4096;
 /// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders
 /// dislike 1 or 2 leaves).
 const SMALL: usize = 8;
@@ -138,7 +138,7 @@ fn fit(bvh: &mut Bvh, workspace: &mut BvhWorkspace) {
     bvh.refit(workspace);
 }
 
-/// Surface of the inner boxes relative to that of the leaves: what a traversal costs, whatever the unit.
+/// Surface of the inner boxes relative to that of the leaves: the cost of a traversal, in any unit.
 fn looseness(bvh: &Bvh) -> f64 {
     let (mut inner, mut leaves) = (0.0, 0.0);
     bvh.traverse(|node| {

@@ -20,8 +20,8 @@ enum RootOf {
 }
 
 impl SegmentPair<'_> {
-    /// What a potential asks where a branch has come to `t`, what it is followed by, from a guess of the other
-    /// parameter; and how fast the slave's parameter changes with it, less than nothing where it is counted off.
+    /// The projection at parameter `t` of a branch, from a guess of the other parameter; and the rate of the slave's
+    /// parameter with `t`, negative where the branch is counted off.
     pub(in crate::contact) fn project(&self, t: f64, guess: f64, branch: &Branch) -> (Projection, f64) {
         let (u, v, rate) = if branch.kind == FootKind::Fold {
             let u = self.slave_of(t, guess, branch);

@@ -12,22 +12,20 @@
 //! ```
 //!
 //! With φ linear between the feet of the ends, |w|² is of degree six: mostly its coefficients tell that a slave is in
-//! reach all along, or nowhere. What they leave open, folds and open ends is for [`SegmentPair`].
+//! reach all along, or nowhere. Pairs they leave open, folds and open ends are left to [`SegmentPair`].
 
-use super::{Branch, BranchPiece, NARROW, Projection, Sample, SegmentPair, Side, unit};
+use super::{Branch, BranchPiece, NARROW, Projection, ROUNDING, Sample, SegmentPair, Side, unit};
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, product_with_quadratic, roots};
 
 /// Least D_vv over the largest: where it is small, feet move fast and Newton's method converges late.
 const CONVEX: f64 = 0.05;
-/// What joints' common tangents and roundings may differ by from a segment's own, relative.
+/// Relative difference between the common tangent of a joint and a segment's own that rounding may make.
 const SAFE: f64 = 1e-6;
 /// A Newton step of this size leaves an error of its square.
 const LAST_STEP: f64 = 1e-9;
 const MAX_STEPS: usize = 10;
-/// Roundings of squared distances, relative.
-const ROUNDING: f64 = 1e-13;
 /// Feet nearer to an end than this are left to [`SegmentPair`].
 const NEAR_JOINT: f64 = 1e-7;
 
@@ -41,7 +39,7 @@ pub(in crate::contact) struct Facing {
     misses: [bool; 2],
 }
 
-/// A foot and what the master does there.
+/// A foot with the master's first and second derivative.
 struct FootDerivatives {
     v: f64,
     point: Vec3,

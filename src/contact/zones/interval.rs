@@ -172,7 +172,7 @@ fn straight_intervals(
 
 const UNIT: [f64; 2] = [0.0, 1.0];
 
-/// What [`join`] works in, kept from call to call: at 72 bytes a part, fresh memory would cost a quarter of the time.
+/// Buffers of [`join`], kept from call to call: at 72 bytes a part, fresh memory would cost a quarter of the time.
 #[derive(Debug, Default)]
 pub(crate) struct JoinBuffers {
     parts: Vec<Part>,

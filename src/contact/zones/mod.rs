@@ -15,7 +15,7 @@
 //! At an open end of the master the end point itself is the foot on the far side (a spherical cap); the distance to a
 //! curve is C¹ across that change.
 //!
-//! **What is counted.** A slave point x that lies farther than a centre of curvature from the master, or inside a kink,
+//! **Counting.** A slave point x that lies farther than a centre of curvature from the master, or inside a kink,
 //! has farthest points between its nearest ones, and feet appear and vanish in pairs (∂f/∂v = 0: a fold of the
 //! projection). Feet alone would make the potential jump there. So farthest points within reach are counted off: with φ
 //! the potential of a distance,
@@ -52,8 +52,10 @@ pub use piece::{Branch, BranchPiece, FootKind, Sample};
 
 /// Intervals of u narrower than this are rounding.
 const NARROW: f64 = 16.0 * f64::EPSILON;
+/// Bound of the relative rounding of sums of up to twenty products of control points, squared distances among them.
+const ROUNDING: f64 = 1e-13;
 
-/// A slave and a master segment with what their curves do at the master's ends.
+/// A slave and a master segment, and how the master's curve goes on at its ends.
 #[derive(Debug, Clone, Copy)]
 pub struct SegmentPair<'a> {
     /// Slave segment.
@@ -121,14 +123,14 @@ impl Side {
         mix(a, b)
     }
 
-    /// The foot is after this point, which is the start of what is looked at. A foot that rests on a joint belongs to
+    /// The foot is after this point, the start of the part looked at. A foot that rests on a joint belongs to
     /// the segment after it.
     fn passed_start(&self, u: f64) -> bool {
         let f = self.at(u);
         f > 0.0 || self.joined && f == 0.0
     }
 
-    /// The foot is after this point, which is the end of what is looked at.
+    /// The foot is after this point, the end of the part looked at.
     fn passed_end(&self, u: f64) -> bool {
         self.at(u) >= 0.0
     }

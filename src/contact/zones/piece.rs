@@ -1,9 +1,9 @@
-//! What contact zones are made of: branches of the projection, their pieces within reach, points of them.
+//! Parts of contact zones: branches of the projection, their pieces within reach, points of these.
 
 use super::branch::{NUM_SAMPLES, falling_root};
 use crate::math::Vec3;
 
-/// What the foot does along a piece.
+/// Kind of foot along a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FootKind {
     /// Orthogonal projection on the interior of the master curve.
@@ -28,7 +28,7 @@ pub struct Sample {
     pub v: f64,
     /// |a(u) − b(v)| \[L\].
     pub distance: f64,
-    /// What a branch is followed by: v for a fold, otherwise u.
+    /// The parameter that a branch is followed by: v for a fold, otherwise u.
     pub(super) t: f64,
     /// du/dt.
     pub(super) rate: f64,
@@ -38,7 +38,7 @@ pub struct Sample {
     pub(super) curvature: f64,
 }
 
-/// What a contact potential asks at one slave parameter.
+/// Closest-point projection of the slave's point at one parameter on the master.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::contact) struct Projection {
     /// Slave parameter.
@@ -70,7 +70,7 @@ pub struct BranchPiece {
 /// A way for the foot to go along with the slave's point.
 #[derive(Debug, Clone, Copy)]
 pub struct Branch {
-    /// What the foot does.
+    /// Kind of the foot.
     pub kind: FootKind,
     /// 1 for nearest points of the master; −1 for farthest ones between two nearest, which are counted off; of a fold
     /// the sign of ∂f/∂u.
@@ -99,7 +99,7 @@ impl Branch {
 }
 
 impl BranchPiece {
-    /// What the branch is followed by, at its ends, and the other parameter there.
+    /// The parameter that the branch is followed by, at its ends, and the other one there.
     pub(in crate::contact) fn along(&self) -> [[f64; 2]; 2] {
         if self.branch.kind == FootKind::Fold { [self.v, self.u] } else { [self.u, self.v] }
     }

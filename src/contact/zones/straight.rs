@@ -17,7 +17,7 @@ use crate::contact::curves::input::Strands;
 use crate::contact::projection::same_direction;
 use crate::math::Vec3;
 
-/// A straight slave and a straight master, and what the master's curve does at its ends.
+/// A straight slave and a straight master, with the directions of the master's curve beyond its ends.
 pub(in crate::contact) struct Lines {
     d: Vec3,
     e: Vec3,
@@ -171,7 +171,7 @@ impl Lines {
         Sample { u, v: self.foot(u, kind), distance, t: u, rate: 1.0, slope, curvature }
     }
 
-    /// What the potential asks at slave parameter `u`, and the sign it counts with.
+    /// The projection of the slave's point at parameter `u`, and the sign it counts with.
     pub(in crate::contact) fn project(&self, u: f64, branch: &Branch) -> (Projection, f64) {
         let [x, y] = self.connection(branch.kind);
         let w = x + y * u;

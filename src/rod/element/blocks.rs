@@ -3,12 +3,21 @@
 use super::ElementTangent;
 use super::kinematics::inner;
 
+/// Shape functions at one integration point of an element.
+pub(super) struct ShapeAt {
+    /// Values N_a.
+    pub(super) n: [f64; 4],
+    /// Slopes dN_a/ds \[1/L\].
+    pub(super) d: [f64; 4],
+    /// Weight of the point times the element's length \[L\].
+    pub(super) weight: f64,
+    pub(super) num_nodes: usize,
+}
+
+/// Adds a gradient by y = (r', z, z') at a point to those by positions and quaternions of the nodes.
 pub(super) fn add_nodal_gradient<const R: usize, const Z: usize, const N: usize>(
     grad: &[f64; N],
-    n: &[f64; 4],
-    d: &[f64; 4],
-    weight: f64,
-    num_nodes: usize,
+    &ShapeAt { n, d, weight, num_nodes }: &ShapeAt,
     grad_r: &mut [[f64; R]; 4],
     grad_q: &mut [[f64; Z]; 4],
 ) {
@@ -45,14 +54,7 @@ impl<const R: usize, const Z: usize> Default for NodeBlocks<R, Z> {
 impl<const R: usize, const Z: usize> NodeBlocks<R, Z> {
     /// Adds the second derivative by y at a point.
     #[inline]
-    pub(super) fn add<const N: usize>(
-        &mut self,
-        h: &[[f64; N]; N],
-        n: &[f64; 4],
-        d: &[f64; 4],
-        weight: f64,
-        num_nodes: usize,
-    ) {
+    pub(super) fn add<const N: usize>(&mut self, h: &[[f64; N]; N], &ShapeAt { n, d, weight, num_nodes }: &ShapeAt) {
         for a in 0..num_nodes {
             for c in a..num_nodes {
                 let (nn, nd, dn, dd) =

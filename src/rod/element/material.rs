@@ -24,7 +24,7 @@ impl Material<'_> {
     }
 }
 
-/// Products with the material matrix. The diagonal has its own, which is what most rods pay for.
+/// Products with the material matrix. Diagonal matrices have their own: most rods have these.
 pub(super) trait MaterialLaw<const S: usize> {
     /// C ε at integration point `g`.
     fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];

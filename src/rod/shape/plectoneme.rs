@@ -61,7 +61,7 @@ pub struct Plectoneme {
     pub axis: Axis,
 }
 
-/// What a plectoneme is wound about.
+/// Axis of a plectoneme.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Axis {
     /// A straight line; the middle of the plectoneme lies at `center`.

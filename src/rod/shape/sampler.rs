@@ -169,7 +169,7 @@ impl Carry {
         carried * cos + self.to.cross(&carried) * sin
     }
 
-    /// Both in one: the smallest rotation between the outer tangents and what is left of the turn.
+    /// Both in one: the smallest rotation between the outer tangents and the rest of the turn.
     fn then(&self, next: &Self, start: Vec3) -> Self {
         let probe = normal_to(&start, &Vec3::z(), &Vec3::x());
         let rotation = Quat::rotation_between(&start, &next.to).unwrap_or_else(Quat::identity);

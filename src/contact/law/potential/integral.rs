@@ -1,4 +1,4 @@
-//! The integral over pieces of zones: quadrature points, and what each adds to a term.
+//! The integral over pieces of zones: quadrature points, and their contributions to a term.
 
 use super::guess::Interpolation;
 use super::pressure::{PairLaw, without_limit};
@@ -28,8 +28,8 @@ pub(super) struct PairIntegral<'a> {
     pub(super) project: &'a Projector<'a>,
 }
 
-/// The geometry of a branch at the parameter it is followed by, from a guess of the other, and by what the slave's
-/// parameter changes with that: less than nothing where it is counted off.
+/// The projection at a parameter of a branch, from a guess of the other parameter; and the rate of the slave's parameter
+/// with it, negative where the branch is counted off.
 pub(super) type Projector<'a> = dyn Fn(f64, f64, &Branch) -> (Projection, f64) + 'a;
 
 impl PairIntegral<'_> {
@@ -92,9 +92,9 @@ impl PairIntegral<'_> {
 }
 
 impl PairLaw<'_> {
-    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t what it
-    /// is followed by, which returns the other parameter; long pieces are divided so that each part is shorter than the
-    /// contact distance. Guesses are interpolated between the ends of the piece and what was returned.
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t the
+    /// parameter it is followed by. `add` returns the other parameter; long pieces are divided so that each part is shorter than the
+    /// contact distance. Guesses are interpolated between the ends of the piece and the parameters returned.
     fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let [t, other] = piece.along();
         let width = t[1] - t[0];

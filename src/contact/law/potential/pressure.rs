@@ -1,17 +1,17 @@
-//! What decides over pressures: the law, the offsets, and under a law that has just been replaced the one before.
+//! Pressures: the law, the offsets, and the law before where one has just been replaced.
 
 use crate::contact::law::{Law, Response};
 
 /// Offsets c at both ends of a segment (the first, the slave), towards another one \[L\].
 pub type Offsets<'a> = dyn Fn(usize, usize) -> [f64; 2] + Sync + 'a;
 
-/// What decides over pressures.
+/// Law and offsets.
 #[derive(Clone, Copy)]
 pub(crate) struct Pressures<'a> {
     pub(crate) law: Law,
     pub(crate) offset: &'a Offsets<'a>,
-    /// The law that the present pressures come from, if it has just been replaced: they are kept, and linearised is the
-    /// new law about the overlap at which it has the same pressure. A Newton step then moves the strands there.
+    /// The law that the present pressures come from, if it has just been replaced: they are kept, and the new law
+    /// is linearised about the overlap at which its pressure is the same. A Newton step then moves the strands there.
     pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
 }
 
@@ -23,7 +23,7 @@ impl Pressures<'_> {
     }
 }
 
-/// What holds all along the slave of an ordered pair.
+/// The law along the slave of an ordered pair.
 pub(super) struct PairLaw<'a> {
     pub(super) pressures: &'a Pressures<'a>,
     pub(super) contact_distance: f64,

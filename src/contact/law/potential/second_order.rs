@@ -1,7 +1,7 @@
-//! What a finite motion makes of gaps beyond their linear prediction.
+//! Change of gaps in a finite motion beyond its linear prediction.
 //!
 //! Strands that slide sideways by s come apart by s²/2d, and a line of contact turned about its axis opens: by little,
-//! but contact is stiff. What is told is how far the constraint was left, whether contact holds there or not:
+//! but contact is stiff. The result is the distance from the constraint, whether contact holds there or not:
 //! differences of contact forces would say nothing once it is lost, and would push along the strands as their normals
 //! turn. Gaps are compared where the points in contact have gone: along either strand, by as much as the motion slides
 //! them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
@@ -63,8 +63,8 @@ fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
     [difference + sum, difference - sum]
 }
 
-/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`surprise_of_gaps`]: what the stiffness of contact along its normals makes
-/// of a motion.
+/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`second_order_of_gaps`]: the forces that the stiffness of contact along its normals
+/// has against a motion.
 pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }

@@ -15,7 +15,7 @@
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 
-/// What moves the control points of slave and master, 24 numbers in all.
+/// Coordinates that move the control points of slave and master, 24 in all.
 #[derive(Clone, Copy)]
 pub(super) enum Coordinates {
     /// The control points themselves.

@@ -1,4 +1,4 @@
-//! Terms of the contact potential: what a pair of segments in contact gives.
+//! Terms of the contact potential, one for each pair of segments in contact.
 
 use super::stiffness::PairTangent;
 use crate::contact::curves::input::Strands;
@@ -94,7 +94,7 @@ pub(crate) struct QuadraturePoint {
     pub(super) stiffness: f64,
 }
 
-/// What [`evaluate`](super::evaluate) computes.
+/// Choice of the quantities that [`evaluate`](super::evaluate) computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Want {
     /// Energy, gradient, zones.
@@ -103,7 +103,7 @@ pub enum Want {
     Hessian,
 }
 
-/// Where one ordered pair (slave, master) is in contact: what is kept of its term once that is summed.
+/// One ordered pair (slave, master) in contact: zones and points of its term, kept after the term is summed.
 #[derive(Debug, Clone)]
 pub struct ContactPair {
     /// Slave segment.
@@ -133,14 +133,14 @@ pub(crate) struct EndTerm {
     pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
-/// What is computed besides energy and gradient.
+/// Quantities to be computed besides energy and gradient.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Request {
     pub(crate) tangent: bool,
     pub(crate) zones: bool,
 }
 
-/// What one candidate pair does to the control points of both segments.
+/// Energy and forces of one candidate pair on the control points of both segments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairForce {
     /// Energy \[F·L\], both ways round.

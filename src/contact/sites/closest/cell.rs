@@ -1,4 +1,4 @@
-//! A parallelogram of parameters and what is proved of D(u, v) = ½|a(u) − b(v)|² over it.
+//! A parallelogram of parameters, and bounds of D(u, v) = ½|a(u) − b(v)|² over it.
 //!
 //! In the coordinates u and t, v = v₀ + s (u − u₀) + t, the difference w = a − b of the curves is a bicubic polynomial
 //! in Bernstein form, and with it

@@ -8,7 +8,7 @@ use crate::math::Vec3;
 /// Slope (cosine of the angle between tangent and connection) below which a valley counts as level.
 const LEVEL: f64 = 1e-7;
 
-/// What the segments have of a cell.
+/// The part of the square of parameters that a cell covers.
 struct Rectangle {
     u: [f64; 2],
     v: [f64; 2],
