@@ -32,6 +32,7 @@ mod options;
 mod pair_filter;
 pub mod projection;
 mod radius;
+pub mod screened;
 mod site;
 #[doc(hidden)]
 pub mod stages;

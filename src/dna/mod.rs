@@ -3,6 +3,7 @@
 //! Units: length nm, force pN, energy pN·nm, bending and twist stiffness pN·nm². Temperature 298 K. The values are
 //! those of B-DNA in physiological conditions; sources stand beside each.
 
+pub mod salt;
 pub mod sequence;
 
 use crate::error::InputError;

@@ -7,6 +7,7 @@
 //! [`Restart`] takes the same steps, bit for bit, as one that never stopped.
 
 use crate::contact::broad_phase::BroadPhase;
+use crate::contact::screened::Repulsion;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::error::{InputError, SolveError};
@@ -125,6 +126,7 @@ impl Engine {
             side.before = None;
             side.exclusion = Exclusion::new();
             side.broad_phase = BroadPhase::new();
+            side.repulsion.iter_mut().for_each(Repulsion::forget);
         }
         let state = self.state.clone();
         self.update_contact(&state).map(|_| ())

@@ -21,6 +21,7 @@ mod deep_arch;
 mod dna_rings;
 mod elastic_knots;
 mod elastica_branches;
+mod electrostatics;
 mod greenhill;
 mod helical_spring;
 mod ibrahimbegovic_helix;

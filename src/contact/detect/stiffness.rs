@@ -17,7 +17,7 @@ use crate::math::Vec3;
 
 /// What moves the control points of slave and master, 24 numbers in all.
 #[derive(Clone, Copy)]
-pub(super) enum Coordinates {
+pub(in crate::contact) enum Coordinates {
     /// The control points themselves.
     Points,
     /// Displacement and rotation vector of the four ends (slave's start and end, the master's): a handle, from an end
@@ -33,14 +33,14 @@ pub(crate) type Blocks = [[f64; 24]; 24];
 const PENDING: usize = 10;
 
 impl Coordinates {
-    pub(super) fn ends(slave: &Cubic, master: &Cubic) -> Self {
+    pub(in crate::contact) fn ends(slave: &Cubic, master: &Cubic) -> Self {
         let ([a, _, b], [c, _, d]) = (slave.edges(), master.edges());
         Self::Ends([a, -b, c, -d])
     }
 
     /// Forces on the control points as forces on the coordinates.
     #[inline]
-    pub(super) fn pull(&self, forces: &[Vec3; 8]) -> [f64; 24] {
+    pub(in crate::contact) fn pull(&self, forces: &[Vec3; 8]) -> [f64; 24] {
         let mut out = [0.0; 24];
         let mut put = |k: usize, v: &Vec3| out[k..k + 3].copy_from_slice(v.as_slice());
         match self {
@@ -75,7 +75,7 @@ fn points(end: usize) -> (usize, usize) {
 }
 
 /// Sum over the points of one ordered pair.
-pub(super) struct Stiffness {
+pub(in crate::contact) struct Stiffness {
     coordinates: Coordinates,
     sum: Box<Blocks>,
     /// Σ W p/d w_m w_n for m ≤ n.
@@ -86,7 +86,7 @@ pub(super) struct Stiffness {
 }
 
 impl Stiffness {
-    pub(super) fn new(coordinates: Coordinates) -> Self {
+    pub(in crate::contact) fn new(coordinates: Coordinates) -> Self {
         Self {
             coordinates,
             sum: Box::new([[0.0; 24]; 24]),
@@ -98,7 +98,7 @@ impl Stiffness {
     }
 
     /// Adds factor × f fᵀ, f the forces on the control points.
-    pub(super) fn add_product(&mut self, forces: &[Vec3; 8], factor: f64) {
+    pub(in crate::contact) fn add_product(&mut self, forces: &[Vec3; 8], factor: f64) {
         if self.count == PENDING {
             self.flush();
         }
@@ -108,7 +108,7 @@ impl Stiffness {
     }
 
     /// Subtracts factor × the product of Σ w_m δx_m with itself.
-    pub(super) fn subtract_spread(&mut self, w: &[f64; 8], factor: f64) {
+    pub(in crate::contact) fn subtract_spread(&mut self, w: &[f64; 8], factor: f64) {
         let w = self.coordinates.weights(w);
         for m in 0..8 {
             let scaled = factor * w[m];
@@ -145,7 +145,7 @@ impl Stiffness {
     }
 
     /// The sum; `gradient` is that of the potential by the control points, which turning handles curve.
-    pub(super) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<Blocks> {
+    pub(in crate::contact) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<Blocks> {
         self.flush();
         match self.coordinates {
             Coordinates::Points => {

@@ -11,7 +11,7 @@ use crate::rod::{Along, CrossSection, Natural, Rod, Section, Stiffness, check_st
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use crate::scene::{read_natural, read_stiffness};
 
-use super::dna::Dna;
+use super::dna::{Dna, electrostatics};
 use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, SequenceText, ShapeText, StageText,
@@ -52,7 +52,8 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         rods.push(rod(text, rod_text, base_dir, nodes)?);
     }
     let contact = contact(&text.contact, text.fidelity, &rods)?;
-    let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
+    let electrostatics = text.contact.electrostatics.map(electrostatics).transpose()?;
+    let mut model = Model { rods, contact, electrostatics, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
         let field = format!("supports[{i}]");
         let (position, rotation) = (support.position.0, support.rotation.0);
@@ -162,7 +163,8 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
     let inside = |error| within(&path, error);
-    let dna = text.dna.as_ref().map(Dna::new).transpose().map_err(inside)?;
+    let charged = scene.contact.electrostatics.is_some();
+    let dna = text.dna.as_ref().map(|text| Dna::new(text, charged)).transpose().map_err(inside)?;
     let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose().map_err(inside)?;
     let by_sequence = helix.as_ref().map(|helix| helix.stiffness.clone());
     let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
