@@ -4,7 +4,6 @@
 //! survives), `record` (all that a run leaves behind), `run` (a scene from start to files), `export` (the base pairs of
 //! a run).
 
-pub mod base_pairs;
 #[cfg(feature = "runs")]
 pub mod checkpoint;
 #[cfg(feature = "tables")]

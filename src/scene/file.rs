@@ -2,6 +2,7 @@
 
 mod build;
 mod dna;
+mod frames;
 mod help;
 mod memory;
 mod mesh;

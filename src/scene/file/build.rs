@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::dna::bound::Bound;
 use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
@@ -17,7 +18,7 @@ use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, SequenceText, ShapeText, StageText,
 };
 use super::values::{At, List, Names, NaturalText};
-use super::{memory, mesh, poses, state};
+use super::{frames, memory, mesh, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -166,6 +167,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let charged = scene.contact.electrostatics.is_some();
     let dna = text.dna.as_ref().map(|text| Dna::new(text, charged)).transpose().map_err(inside)?;
     let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose().map_err(inside)?;
+    let helix_length = helix.as_ref().map(|helix| helix.length);
     let by_sequence = helix.as_ref().map(|helix| helix.stiffness.clone());
     let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
@@ -187,6 +189,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let mut rod = if let ShapeText::State { file, rod } = &text.shape {
         text.elements.map_or(Ok(()), check_memory)?;
         state::rod(text, &base_dir.join(file), *rod, section, natural)?
+    } else if let ShapeText::Frames { file } = &text.shape {
+        text.elements.map_or(Ok(()), check_memory)?;
+        let length = helix_length.or(dna.map(|dna| dna.length));
+        frames::rod(text, &base_dir.join(file), length, section, natural)?
     } else {
         let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
         let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
@@ -334,7 +340,8 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
             return Err(InputError::Name { field: "sequence.steps".to_owned(), name: name.to_owned(), allowed });
         }
     };
-    sequence.helix(&steps, closed)
+    let proteins = text.proteins.as_ref().map(|file| Bound::read(&base_dir.join(file))).transpose()?;
+    sequence.helix_with(&steps, closed, &proteins.unwrap_or_default())
 }
 
 /// The full stiffness, where a table or a matrix is given.

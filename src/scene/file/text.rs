@@ -102,6 +102,7 @@ pub(super) struct SequenceText {
     pub fasta: Option<PathBuf>,
     pub letters: Option<String>,
     pub steps: String,
+    pub proteins: Option<PathBuf>,
 }
 
 fn half() -> f64 {
@@ -166,6 +167,9 @@ pub(super) enum ShapeText {
         every: usize,
         #[serde(default = "unit_scale")]
         scale: f64,
+    },
+    Frames {
+        file: PathBuf,
     },
     State {
         file: PathBuf,
