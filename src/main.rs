@@ -14,8 +14,8 @@ use std::time::Duration;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use supercoil::InputError;
-use supercoil::dna::sequence::Sequence;
 use supercoil::dna::base_pairs::BasePairs;
+use supercoil::dna::sequence::Sequence;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::base_pairs;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
@@ -315,8 +315,11 @@ fn export(what: &Export) -> Result<u8, InputError> {
     what.par.iter().try_for_each(|path| write(path.clone(), pairs.par().as_bytes()))?;
     what.ref_frames.iter().try_for_each(|path| write(path.clone(), pairs.ref_frames().as_bytes()))?;
     what.npy.iter().try_for_each(|path| write(path.clone(), &pairs.npy()))?;
-    let files =
-        if written.is_empty() { "nothing: give --oxdna, --xyz, --npy, --par, --ref-frames, --vect or --pdb".to_owned() } else { written.join(", ") };
+    let files = if written.is_empty() {
+        "nothing: give --oxdna, --xyz, --npy, --par, --ref-frames, --vect or --pdb".to_owned()
+    } else {
+        written.join(", ")
+    };
     say(format_args!("{} base pairs to {files}", pairs.positions.len()));
     Ok(CONVERGED)
 }

@@ -141,7 +141,9 @@ mod tests {
             let (turn, parts) = (strain.fixed_rows::<3>(3).into_owned() * spacing, 4000);
             for part in 0..parts {
                 let part = (f64::from(part) + 0.5) / f64::from(parts);
-                place += frame * (Quat::from_scaled_axis(turn * part) * strain.fixed_rows::<3>(0)) * (spacing / f64::from(parts));
+                place += frame
+                    * (Quat::from_scaled_axis(turn * part) * strain.fixed_rows::<3>(0))
+                    * (spacing / f64::from(parts));
             }
             frame *= Quat::from_scaled_axis(turn);
         }
@@ -152,9 +154,12 @@ mod tests {
     fn proteins_hold_steps_and_blocks() {
         let sequence = Sequence::parse("ACGTTGCAATCCGGATTACAACGT").unwrap();
         let steps = Steps::protein_dna_1998().unwrap();
-        let text = format!("{HEAD}frozen, 1, 4, 0, 0, 0, 0, 0, 0\nsteps, 4, 7, 0, 20, 30, 0, 1, 3.4\nblock, 9, 18, 10, 70, -50, 4, -8, 25\n");
+        let text = format!(
+            "{HEAD}frozen, 1, 4, 0, 0, 0, 0, 0, 0\nsteps, 4, 7, 0, 20, 30, 0, 1, 3.4\nblock, 9, 18, 10, 70, -50, 4, -8, 25\n"
+        );
         let bound = Bound::parse(&text).unwrap();
-        let (free, held) = (sequence.helix(&steps, false).unwrap(), sequence.helix_with(&steps, false, &bound).unwrap());
+        let (free, held) =
+            (sequence.helix(&steps, false).unwrap(), sequence.helix_with(&steps, false, &bound).unwrap());
         let spacing = held.length / 23.0;
         let all = walk(|s| held.natural.at(s), spacing, 24);
         let between = |a: usize, b: usize| {

@@ -117,7 +117,8 @@ pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Resul
                 .map(|name| format!("{name}{suffix}")),
         );
     }
-    let rest = ["stretch", "shear", "bend", "twist_energy", "contact", "electrostatic", "total", "min_gap", "num_sites"];
+    let rest =
+        ["stretch", "shear", "bend", "twist_energy", "contact", "electrostatic", "total", "min_gap", "num_sites"];
     header.extend(rest.map(str::to_owned));
     header.extend(["total_contact_force", "num_unstable", "energy_released", "iterations"].map(str::to_owned));
     header.extend(["iterations_elsewhere", "seconds", "status"].map(str::to_owned));

@@ -4,9 +4,9 @@ mod formats;
 
 use std::path::Path;
 
+use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::dna::base_pairs::BasePairs;
 use crate::text::{finite, read_regular, read_regular_bytes, split};
 
 /// Which points of a file make a centreline.
@@ -61,7 +61,8 @@ pub fn read_points_with(path: &Path, import: &Import) -> Result<Vec<Vec3>, Input
     InputError::positive("scale", import.scale)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
-    let thinned = |points: Vec<Vec3>| points.into_iter().step_by(import.every).map(|point| point * import.scale).collect();
+    let thinned =
+        |points: Vec<Vec3>| points.into_iter().step_by(import.every).map(|point| point * import.scale).collect();
     if extension == "npy" {
         return formats::npy(&read_regular_bytes(path)?).map(thinned).map_err(refuse);
     }
@@ -83,7 +84,9 @@ pub fn read_points_with(path: &Path, import: &Import) -> Result<Vec<Vec3>, Input
 
 /// An oxDNA configuration begins with time, box and energies.
 fn is_oxdna(text: &str) -> bool {
-    let begins = |line: Option<&str>, name: char| line.is_some_and(|line| line.trim_start().starts_with(name) && line.contains('='));
+    let begins = |line: Option<&str>, name: char| {
+        line.is_some_and(|line| line.trim_start().starts_with(name) && line.contains('='))
+    };
     let mut lines = text.lines();
     begins(lines.next(), 't') && begins(lines.next(), 'b') && begins(lines.next(), 'E')
 }

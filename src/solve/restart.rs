@@ -7,9 +7,9 @@
 //! [`Restart`] takes the same steps, bit for bit, as one that never stopped.
 
 use crate::contact::broad_phase::BroadPhase;
-use crate::contact::screened::Repulsion;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
+use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;

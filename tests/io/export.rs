@@ -78,18 +78,20 @@ fn what_is_exported_starts_another_run() {
         let apart = (back.positions[36] - back.positions[0]).norm();
         assert!((apart - 114.24 / std::f64::consts::PI).abs() < 1e-3, "{file}: {apart}");
         // the double helix, a node a base pair
-        let helix = start(
-            &format!("kind = \"frames\", file = \"{file}\""),
-            "natural = { curvature = [0, 0], twist = 1.76 }",
-        );
+        let helix =
+            start(&format!("kind = \"frames\", file = \"{file}\""), "natural = { curvature = [0, 0], twist = 1.76 }");
         assert!((helix.start_excess_link + helix.natural_link() - 30.0).abs() < 1e-9, "{file}");
     }
     BasePairs::write(&dir.join("ring.vect"), pairs.vect()).unwrap();
     BasePairs::write(&dir.join("ring.pdb"), pairs.pdb().unwrap()).unwrap();
     BasePairs::write(&dir.join("ring.xyz"), pairs.xyz()).unwrap();
-    for (file, scale, places) in
-        [("ring.vect", 1.0, 1e-12), ("ring.xyz", 1.0, 1e-12), ("ring.pdb", 0.1, 1e-4), ("ring.npy", 1.0, 1e-12), ("ring.dat", 1.0, 1e-12)]
-    {
+    for (file, scale, places) in [
+        ("ring.vect", 1.0, 1e-12),
+        ("ring.xyz", 1.0, 1e-12),
+        ("ring.pdb", 0.1, 1e-4),
+        ("ring.npy", 1.0, 1e-12),
+        ("ring.dat", 1.0, 1e-12),
+    ] {
         let import = Import { scale, ..Import::default() };
         let points = read_points_with(&dir.join(file), &import).unwrap();
         assert_eq!(points.len(), 336);

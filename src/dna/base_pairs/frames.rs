@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use super::BasePairs;
 use crate::dna::pose::{parameters, pose};
-use crate::text::npy::Array;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::text::finite;
+use crate::text::npy::Array;
 
 pub(super) use crate::text::npy::MAGIC;
 
@@ -62,7 +62,12 @@ impl BasePairs {
         let mut text = format!("{:>5} base-pairs\n", self.positions.len());
         for (k, (r, q)) in self.positions.iter().zip(&self.frames).enumerate() {
             let _ = writeln!(text, "... {:>5} base pair", k + 1);
-            let rows = [(r * ANGSTROMS, "origin"), (q * Vec3::x(), "x-axis"), (q * Vec3::y(), "y-axis"), (q * Vec3::z(), "z-axis")];
+            let rows = [
+                (r * ANGSTROMS, "origin"),
+                (q * Vec3::x(), "x-axis"),
+                (q * Vec3::y(), "y-axis"),
+                (q * Vec3::z(), "z-axis"),
+            ];
             for (v, name) in rows {
                 let _ = writeln!(text, "{:>22.15} {:>22.15} {:>22.15}  # {name}", v.x, v.y, v.z);
             }
@@ -83,7 +88,9 @@ impl BasePairs {
                 continue;
             }
             let cells = numbers(content).map_err(|reason| format!("line {number}: {reason}"))?;
-            let [x, y, z] = cells[..] else { return Err(format!("line {number}: three numbers expected, found {}", cells.len())) };
+            let [x, y, z] = cells[..] else {
+                return Err(format!("line {number}: three numbers expected, found {}", cells.len()));
+            };
             rows.push((number, Vec3::new(x, y, z)));
         }
         if rows.is_empty() || !rows.len().is_multiple_of(4) {
@@ -102,7 +109,10 @@ impl BasePairs {
     /// closed the step from the last to the first, which follows from the others.
     #[must_use]
     pub fn par(&self) -> String {
-        let mut text = format!("{:>5} # base-pairs\n    0 # ***local base-pair & step parameters***\n#       ", self.positions.len());
+        let mut text = format!(
+            "{:>5} # base-pairs\n    0 # ***local base-pair & step parameters***\n#       ",
+            self.positions.len()
+        );
         PAIR.iter().chain(&STEP).for_each(|name| text.push_str(&format!("{name:>19}")));
         for k in 0..self.positions.len() {
             let [tilt, roll, twist, shift, slide, rise] = if k == 0 { [0.0; 6] } else { self.step(k - 1) };
@@ -128,7 +138,8 @@ impl BasePairs {
     /// The line of what is none.
     pub fn from_par(text: &str, closed: bool) -> Result<Self, String> {
         let mut lines = (1..).zip(text.lines()).skip(2);
-        let (head, names) = lines.next().ok_or_else(|| "ends where the names of the columns are expected".to_owned())?;
+        let (head, names) =
+            lines.next().ok_or_else(|| "ends where the names of the columns are expected".to_owned())?;
         let names: Vec<&str> = names.trim_start_matches('#').split_whitespace().collect();
         let column = |name: &str| {
             let found = names.iter().position(|here| here.eq_ignore_ascii_case(name));

@@ -107,4 +107,3 @@ fn complement(base: char) -> char {
         _ => 'A',
     }
 }
-

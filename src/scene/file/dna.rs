@@ -1,9 +1,9 @@
 //! DNA in the words of those who work with it: base pairs, salt, supercoiling density.
 
+use crate::dna::salt::debye_length_nm;
 use crate::dna::{self, BENDING_PERSISTENCE, HELICAL_REPEAT, RISE, STRETCH_MODULUS, TWIST_PERSISTENCE_LOW};
 use crate::error::InputError;
 use crate::rod::Section;
-use crate::dna::salt::debye_length_nm;
 use crate::scene::{Electrostatics, Units};
 
 use super::build::inconsistent;
@@ -72,11 +72,17 @@ pub(super) fn electrostatics(text: ElectrostaticsText) -> Result<Electrostatics,
     const FIELD: &str = "contact.electrostatics";
     match (text.salt, text.strength, text.debye_length) {
         (Some(salt), None, None) => {
-            let salt = molar(&format!("{FIELD}.salt_mM"), salt, "between 10 and 1000 mmol/l (or give strength and debye_length)")?;
+            let salt = molar(
+                &format!("{FIELD}.salt_mM"),
+                salt,
+                "between 10 and 1000 mmol/l (or give strength and debye_length)",
+            )?;
             let strength = text.charge.unwrap_or_default().strength(salt)?;
             Ok(Electrostatics { strength, debye_length: debye_length_nm(salt)? })
         }
-        (None, Some(strength), Some(debye_length)) if text.charge.is_none() => Ok(Electrostatics { strength, debye_length }),
+        (None, Some(strength), Some(debye_length)) if text.charge.is_none() => {
+            Ok(Electrostatics { strength, debye_length })
+        }
         _ => Err(inconsistent(FIELD.to_owned(), "give salt_mM (and charge), or strength and debye_length")),
     }
 }
@@ -112,7 +118,8 @@ pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
     if dna && !text.units.are_molecular() {
         return Err(needs("rods.dna", "dna"));
     }
-    if text.contact.electrostatics.is_some_and(|charges| charges.salt.is_some()) && !text.units.are_molecular() && !dna {
+    if text.contact.electrostatics.is_some_and(|charges| charges.salt.is_some()) && !text.units.are_molecular() && !dna
+    {
         return Err(needs("contact.electrostatics.salt_mM", "salt"));
     }
     if let Some(temperature) = text.temperature {

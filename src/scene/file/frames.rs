@@ -45,8 +45,7 @@ pub(super) fn rod(
         from(text.order, positions, frames)?
     } else {
         let fine = from(1, positions, frames)?;
-        let (positions, frames) =
-            fine.resampled(wanted.unwrap_or(segments)).map_err(|error| within(&field, error))?;
+        let (positions, frames) = fine.resampled(wanted.unwrap_or(segments)).map_err(|error| within(&field, error))?;
         from(text.order, positions, frames)?
     };
     if !text.closed {
