@@ -25,12 +25,13 @@
 
 use super::broad_phase::BroadPhase;
 use super::curve::CurveSet;
+use super::detect::Hessian;
 use super::detect::stiffness::{Blocks, Coordinates, Stiffness};
 use super::exclusion::Exclusion;
 use super::input::Strands;
 use crate::error::InputError;
 use crate::math::quadrature::gauss;
-use crate::math::{Vec3, parallel};
+use crate::math::{Mat3, Vec3, parallel};
 
 /// Debye lengths from which strands do not feel each other …
 pub const RANGE: f64 = 10.0;
@@ -97,8 +98,7 @@ fn smooth_step(t: f64) -> [f64; 3] {
     [t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * left * left, 60.0 * t * left * (1.0 - 2.0 * t)]
 }
 
-/// Gauss points of the segments of one curve: parameter, weight × reference length \[L\], shape functions of the control
-/// points.
+/// A Gauss point of the segments of a curve: parameter, weight × reference length \[L\], shape functions of the control points.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     u: f64,
@@ -181,43 +181,37 @@ impl Repulsion {
         let range = RANGE * self.law.debye_length;
         let origin = set.segments[i].b[0];
         let (a, b) = (set.segments[i].relative_to(&origin), set.segments[j].relative_to(&origin));
-        let coordinates = Coordinates::ends(&a, &b);
-        let mut stiffness = tangent.then(|| Stiffness::new(coordinates));
-        let (mut energy, mut gradient, mut felt) = (0.0, [Vec3::zeros(); 8], false);
+        let mut sum = Sum { energy: 0.0, gradient: [Vec3::zeros(); 8], hessian: tangent.then(Default::default) };
+        let mut felt = false;
         for p in &self.points[set.curve_of(i)] {
             let x = a.point(p.u);
+            let mut here = Here::default();
             for q in &self.points[set.curve_of(j)] {
                 let Some((weight, straight)) = self.weight(set, [i, j], [p.u, q.u]) else { continue };
                 let weight = weight * p.weight * q.weight;
-                energy -= weight * straight;
-                let between = x - b.point(q.u);
-                let r_sq = between.norm_squared();
+                sum.energy -= weight * straight;
                 felt |= straight != 0.0;
-                if r_sq >= range * range {
-                    continue;
-                }
-                felt = true;
-                let r = r_sq.sqrt();
-                let law = self.law.at(r);
-                energy += weight * law.energy;
-                // points that coincide have no direction: their energy is infinite, and a search turns back
-                let normal = between / r;
-                let both: [f64; 8] = std::array::from_fn(|m| if m < 4 { p.shape[m] } else { -q.shape[m - 4] });
-                for (sum, n) in gradient.iter_mut().zip(&both) {
-                    *sum += normal * (weight * law.slope * n);
-                }
-                if let Some(stiffness) = &mut stiffness {
-                    let sideways = law.slope / r;
-                    stiffness.add_product(&both.map(|n| normal * n), weight * (law.curvature - sideways));
-                    stiffness.subtract_spread(&both, -weight * sideways);
+                let between = x - b.point(q.u);
+                if between.norm_squared() < range * range {
+                    felt = true;
+                    sum.add(&self.law, &between, weight, q, &mut here);
                 }
             }
+            sum.close(p, &here);
         }
-        felt.then(|| Term {
-            segments: [i, j],
-            energy,
-            gradient: coordinates.pull(&gradient),
-            tangent: stiffness.map(|sum| sum.finish(&gradient)),
+        felt.then(|| {
+            let coordinates = Coordinates::ends(&a, &b);
+            let blocks = |hessian: Box<Hessian>| {
+                let mut stiffness = Stiffness::new(coordinates);
+                stiffness.add_hessian(&hessian);
+                stiffness.finish(&sum.gradient)
+            };
+            Term {
+                segments: [i, j],
+                energy: sum.energy,
+                gradient: coordinates.pull(&sum.gradient),
+                tangent: sum.hessian.map(blocks),
+            }
         })
     }
 
@@ -231,6 +225,56 @@ impl Repulsion {
         let arc = set.period(curve).map_or(straight, |period| straight.min(period - straight));
         let [start, end] = self.neighbours[curve];
         (arc > start).then(|| (smooth_step((arc - start) / (end - start))[0], self.law.at(arc).energy))
+    }
+}
+
+/// What the points of a pair of segments add, by the control points.
+struct Sum {
+    energy: f64,
+    gradient: [Vec3; 8],
+    hessian: Option<Box<Hessian>>,
+}
+
+/// Sums over the points of j for one point of i: of the pushes on it, of second derivatives, and of these with the shape
+/// functions of j.
+#[derive(Default)]
+struct Here {
+    push: Vec3,
+    second: Mat3,
+    mixed: [Mat3; 4],
+}
+
+impl Sum {
+    /// Adds a pair of points: `between` from the point q of j to that of i.
+    fn add(&mut self, law: &Screened, between: &Vec3, weight: f64, q: &Point, here: &mut Here) {
+        let r = between.norm();
+        let law = law.at(r);
+        self.energy += weight * law.energy;
+        // points that coincide have no direction: their energy is infinite, and a search turns back
+        let normal = between / r;
+        let push = normal * (weight * law.slope);
+        here.push += push;
+        (0..4).for_each(|n| self.gradient[4 + n] -= push * q.shape[n]);
+        let Some(hessian) = &mut self.hessian else { return };
+        let sideways = weight * law.slope / r;
+        let second =
+            normal * normal.transpose() * (weight * law.curvature - sideways) + Mat3::from_diagonal_element(sideways);
+        here.second += second;
+        for n in 0..4 {
+            let part = second * q.shape[n];
+            here.mixed[n] += part;
+            (n..4).for_each(|k| hessian[4 + n][4 + k] += part * q.shape[k]);
+        }
+    }
+
+    /// Adds the sums for the point p of i.
+    fn close(&mut self, p: &Point, here: &Here) {
+        (0..4).for_each(|m| self.gradient[m] += here.push * p.shape[m]);
+        let Some(hessian) = &mut self.hessian else { return };
+        for m in 0..4 {
+            (m..4).for_each(|k| hessian[m][k] += here.second * (p.shape[m] * p.shape[k]));
+            (0..4).for_each(|n| hessian[m][4 + n] -= here.mixed[n] * p.shape[m]);
+        }
     }
 }
 

@@ -12,8 +12,9 @@
 //! of the map δx ↦ control points, so two vectors of 24 are all that a point adds; the last term is summed over w only
 //! and put in place at the end.
 
+use super::Hessian;
 use crate::contact::curve::Cubic;
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 
 /// What moves the control points of slave and master, 24 numbers in all.
 #[derive(Clone, Copy)]
@@ -114,6 +115,32 @@ impl Stiffness {
             let scaled = factor * w[m];
             for n in 0..8 {
                 self.spread[m][n] += scaled * w[n];
+            }
+        }
+    }
+
+    /// Adds a second derivative by the control points: blocks m ≤ n, each symmetric.
+    pub(in crate::contact) fn add_hessian(&mut self, hessian: &Hessian) {
+        let block = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m] };
+        let mut add = |row: usize, col: usize, part: &Mat3| {
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                self.sum[row + i][col + j] += part[(i, j)];
+            }
+        };
+        match self.coordinates {
+            Coordinates::Points => {
+                (0..8).flat_map(|m| (m..8).map(move |n| (m, n))).for_each(|(m, n)| add(3 * m, 3 * n, &block(m, n)));
+            }
+            Coordinates::Ends(handles) => {
+                for (p, q) in (0..4).flat_map(|p| (p..4).map(move |q| (p, q))) {
+                    let ((own, held), (own_q, held_q)) = (points(p), points(q));
+                    let (right, left, both) = (block(own, held_q), block(held, own_q), block(held, held_q));
+                    let (turn_p, turn_q) = (handles[p].cross_matrix(), handles[q].cross_matrix());
+                    add(6 * p, 6 * q, &(block(own, own_q) + right + left + both));
+                    add(6 * p, 6 * q + 3, &-((right + both) * turn_q));
+                    add(6 * p + 3, 6 * q, &(turn_p * (left + both)));
+                    add(6 * p + 3, 6 * q + 3, &-(turn_p * both * turn_q));
+                }
             }
         }
     }
