@@ -14,8 +14,8 @@ use std::time::Duration;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use supercoil::InputError;
+use supercoil::dna::base_pairs::BasePairs;
 use supercoil::dna::sequence::Sequence;
-use supercoil::io::base_pairs::BasePairs;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::base_pairs;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
@@ -140,6 +140,18 @@ struct Export {
     /// XYZ, one point a base pair, nm: a centreline for tacoxDNA.
     #[arg(long, value_name = "FILE")]
     xyz: Option<PathBuf>,
+    /// Geomview's VECT, one point a base pair, nm.
+    #[arg(long, value_name = "FILE")]
+    vect: Option<PathBuf>,
+    /// PDB, an atom P on the axis a base pair, Å.
+    #[arg(long, value_name = "FILE")]
+    pdb: Option<PathBuf>,
+    /// Step parameters as 3DNA's bp_step.par.
+    #[arg(long, value_name = "FILE")]
+    par: Option<PathBuf>,
+    /// Frames as 3DNA's ref_frames.dat, Å.
+    #[arg(long, value_name = "FILE")]
+    ref_frames: Option<PathBuf>,
     /// NumPy array of base-pair frames, shape (pairs, 4, 3), nm, as mdna reads them.
     #[arg(long, value_name = "FILE")]
     npy: Option<PathBuf>,
@@ -295,9 +307,19 @@ fn export(what: &Export) -> Result<u8, InputError> {
         write(named("dat"), pairs.oxdna_configuration().as_bytes())?;
     }
     what.xyz.iter().try_for_each(|path| write(path.clone(), pairs.xyz().as_bytes()))?;
+    what.vect.iter().try_for_each(|path| write(path.clone(), pairs.vect().as_bytes()))?;
+    if let Some(path) = &what.pdb {
+        let refuse = |reason: String| InputError::Inconsistent { field: path.display().to_string(), reason };
+        write(path.clone(), pairs.pdb().map_err(refuse)?.as_bytes())?;
+    }
+    what.par.iter().try_for_each(|path| write(path.clone(), pairs.par().as_bytes()))?;
+    what.ref_frames.iter().try_for_each(|path| write(path.clone(), pairs.ref_frames().as_bytes()))?;
     what.npy.iter().try_for_each(|path| write(path.clone(), &pairs.npy()))?;
-    let files =
-        if written.is_empty() { "nothing: give --oxdna, --xyz or --npy".to_owned() } else { written.join(", ") };
+    let files = if written.is_empty() {
+        "nothing: give --oxdna, --xyz, --npy, --par, --ref-frames, --vect or --pdb".to_owned()
+    } else {
+        written.join(", ")
+    };
     say(format_args!("{} base pairs to {files}", pairs.positions.len()));
     Ok(CONVERGED)
 }

@@ -1,5 +1,7 @@
 //! Text that somebody names: files of moderate size, tables of numbers with named columns.
 
+pub(crate) mod npy;
+
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -23,12 +25,30 @@ pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
 
 /// The text of a regular file.
 pub(crate) fn read_regular(path: &Path) -> Result<String, InputError> {
+    check_regular(path)?;
+    read_text(path)
+}
+
+/// The bytes of a regular file.
+pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+    check_regular(path)?;
+    let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+    let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(refuse(format!("holds more than {} MiB", MOST_BYTES >> 20)));
+    }
+    Ok(bytes)
+}
+
+fn check_regular(path: &Path) -> Result<(), InputError> {
     // before it is opened: opening a pipe that nobody writes to never ends
     if path.metadata().is_ok_and(|found| !found.is_file()) {
         let reason = "is no regular file: only those are read".to_owned();
         return Err(InputError::File { path: path.to_owned(), reason });
     }
-    read_text(path)
+    Ok(())
 }
 
 /// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.

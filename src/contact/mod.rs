@@ -18,6 +18,7 @@ pub(crate) mod law;
 mod options;
 mod pairs;
 pub(crate) mod projection;
+pub mod screened;
 mod sites;
 pub(crate) mod steps;
 mod tree;

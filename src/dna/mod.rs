@@ -3,6 +3,10 @@
 //! Units: length nm, force pN, energy pN·nm, bending and twist stiffness pN·nm². Temperature 298 K. The values are
 //! those of B-DNA in physiological conditions; sources stand beside each.
 
+pub mod base_pairs;
+pub mod bound;
+pub(crate) mod pose;
+pub mod salt;
 pub mod sequence;
 
 use crate::error::InputError;

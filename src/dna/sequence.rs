@@ -17,18 +17,18 @@
 use std::path::Path;
 
 use crate::dna::THERMAL_ENERGY;
+use crate::dna::bound::Bound;
+use crate::dna::pose::{ANGSTROM, pose, strains};
 use crate::error::InputError;
-use crate::math::{Mat3, Quat, Vec3};
+use crate::math::{Quat, Vec3};
 use crate::rod::{Along, NaturalStrains, Stiffness, check_stiffness};
 use crate::text::{Table, read_regular};
 
 /// Names of the parameters, in their order.
-const PARAMETERS: [&str; 6] = ["tilt", "roll", "twist", "shift", "slide", "rise"];
+pub(super) const PARAMETERS: [&str; 6] = ["tilt", "roll", "twist", "shift", "slide", "rise"];
 const BASES: [char; 4] = ['A', 'C', 'G', 'T'];
 /// Parameters that change their sign when a step is read along the other strand: tilt and shift.
 const SIGNS: [f64; 6] = [-1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
-/// Length unit of the translations in nm.
-const ANGSTROM: f64 = 0.1;
 
 /// Means and force constants of one step, in the order tilt, roll, twist, shift, slide, rise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,31 +52,7 @@ impl Step {
     /// Rotation and displacement (nm) from one base pair to the next, in the frame of the first.
     #[must_use]
     pub fn pose(&self) -> (Quat, Vec3) {
-        let [tilt, roll, twist] = [0, 1, 2].map(|i| self.mean[i].to_radians());
-        let (bend, phase) = (roll.hypot(tilt), tilt.atan2(roll));
-        let about = |axis: Vec3, angle: f64| Quat::from_scaled_axis(axis * angle);
-        let (first, hinge) = (about(Vec3::z(), 0.5 * twist - phase), about(Vec3::y(), 0.5 * bend));
-        let middle = first * hinge * about(Vec3::z(), phase);
-        let turn = first * hinge * hinge * about(Vec3::z(), 0.5 * twist + phase);
-        (turn, middle * Vec3::new(self.mean[3], self.mean[4], self.mean[5]) * ANGSTROM)
-    }
-
-    /// Strains that are constant over a length `spacing` (nm) and lead from one base pair to the next.
-    fn natural(&self, spacing: f64) -> NaturalStrains {
-        let (turn, shift) = self.pose();
-        let rotation = turn.scaled_axis();
-        let (angle, cross) = (rotation.norm(), rotation.cross_matrix());
-        // mean of exp(u θ×) over u from 0 to 1
-        let mean = if angle < 1e-4 {
-            Mat3::identity() + cross * 0.5 + cross * cross / 6.0
-        } else {
-            let (sin, cos) = angle.sin_cos();
-            Mat3::identity() + cross * ((1.0 - cos) / angle.powi(2)) + cross * cross * ((angle - sin) / angle.powi(3))
-        };
-        // a rotation of less than a turn leaves the mean invertible
-        let along = mean.try_inverse().map_or(shift, |inverse| inverse * shift) / spacing;
-        let kappa = rotation / spacing;
-        [along.x, along.y, along.z, kappa.x, kappa.y, kappa.z].into()
+        pose(&self.mean)
     }
 
     /// Stiffness of the rod, pN and nm.
@@ -265,13 +241,22 @@ impl Sequence {
     /// # Errors
     /// None with a table that was read here.
     pub fn helix(&self, steps: &Steps, closed: bool) -> Result<Helix, InputError> {
+        self.helix_with(steps, closed, &Bound::default())
+    }
+
+    /// [`Sequence::helix`] with proteins on it.
+    ///
+    /// # Errors
+    /// Proteins beyond the last base pair.
+    pub fn helix_with(&self, steps: &Steps, closed: bool, proteins: &Bound) -> Result<Helix, InputError> {
         let count = self.steps(steps, closed).count();
         let rise: f64 = self.steps(steps, closed).map(|step| step.mean[5]).sum();
         let length = rise * ANGSTROM;
         let spacing = length / count as f64;
         let ends: Vec<f64> = (1..=count).map(|k| length * (k as f64 / count as f64)).collect();
-        let natural: Vec<_> = self.steps(steps, closed).map(|step| step.natural(spacing)).collect();
-        let stiffness = self.steps(steps, closed).map(|step| step.section(spacing)).collect();
+        let mut natural: Vec<_> = self.steps(steps, closed).map(|step| strains(&step.mean, spacing)).collect();
+        let mut stiffness: Vec<_> = self.steps(steps, closed).map(|step| step.section(spacing)).collect();
+        proteins.hold((&mut natural, &mut stiffness), spacing, self.0.len())?;
         let turns = natural.iter().map(|strains| strains[5]).sum::<f64>() * spacing / std::f64::consts::TAU;
         let (natural, stiffness) = (Along::pieces(ends.clone(), natural)?, Along::pieces(ends, stiffness)?);
         Ok(Helix { natural, stiffness, length, turns })

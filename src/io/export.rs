@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::dna::RISE;
+use crate::dna::base_pairs::{BasePairs, Nodes};
 use crate::error::InputError;
-use crate::io::base_pairs::{BasePairs, Nodes};
 use crate::io::csv::read_state;
 use crate::text::read_regular;
 

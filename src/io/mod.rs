@@ -1,10 +1,9 @@
-//! Files and pictures: [`vtk`] (ParaView), [`base_pairs`] (oxDNA, XYZ, NumPy arrays of frames), `csv` (tables, points,
+//! Files and pictures: [`vtk`] (ParaView), `csv` (tables, points,
 //! states; feature `tables`), `picture` (shaded tubes, plots; feature `pictures`), `view` (a page to turn and to step
 //! through, glTF; `view`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run that
 //! survives), `record` (all that a run leaves behind), `run` (a scene from start to files), `export` (the base pairs of
 //! a run).
 
-pub mod base_pairs;
 #[cfg(feature = "runs")]
 pub mod checkpoint;
 #[cfg(feature = "tables")]

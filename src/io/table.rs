@@ -117,7 +117,8 @@ pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Resul
                 .map(|name| format!("{name}{suffix}")),
         );
     }
-    let rest = ["stretch", "shear", "bend", "twist_energy", "contact", "total", "min_gap", "num_sites"];
+    let rest =
+        ["stretch", "shear", "bend", "twist_energy", "contact", "electrostatic", "total", "min_gap", "num_sites"];
     header.extend(rest.map(str::to_owned));
     header.extend(["total_contact_force", "num_unstable", "energy_released", "iterations"].map(str::to_owned));
     header.extend(["iterations_elsewhere", "seconds", "status"].map(str::to_owned));
@@ -133,7 +134,7 @@ fn cells(step: &Observation) -> Vec<Cell> {
             [link.excess_link, link.link, link.twist, link.excess_twist, link.writhe, link.seam_moment].map(Cell::from),
         );
     }
-    cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.total].map(Cell::from));
+    cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.electrostatic, e.total].map(Cell::from));
     cells.push(step.min_gap.map_or_else(|| Cell::from(""), |gap| gap.lower.into()));
     cells.extend([step.num_sites.into(), step.total_contact_force.into(), step.num_unstable.into()]);
     cells.push(step.energy_released.into());

@@ -14,6 +14,9 @@ pub struct Energies {
     pub twist: f64,
     /// Energy stored in the contact law.
     pub contact: f64,
+    /// Energy of screened charges, of points of one rod beyond that of the straight rod.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub electrostatic: f64,
     /// Sum of the above (work of loads not included).
     pub total: f64,
 }
@@ -28,6 +31,7 @@ impl Energies {
             bend: self.bend / unit,
             twist: self.twist / unit,
             contact: self.contact / unit,
+            electrostatic: self.electrostatic / unit,
             total: self.total / unit,
         }
     }

@@ -71,8 +71,9 @@ fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
 
 fn energies(potential: &Potential) -> Energies {
     let [stretch, shear, bend, twist] = potential.elastic;
-    let contact = potential.contact;
-    Energies { stretch, shear, bend, twist, contact, total: stretch + shear + bend + twist + contact }
+    let (contact, electrostatic) = (potential.contact, potential.electrostatic);
+    let total = stretch + shear + bend + twist + contact + electrostatic;
+    Energies { stretch, shear, bend, twist, contact, electrostatic, total }
 }
 
 fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {

@@ -2,6 +2,7 @@
 
 mod build;
 mod dna;
+mod frames;
 mod help;
 mod memory;
 mod mesh;
@@ -209,7 +210,8 @@ impl Scene {
         check_choices(&text.solver, &text.output)?;
         let units = dna::units(&text)?;
         let model = build::model(&text, base_dir)?;
-        let relaxed = |rod: &text::RodText| rod.dna.as_ref().map(dna::Dna::new).transpose();
+        let charged = text.contact.electrostatics.is_some();
+        let relaxed = |rod: &text::RodText| rod.dna.as_ref().map(|text| dna::Dna::new(text, charged)).transpose();
         let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;

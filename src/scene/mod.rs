@@ -15,7 +15,10 @@ pub(crate) use crate::text::finite;
 pub use fidelity::{Accuracy, Fidelity};
 #[cfg(feature = "scenes")]
 pub use file::Scene;
-pub use model::{Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage, Support};
+pub use model::{
+    Contact, ContactLaw, Electrostatics, Joint, LineLoad, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage,
+    Support,
+};
 pub use points::{Import, read_points, read_points_with};
 pub use tables::{read_natural, read_stiffness};
 pub use units::Units;

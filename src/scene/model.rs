@@ -208,6 +208,16 @@ impl Default for Contact {
     }
 }
 
+/// Screened electrostatic repulsion of rods that are lines of charge: two points at a distance r have the energy A
+/// exp(−r/λ)/r per product of their lengths. `contact::screened` says which points and to which range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Electrostatics {
+    /// A \[F\]: kT × Bjerrum length × (charges per length)².
+    pub strength: f64,
+    /// Debye length λ \[L\].
+    pub debye_length: f64,
+}
+
 /// One quantity moved linearly from its present value to `to` during a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ramp {
@@ -304,6 +314,8 @@ pub struct Model {
     pub line_loads: Vec<LineLoad>,
     /// Contact choice.
     pub contact: Contact,
+    /// Screened repulsion of all rods that take part in contact, beside it.
+    pub electrostatics: Option<Electrostatics>,
     /// Planar scene: all rods lie in the x-y plane; z, and rotations about x and y, are no unknowns.
     pub planar: bool,
 }

@@ -1,12 +1,13 @@
-//! Centrelines from files: CSV, XYZ, Geomview's VECT, PDB.
+//! Centrelines from files: CSV, XYZ, Geomview's VECT, PDB, NumPy, oxDNA.
 
 mod formats;
 
 use std::path::Path;
 
+use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::text::{finite, read_regular, split};
+use crate::text::{finite, read_regular, read_regular_bytes, split};
 
 /// Which points of a file make a centreline.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +44,8 @@ pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
 /// * `.xyz`: a line with the number of points, a comment line, then `element x y z`; several frames one after the other.
 /// * `.vect` (Geomview): polylines, open or closed; colours are ignored.
 /// * `.pdb`: the phosphorus atoms (`P`) of a chain.
+/// * `.npy` (NumPy): shape (points, 3), or (points, 4, 3), of which the first rows count: frames of base pairs.
+/// * an oxDNA configuration of two strands, whatever its name: the axis, in nm, one point a base pair.
 /// * anything else: x, y, z separated by commas, semicolons, tabs or blanks; one head line of words may come first; empty
 ///   lines and what follows `#` are ignored. With other columns beside them (an index, say) the head line tells which
 ///   they are.
@@ -56,21 +59,36 @@ pub fn read_points_with(path: &Path, import: &Import) -> Result<Vec<Vec3>, Input
         return Err(InputError::Count { field: "every".to_owned(), value: 0, allowed: "at least 1" });
     }
     InputError::positive("scale", import.scale)?;
-    let text = read_regular(path)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
+    let thinned =
+        |points: Vec<Vec3>| points.into_iter().step_by(import.every).map(|point| point * import.scale).collect();
+    if extension == "npy" {
+        return formats::npy(&read_regular_bytes(path)?).map(thinned).map_err(refuse);
+    }
+    let text = read_regular(path)?;
     let parsed = match extension.as_str() {
         "xyz" => parse_xyz(&text).and_then(|frames| one_of(frames, import.frame, "frames")),
         "vect" => formats::vect(&text).and_then(|curves| one_of(curves, import.frame, "curves")),
         "pdb" => formats::pdb(&text, import.chain.as_deref())
             .and_then(|models| one_of(models, import.frame, "models of this chain")),
+        _ if is_oxdna(&text) => BasePairs::from_oxdna(&text, false).map(|pairs| pairs.positions),
         _ => match &import.columns {
             None => parse_columns(&text),
             Some(names) => named_columns(&text, names.each_ref().map(String::as_str))
                 .map(|rows| rows.into_iter().map(Vec3::from).collect()),
         },
     };
-    let points = parsed.map_err(|reason| InputError::Parse { file: path.display().to_string(), reason })?;
-    Ok(points.into_iter().step_by(import.every).map(|point| point * import.scale).collect())
+    parsed.map(thinned).map_err(refuse)
+}
+
+/// An oxDNA configuration begins with time, box and energies.
+fn is_oxdna(text: &str) -> bool {
+    let begins = |line: Option<&str>, name: char| {
+        line.is_some_and(|line| line.trim_start().starts_with(name) && line.contains('='))
+    };
+    let mut lines = text.lines();
+    begins(lines.next(), 't') && begins(lines.next(), 'b') && begins(lines.next(), 'E')
 }
 
 /// One of several lists of points, which is to be named if there are several.

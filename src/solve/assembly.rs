@@ -22,6 +22,8 @@ pub(crate) struct Potential {
     pub(crate) elastic: [f64; 4],
     /// Energy of the contact law.
     pub(crate) contact: f64,
+    /// Energy of screened charges.
+    pub(crate) electrostatic: f64,
     /// Minus the work of dead forces and pressure.
     pub(crate) load: f64,
 }
@@ -29,7 +31,7 @@ pub(crate) struct Potential {
 impl Potential {
     /// Sum of all parts.
     pub(crate) fn total(&self) -> f64 {
-        self.elastic.iter().sum::<f64>() + self.contact + self.load
+        self.elastic.iter().sum::<f64>() + self.contact + self.electrostatic + self.load
     }
 }
 
@@ -127,6 +129,7 @@ impl Engine {
             let mut out = self.start_residual(state);
             self.add_element_gradients(state, &mut out);
             self.add_contact(request, &mut out, None);
+            self.add_electrostatics(&mut out, None);
             self.add_loads(state, &mut out, None);
             self.join(&mut out);
             out
@@ -148,6 +151,7 @@ impl Engine {
         let out = self.install(|| {
             self.add_elements(state, predicted, &mut out, &mut sink);
             self.add_contact(Request { zones: false, tangent: true }, &mut out, Some(&mut sink));
+            self.add_electrostatics(&mut out, Some(&mut sink));
             self.add_loads(state, &mut out, Some(&mut sink));
             self.join(&mut out);
             out
@@ -163,7 +167,7 @@ impl Engine {
             (0..count).flat_map(move |a| (a..count).map(move |c| (element.nodes[a], element.nodes[c])))
         });
         let contacts = self.contact.iter().flat_map(|side| {
-            side.broad_phase.pairs().iter().flat_map(|&[i, j]| {
+            side.coupled().flat_map(|&[i, j]| {
                 let (p, q) = (side.nodes[i as usize], side.nodes[j as usize]);
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })

@@ -5,10 +5,12 @@ use crate::contact::curve::{Cubic, CurveInput, CurveSet};
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::contact::potential::ContactPair;
+use crate::contact::screened::{Repulsion, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::math::two_sum::two_sum;
 use crate::rod::Rod;
+use crate::scene::Electrostatics;
 use crate::solve::per_contact::PerContact;
 use crate::solve::state::State;
 
@@ -28,6 +30,8 @@ pub(crate) struct ContactSide {
     pub(crate) exclusion: Exclusion,
     /// Candidate pairs.
     pub(crate) broad_phase: BroadPhase,
+    /// Screened repulsion of the strands, if it is asked for.
+    pub(crate) repulsion: Option<Repulsion>,
     /// Pressure against overlap.
     pub(crate) law: Law,
     /// Offsets c \[L\] (zero for a plain penalty).
@@ -82,12 +86,34 @@ impl ContactSide {
             rods: touching,
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
+            repulsion: None,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
             offsets: PerContact::uniform(state.positions.len(), 0.0),
             before: None,
             min_radius,
             is_current: false,
         }))
+    }
+
+    /// Adds screened repulsion.
+    pub(crate) fn charge(&mut self, Electrostatics { strength, debye_length }: Electrostatics) {
+        self.repulsion = Some(Repulsion::new(Screened { strength, debye_length }, &self.set));
+    }
+
+    /// Whether strands may push each other at all.
+    pub(crate) fn may_push(&self) -> bool {
+        self.repulsion.is_some() || !self.broad_phase.pairs().is_empty()
+    }
+
+    /// Changes with the pairs of segments that the tangent couples.
+    pub(crate) fn generation(&self) -> u64 {
+        self.broad_phase.generation() + self.repulsion.as_ref().map_or(0, Repulsion::generation)
+    }
+
+    /// Pairs of segments that the tangent couples; some may be there twice.
+    pub(crate) fn coupled(&self) -> impl Iterator<Item = &[u32; 2]> {
+        let repelled = self.repulsion.iter().flat_map(|repulsion| repulsion.pairs());
+        self.broad_phase.pairs().iter().chain(repelled)
     }
 
     /// Offsets at both ends of a segment towards another one \[L\].

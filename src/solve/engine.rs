@@ -182,6 +182,9 @@ impl Engine {
         if let Some(stiffness) = engine.model.contact.law.stiffness() {
             let (rods, first_node, bending) = (&engine.model.rods, &engine.first_node, engine.scales.bending);
             engine.contact = ContactSide::new(rods, first_node, &engine.state, (stiffness, bending))?;
+            if let (Some(side), Some(charges)) = (&mut engine.contact, engine.model.electrostatics) {
+                side.charge(charges);
+            }
         }
         Ok(engine)
     }

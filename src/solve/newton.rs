@@ -119,7 +119,7 @@ impl Workspace {
         let forces = std::mem::take(&mut self.start_forces);
         engine.state = start.clone();
         self.refresh(engine, &start)?;
-        let near_contact = engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
+        let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
         if options.stable_only && leaving.is_none() && self.rough.is_none() {
             let plain = if near_contact {
@@ -289,7 +289,7 @@ impl Workspace {
     pub(crate) fn refresh(&mut self, engine: &mut Engine, state: &State) -> Result<(), SolveError> {
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
         // without contact, or with contact left out for now, the pattern there is holds
-        let generation = engine.contact.as_ref().map_or(self.generation, |side| side.broad_phase.generation());
+        let generation = engine.contact.as_ref().map_or(self.generation, |side| side.generation());
         if self.pattern.is_none() || generation != self.generation {
             // what is replaced goes first: these are the largest things there are
             (self.factor, self.pattern) = (None, None);

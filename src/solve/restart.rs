@@ -9,6 +9,7 @@
 use crate::contact::broad_phase::BroadPhase;
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
+use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
 use crate::solve::engine::Engine;
 use crate::solve::newton::Workspace;
@@ -125,6 +126,7 @@ impl Engine {
             side.before = None;
             side.exclusion = Exclusion::new();
             side.broad_phase = BroadPhase::new();
+            side.repulsion.iter_mut().for_each(Repulsion::forget);
         }
         let state = self.state.clone();
         self.update_contact(&state).map(|_| ())

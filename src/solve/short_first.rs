@@ -284,7 +284,8 @@ impl Solver {
         if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut contact.law {
             *tol_penetration = (CLOSER * *tol_penetration).clamp(CLOSEST, *tol_penetration);
         }
-        Self::new(Model { rods: vec![rod], contact, ..Model::default() }, self.options.clone())
+        let electrostatics = self.engine.model.electrostatics;
+        Self::new(Model { rods: vec![rod], contact, electrostatics, ..Model::default() }, self.options.clone())
     }
 }
 

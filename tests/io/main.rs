@@ -22,6 +22,7 @@ mod plectoneme;
 #[allow(dead_code)] // each module uses its part
 mod ring_pressure;
 
+mod dna_examples;
 mod examples;
 mod export;
 mod fences;

@@ -47,7 +47,7 @@ fn accepted(text: &str) -> BTreeSet<String> {
 #[test]
 fn the_reference_has_all_keys_and_no_more() {
     let rods = |keys: &str| format!("[[rods]]\n{keys}");
-    let kinds = ["line", "circle", "arc", "helix", "points", "state", "torus_knot", "plectoneme"];
+    let kinds = ["line", "circle", "arc", "helix", "points", "frames", "state", "torus_knot", "plectoneme"];
     let shapes: BTreeSet<String> = kinds
         .iter()
         .flat_map(|kind| accepted(&rods(&format!("shape = {{ kind = \"{kind}\", zzz = 1 }}"))))
@@ -66,6 +66,7 @@ fn the_reference_has_all_keys_and_no_more() {
         ("loads", accepted("[[loads]]\nzzz = 1")),
         ("line_loads", accepted("[[line_loads]]\nzzz = 1")),
         ("contact", accepted("[contact]\nzzz = 1")),
+        ("contact.electrostatics", accepted("[contact]\nelectrostatics = { zzz = 1 }")),
         ("stages", accepted("[[stages]]\nzzz = 1")),
         ("stages.ramp", ramp("zzz = 1")),
         ("stages.ramp.rotation", ramp("rotation = { zzz = 1 }")),

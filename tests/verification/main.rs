@@ -22,6 +22,7 @@ mod distributed_moment;
 mod dna_rings;
 mod elastic_knots;
 mod elastica_branches;
+mod electrostatics;
 mod greenhill;
 mod helical_spring;
 mod ibrahimbegovic_helix;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::dna::bound::Bound;
 use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
@@ -11,13 +12,13 @@ use crate::rod::{Along, Natural, Rod, Section, Stiffness};
 use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
-use super::dna::Dna;
+use super::dna::{Dna, electrostatics};
 use super::refuse::inconsistent;
 use super::section::section;
 use super::shapes::{Wound, shape};
 use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText};
 use super::values::{At, Names, NaturalText};
-use super::{memory, mesh, poses, state};
+use super::{frames, memory, mesh, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -52,7 +53,8 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         rods.push(rod(text, rod_text, base_dir, nodes)?);
     }
     let contact = contact(&text.contact, text.fidelity, &rods)?;
-    let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
+    let electrostatics = text.contact.electrostatics.map(electrostatics).transpose()?;
+    let mut model = Model { rods, contact, electrostatics, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
         let field = format!("supports[{i}]");
         let (position, rotation) = (support.position.0, support.rotation.0);
@@ -162,8 +164,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
     let inside = |error| within(&path, error);
-    let dna = text.dna.as_ref().map(Dna::new).transpose().map_err(inside)?;
+    let charged = scene.contact.electrostatics.is_some();
+    let dna = text.dna.as_ref().map(|text| Dna::new(text, charged)).transpose().map_err(inside)?;
     let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose().map_err(inside)?;
+    let helix_length = helix.as_ref().map(|helix| helix.length);
     let by_sequence = helix.as_ref().map(|helix| helix.stiffness.clone());
     let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
@@ -185,6 +189,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let mut rod = if let ShapeText::State { file, rod } = &text.shape {
         text.elements.map_or(Ok(()), check_memory)?;
         state::rod(text, &base_dir.join(file), *rod, section, natural)?
+    } else if let ShapeText::Frames { file } = &text.shape {
+        text.elements.map_or(Ok(()), check_memory)?;
+        let length = helix_length.or(dna.map(|dna| dna.length));
+        frames::rod(text, &base_dir.join(file), length, section, natural)?
     } else {
         let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
         let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
@@ -284,7 +292,8 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
             return Err(InputError::Name { field: "sequence.steps".to_owned(), name: name.to_owned(), allowed });
         }
     };
-    sequence.helix(&steps, closed)
+    let proteins = text.proteins.as_ref().map(|file| Bound::read(&base_dir.join(file))).transpose()?;
+    sequence.helix_with(&steps, closed, &proteins.unwrap_or_default())
 }
 
 fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Result<Contact, InputError> {

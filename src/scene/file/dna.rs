@@ -1,12 +1,13 @@
 //! DNA in the words of those who work with it: base pairs, salt, supercoiling density.
 
+use crate::dna::salt::debye_length_nm;
 use crate::dna::{self, BENDING_PERSISTENCE, HELICAL_REPEAT, RISE, STRETCH_MODULUS, TWIST_PERSISTENCE_LOW};
 use crate::error::InputError;
 use crate::rod::Section;
-use crate::scene::Units;
+use crate::scene::{Electrostatics, Units};
 
 use super::refuse::inconsistent;
-use super::text::{DnaText, SceneText};
+use super::text::{DnaText, ElectrostaticsText, SceneText};
 
 /// Salt of a scene that says nothing of it, mmol/l: physiological.
 const SALT: f64 = 150.0;
@@ -24,7 +25,8 @@ pub(super) struct Dna {
 }
 
 impl Dna {
-    pub(super) fn new(text: &DnaText) -> Result<Self, InputError> {
+    /// `charged` if strands repel each other beyond their contact diameter.
+    pub(super) fn new(text: &DnaText, charged: bool) -> Result<Self, InputError> {
         if text.base_pairs == 0 {
             return Err(InputError::Count { field: "dna.base_pairs".into(), value: 0, allowed: "at least 1" });
         }
@@ -42,7 +44,7 @@ impl Dna {
             twisting * dna::THERMAL_ENERGY,
             stretching,
             stretching,
-            0.5 * diameter(text)?,
+            0.5 * diameter(text, charged)?,
         );
         let base_pairs = text.base_pairs as f64;
         Ok(Self { section, length: base_pairs * rise, relaxed_link: base_pairs / repeat })
@@ -59,15 +61,45 @@ impl Dna {
     }
 }
 
-fn diameter(text: &DnaText) -> Result<f64, InputError> {
+/// Salt \[mmol/l\] as the tables are in, mol/l.
+fn molar(field: &str, salt: f64, otherwise: &'static str) -> Result<f64, InputError> {
+    InputError::check(field, salt, (10.0..=1000.0).contains(&salt), otherwise)?;
+    Ok((salt / 1000.0).clamp(0.01, 1.0))
+}
+
+/// Charges of all rods, in pN and nm where salt tells them.
+pub(super) fn electrostatics(text: ElectrostaticsText) -> Result<Electrostatics, InputError> {
+    const FIELD: &str = "contact.electrostatics";
+    match (text.salt, text.strength, text.debye_length) {
+        (Some(salt), None, None) => {
+            let salt = molar(
+                &format!("{FIELD}.salt_mM"),
+                salt,
+                "between 10 and 1000 mmol/l (or give strength and debye_length)",
+            )?;
+            let strength = text.charge.unwrap_or_default().strength(salt)?;
+            Ok(Electrostatics { strength, debye_length: debye_length_nm(salt)? })
+        }
+        (None, Some(strength), Some(debye_length)) if text.charge.is_none() => {
+            Ok(Electrostatics { strength, debye_length })
+        }
+        _ => Err(inconsistent(FIELD.to_owned(), "give salt_mM (and charge), or strength and debye_length")),
+    }
+}
+
+fn diameter(text: &DnaText, charged: bool) -> Result<f64, InputError> {
+    if charged && text.salt.is_some() {
+        let reason = "is part of the effective diameter, but strands repel each other: contact.electrostatics says it";
+        return Err(inconsistent("dna.salt_mM".to_owned(), reason));
+    }
     match (text.diameter, text.salt) {
+        (None, None) if charged => Ok(dna::BARE_DIAMETER),
         (Some(_), Some(_)) => Err(inconsistent("dna.diameter".to_owned(), "follows from salt_mM: give one of them")),
         (Some(diameter), None) => InputError::positive("dna.diameter", diameter).map(|()| diameter),
         (None, salt) => {
             let salt = salt.unwrap_or(SALT);
             let allowed = "between 10 and 1000 mmol/l (or give the contact diameter, in nm)";
-            InputError::check("dna.salt_mM", salt, (10.0..=1000.0).contains(&salt), allowed)?;
-            dna::contact_diameter_nm((salt / 1000.0).clamp(0.01, 1.0))
+            dna::contact_diameter_nm(molar("dna.salt_mM", salt, allowed)?)
         }
     }
 }
@@ -85,6 +117,10 @@ pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
     };
     if dna && !text.units.are_molecular() {
         return Err(needs("rods.dna", "dna"));
+    }
+    if text.contact.electrostatics.is_some_and(|charges| charges.salt.is_some()) && !text.units.are_molecular() && !dna
+    {
+        return Err(needs("contact.electrostatics.salt_mM", "salt"));
     }
     if let Some(temperature) = text.temperature {
         InputError::positive("temperature", temperature)?;

@@ -77,7 +77,9 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             }
             Shape::Points(points)
         }
-        ShapeText::State { .. } => return Err(inconsistent("shape".into(), "a state is nodes with frames, no curve")),
+        ShapeText::State { .. } | ShapeText::Frames { .. } => {
+            return Err(inconsistent("shape".into(), "a state is nodes with frames, no curve"));
+        }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
             let (length, phase) = (wound.length(length)?, TAU * phase);

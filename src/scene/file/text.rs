@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use crate::dna::salt::Charge;
 use crate::scene::{Fidelity, Units};
 
 use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
@@ -101,6 +102,7 @@ pub(super) struct SequenceText {
     pub fasta: Option<PathBuf>,
     pub letters: Option<String>,
     pub steps: String,
+    pub proteins: Option<PathBuf>,
 }
 
 fn half() -> f64 {
@@ -165,6 +167,9 @@ pub(super) enum ShapeText {
         every: usize,
         #[serde(default = "unit_scale")]
         scale: f64,
+    },
+    Frames {
+        file: PathBuf,
     },
     State {
         file: PathBuf,
@@ -277,6 +282,18 @@ pub(super) struct ContactText {
     pub law: LawText,
     pub stiffness: Option<f64>,
     pub tol_penetration: Option<f64>,
+    #[serde(default, deserialize_with = "some_table")]
+    pub electrostatics: Option<ElectrostaticsText>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ElectrostaticsText {
+    #[serde(rename = "salt_mM")]
+    pub salt: Option<f64>,
+    pub charge: Option<Charge>,
+    pub strength: Option<f64>,
+    pub debye_length: Option<f64>,
 }
 
 /// Stages without a scene.

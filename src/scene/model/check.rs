@@ -4,7 +4,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::Rod;
 
-use super::{ContactLaw, Model, NodeRef, Pose, Ramp, Stage};
+use super::{ContactLaw, Electrostatics, Model, NodeRef, Pose, Ramp, Stage};
 
 /// What to do where a rod is to be carried by others, which touch it on one side only and may part from it.
 const CARRIED_BY_CONTACT: &str = " (contact, which may part, does not count as one: where a rod is to rest on others, support \
@@ -20,6 +20,10 @@ const TOL_PLANE: f64 = 1e-9;
 const MOST_STEPS: usize = 1_000_000_000;
 /// Turns about an axis through a point, which are gone through in a dozen steps each, beyond any scene.
 const MOST_ROUND: f64 = 1e5;
+/// Debye lengths over contact radii: below, strands touch before they feel each other, and quadrature points are many;
+/// above, all pairs are within range.
+const LEAST_DEBYE: f64 = 0.01;
+const MOST_DEBYE: f64 = 100.0;
 /// Joined nodes may be this far apart, relative to the length of the longer rod.
 const TOL_JOINT: f64 = 1e-9;
 
@@ -55,6 +59,7 @@ impl Model {
             finite(&format!("{field}.moment"), &load.moment)?;
         }
         self.check_contact()?;
+        self.check_electrostatics()?;
         self.joints.iter().enumerate().try_for_each(|(i, joint)| self.check_joint(&format!("joints[{i}]"), joint))?;
         if self.planar {
             self.check_planar()?;
@@ -270,6 +275,22 @@ impl Model {
             return Err(inconsistent(field, reason));
         }
         self.check_supported(joint.a.rod, &format!("{field} joins it to a rod"))
+    }
+
+    fn check_electrostatics(&self) -> Result<(), InputError> {
+        let Some(Electrostatics { strength, debye_length }) = self.electrostatics else { return Ok(()) };
+        InputError::positive("electrostatics.strength", strength)?;
+        InputError::positive("electrostatics.debye_length", debye_length)?;
+        let radii = self.rods.iter().map(|rod| rod.section.contact_radius).filter(|radius| *radius > 0.0);
+        let radius = radii.fold(f64::INFINITY, f64::min);
+        if !self.contact.law.is_on() || radius.is_infinite() {
+            let reason = "charged rods need contact: without it strands could pass through each other";
+            return Err(inconsistent("electrostatics", reason));
+        }
+        let (least, most) = (LEAST_DEBYE * radius, MOST_DEBYE * radius);
+        let allowed = "between .01 and 100 contact radii";
+        let fits = (least..=most).contains(&debye_length);
+        InputError::check("electrostatics.debye_length", debye_length, fits, allowed)
     }
 
     fn check_contact(&self) -> Result<(), InputError> {

@@ -1,8 +1,20 @@
-//! Geomview's VECT and PDB.
+//! Geomview's VECT, PDB and NumPy.
 
 use crate::math::Vec3;
 
 use super::finite;
+use crate::text::npy::Array;
+
+/// Points of an array of shape (points, 3), or of the first rows of (points, 4, 3).
+pub(super) fn npy(bytes: &[u8]) -> Result<Vec<Vec3>, String> {
+    let Array { shape, values } = Array::parse(bytes)?;
+    let stride = match shape[..] {
+        [_, 3] => 3,
+        [_, 4, 3] => 12,
+        _ => return Err(format!("has shape {shape:?}, not (points, 3) or (points, 4, 3)")),
+    };
+    Ok(values.chunks_exact(stride).map(|row| Vec3::new(row[0], row[1], row[2])).collect())
+}
 
 /// Curves of a VECT file: `VECT`, the numbers of curves, vertices and colours, the vertices of each curve (negative where it
 /// is closed), its colours, then the coordinates.

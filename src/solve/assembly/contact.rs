@@ -63,6 +63,30 @@ impl Engine {
     }
 }
 
+impl Engine {
+    /// Gradient and potential of screened charges, tangent too if there is a sink for it.
+    pub(super) fn add_electrostatics(&self, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        let Some(side) = &self.contact else { return };
+        let Some(repulsion) = &side.repulsion else { return };
+        for pairs in repulsion.pairs().chunks(PAIRS) {
+            for term in repulsion.terms(&side.set, pairs, sink.is_some()).into_iter().flatten() {
+                let [[a, b], [c, d]] = term.segments.map(|segment| side.nodes[segment]);
+                let nodes = [a, b, c, d];
+                out.potential.electrostatic += term.energy;
+                for (node, force) in nodes.iter().zip(term.gradient.chunks_exact(6)) {
+                    for k in 0..6 {
+                        out.gradient[6 * node + k] += force[k];
+                        out.magnitude[6 * node + k] += force[k].abs();
+                    }
+                }
+                if let (Some(sink), Some(blocks)) = (&mut sink, term.tangent) {
+                    sink.add(&nodes, &blocks);
+                }
+            }
+        }
+    }
+}
+
 impl ContactSide {
     /// Moves the contact curves and refreshes candidates; true if the list changed.
     pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
@@ -72,15 +96,18 @@ impl ContactSide {
         // in steps, so that a slowly growing offset does not rebuild the list every time
         let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
         let margin = 0.5 * self.min_radius;
+        let generation = self.generation();
         if self.is_current && self.broad_phase.is_for(range, margin) {
             return Ok(false);
         }
         self.is_current = false;
         self.exclusion.update(&self.set)?;
-        let before = self.broad_phase.generation();
         self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
+        if let Some(repulsion) = &mut self.repulsion {
+            repulsion.update(&self.set).map_err(not_finite)?;
+        }
         self.is_current = true;
-        Ok(self.broad_phase.generation() != before)
+        Ok(self.generation() != generation)
     }
 
     /// Overwrites the contact curves with those of `state`; what goes with them is no longer current if they moved.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod, Section, Shape};
-use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef};
+use crate::scene::{Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef};
 
 /// Two free rings that overlap, with dead loads and pressure, moved off every symmetry.
 fn engine() -> Engine {
@@ -68,7 +68,23 @@ fn far_from_the_origin_forces_are_the_same() {
 
 #[test]
 fn gradient_and_tangent_of_the_whole_problem_match_finite_differences() {
+    check_derivatives(engine());
+}
+
+/// The rings with charges: they feel each other, and themselves.
+#[test]
+fn gradient_and_tangent_with_charges_match_finite_differences() {
     let mut engine = engine();
+    // range of .3: the rings have a circumference of 2
+    let charges = Electrostatics { strength: 200.0, debye_length: 0.03 };
+    engine.contact.iter_mut().for_each(|side| side.charge(charges));
+    let state = engine.state.clone();
+    let potential = at(&mut engine, &state).potential;
+    assert!(potential.electrostatic > 0.05 * potential.total(), "{potential:?}");
+    check_derivatives(engine);
+}
+
+fn check_derivatives(mut engine: Engine) {
     let state = engine.state.clone();
     let residual = at(&mut engine, &state);
     assert!(residual.potential.contact > 0.0, "the case must have contact");

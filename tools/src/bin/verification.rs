@@ -86,6 +86,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "ropelength",
             "free_rods",
             "chain_of_rings",
+            "electrostatics",
         ],
     ),
     ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders", "held_motions"]),

@@ -12,12 +12,13 @@
 //! of the map δx ↦ control points, so two vectors of 24 are all that a point adds; the last term is summed over w only
 //! and put in place at the end.
 
+use super::Hessian;
 use crate::contact::curves::curve::Cubic;
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 
 /// Coordinates that move the control points of slave and master, 24 in all.
 #[derive(Clone, Copy)]
-pub(super) enum Coordinates {
+pub(in crate::contact) enum Coordinates {
     /// The control points themselves.
     Points,
     /// Displacement and rotation vector of the four ends (slave's start and end, the master's): a handle, from an end
@@ -33,14 +34,14 @@ pub(crate) type PairTangent = [[f64; 24]; 24];
 const PENDING: usize = 10;
 
 impl Coordinates {
-    pub(super) fn ends(slave: &Cubic, master: &Cubic) -> Self {
+    pub(in crate::contact) fn ends(slave: &Cubic, master: &Cubic) -> Self {
         let ([a, _, b], [c, _, d]) = (slave.edges(), master.edges());
         Self::Ends([a, -b, c, -d])
     }
 
     /// Forces on the control points as forces on the coordinates.
     #[inline]
-    pub(super) fn pull(&self, forces: &[Vec3; 8]) -> [f64; 24] {
+    pub(in crate::contact) fn pull(&self, forces: &[Vec3; 8]) -> [f64; 24] {
         let mut out = [0.0; 24];
         let mut put = |k: usize, v: &Vec3| out[k..k + 3].copy_from_slice(v.as_slice());
         match self {
@@ -75,7 +76,7 @@ fn points(end: usize) -> (usize, usize) {
 }
 
 /// Sum over the points of one ordered pair.
-pub(super) struct PairStiffness {
+pub(in crate::contact) struct PairStiffness {
     coordinates: Coordinates,
     sum: Box<PairTangent>,
     /// Σ W p/d w_m w_n for m ≤ n.
@@ -86,7 +87,7 @@ pub(super) struct PairStiffness {
 }
 
 impl PairStiffness {
-    pub(super) fn new(coordinates: Coordinates) -> Self {
+    pub(in crate::contact) fn new(coordinates: Coordinates) -> Self {
         Self {
             coordinates,
             sum: Box::new([[0.0; 24]; 24]),
@@ -98,7 +99,7 @@ impl PairStiffness {
     }
 
     /// Adds factor × f fᵀ, f the forces on the control points.
-    pub(super) fn add_product(&mut self, forces: &[Vec3; 8], factor: f64) {
+    pub(in crate::contact) fn add_product(&mut self, forces: &[Vec3; 8], factor: f64) {
         if self.count == PENDING {
             self.flush();
         }
@@ -108,12 +109,38 @@ impl PairStiffness {
     }
 
     /// Subtracts factor × the product of Σ w_m δx_m with itself.
-    pub(super) fn subtract_spread(&mut self, w: &[f64; 8], factor: f64) {
+    pub(in crate::contact) fn subtract_spread(&mut self, w: &[f64; 8], factor: f64) {
         let w = self.coordinates.weights(w);
         for m in 0..8 {
             let scaled = factor * w[m];
             for n in 0..8 {
                 self.spread[m][n] += scaled * w[n];
+            }
+        }
+    }
+
+    /// Adds a second derivative by the control points: blocks m ≤ n, each symmetric.
+    pub(in crate::contact) fn add_hessian(&mut self, hessian: &Hessian) {
+        let block = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m] };
+        let mut add = |row: usize, col: usize, part: &Mat3| {
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                self.sum[row + i][col + j] += part[(i, j)];
+            }
+        };
+        match self.coordinates {
+            Coordinates::Points => {
+                (0..8).flat_map(|m| (m..8).map(move |n| (m, n))).for_each(|(m, n)| add(3 * m, 3 * n, &block(m, n)));
+            }
+            Coordinates::Ends(handles) => {
+                for (p, q) in (0..4).flat_map(|p| (p..4).map(move |q| (p, q))) {
+                    let ((own, held), (own_q, held_q)) = (points(p), points(q));
+                    let (right, left, both) = (block(own, held_q), block(held, own_q), block(held, held_q));
+                    let (turn_p, turn_q) = (handles[p].cross_matrix(), handles[q].cross_matrix());
+                    add(6 * p, 6 * q, &(block(own, own_q) + right + left + both));
+                    add(6 * p, 6 * q + 3, &-((right + both) * turn_q));
+                    add(6 * p + 3, 6 * q, &(turn_p * (left + both)));
+                    add(6 * p + 3, 6 * q + 3, &-(turn_p * both * turn_q));
+                }
             }
         }
     }
@@ -145,7 +172,7 @@ impl PairStiffness {
     }
 
     /// The sum; `gradient` is that of the potential by the control points, which turning handles curve.
-    pub(super) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<PairTangent> {
+    pub(in crate::contact) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<PairTangent> {
         self.flush();
         match self.coordinates {
             Coordinates::Points => {

@@ -1,0 +1,297 @@
+//! Screened repulsion of line charges (Debye–Hückel): an energy of all pairs of points within range, beside the contact
+//! law.
+//!
+//! ```text
+//! U = ½ ∫∫ w(s,t) A exp(−r/λ)/r S(r) ds dt        r = |r(s) − r(t)|, λ the Debye length
+//! ```
+//!
+//! A zone of contact knows its nearest points alone, and a potential with range sees more than these: so this is a
+//! double sum over Gauss points of pairs of segments, found by the broad phase. Gradient and tangent are the derivatives of
+//! the sum itself.
+//!
+//! **Range.** S falls from 1 to 0, twice differentiable, between 9 and [`RANGE`] = 10 Debye lengths. Two parallel strands
+//! five Debye lengths apart lose .2 % of their energy by it, two that are two apart 7e-5; a crossing at a distance d loses a part
+//! exp(d/λ − 9).
+//!
+//! **Neighbours along the strand.** The hard law leaves out what has turned by less than a right angle on the way: a rod
+//! that is straight or gently bent does not feel itself. That limit moves with the shape, which a potential with range
+//! would answer by a jump. Here the weight w is a function of the reference arc length between the points: 0 up to 4
+//! Debye lengths (at least a segment), 1 from 8. What is nearer is part of the bending stiffness as it is measured: of
+//! the stiffening by salt of Odijk, Skolnick and Fixman, A λ²/4, no more than 7 % is counted twice. Of points of one curve
+//! the energy is taken from that of the straight rod, so that a straight rod has none.
+//!
+//! **Quadrature.** Three Gauss points on each piece of .75 contact distances, or two Debye lengths if that is less: the
+//! energy of strands that touch is known to 1e-4.
+
+use super::broad_phase::BroadPhase;
+use super::curve::CurveSet;
+use super::curves::input::Strands;
+use super::exclusion::Exclusion;
+use super::law::potential::Hessian;
+use super::law::potential::stiffness::{Coordinates, PairStiffness, PairTangent};
+use crate::error::InputError;
+use crate::math::quadrature::gauss;
+use crate::math::{Mat3, Vec3, parallel};
+
+/// Debye lengths from which strands do not feel each other …
+pub const RANGE: f64 = 10.0;
+/// … and from which their energy is switched off.
+const SWITCH: f64 = 9.0;
+/// Debye lengths along the strand up to which points are neighbours, and from which they are not at all.
+const NEIGHBOURS: [f64; 2] = [4.0, 8.0];
+/// Contact distances and Debye lengths that three Gauss points resolve: see the header.
+const PIECE: [f64; 2] = [0.75, 2.0];
+/// Debye lengths that nodes may move before pairs are looked for anew. A longer list costs more than a search.
+const MARGIN: f64 = 0.5;
+
+/// Energy A exp(−r/λ)/r of two points per product of their lengths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Screened {
+    /// A \[F\]: kT × Bjerrum length × (charges per length)².
+    pub strength: f64,
+    /// λ \[L\].
+    pub debye_length: f64,
+}
+
+/// Energy of two points and its derivatives by their distance.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Derivatives {
+    /// Energy per product of lengths \[F/L\].
+    pub energy: f64,
+    /// Its slope \[F/L²\]; negative: the points push each other away.
+    pub slope: f64,
+    /// Its second derivative \[F/L³\].
+    pub curvature: f64,
+}
+
+impl Screened {
+    /// The energy of points at a distance r > 0 \[L\], switched off at the end of the range.
+    #[must_use]
+    pub fn at(&self, r: f64) -> Derivatives {
+        let x = r / self.debye_length;
+        if x >= RANGE {
+            return Derivatives::default();
+        }
+        let (inverse, per) = (1.0 / r, 1.0 / self.debye_length);
+        let energy = self.strength * (-x).exp() * inverse;
+        let decay = per + inverse;
+        let slope = -energy * decay;
+        let curvature = energy * (decay * decay + inverse * inverse);
+        if x <= SWITCH {
+            return Derivatives { energy, slope, curvature };
+        }
+        let [s, ds, dds] = smooth_step((RANGE - x) / (RANGE - SWITCH));
+        let unit = -per / (RANGE - SWITCH);
+        let (ds, dds) = (ds * unit, dds * unit * unit);
+        Derivatives {
+            energy: energy * s,
+            slope: slope * s + energy * ds,
+            curvature: curvature * s + 2.0 * slope * ds + energy * dds,
+        }
+    }
+}
+
+/// 10 t³ − 15 t⁴ + 6 t⁵ and its first two derivatives: from 0 to 1, which it is outside 0 … 1.
+fn smooth_step(t: f64) -> [f64; 3] {
+    let t = t.clamp(0.0, 1.0);
+    let left = 1.0 - t;
+    [t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * left * left, 60.0 * t * left * (1.0 - 2.0 * t)]
+}
+
+/// A Gauss point of the segments of a curve: parameter, weight × reference length \[L\], shape functions of the control points.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    u: f64,
+    weight: f64,
+    shape: [f64; 4],
+}
+
+/// What one pair of segments adds: the coordinates are displacement and rotation vector of the four ends, as for contact.
+pub(crate) struct Term {
+    pub(crate) segments: [usize; 2],
+    pub(crate) energy: f64,
+    pub(crate) gradient: [f64; 24],
+    pub(crate) tangent: Option<Box<PairTangent>>,
+}
+
+/// The repulsion of the strands of a set.
+#[derive(Debug)]
+pub(crate) struct Repulsion {
+    law: Screened,
+    /// Per curve.
+    points: Vec<Vec<Point>>,
+    /// Per curve: arc lengths between which points cease to be neighbours \[L\].
+    neighbours: Vec<[f64; 2]>,
+    exclusion: Exclusion,
+    broad_phase: BroadPhase,
+}
+
+impl Repulsion {
+    /// Of a set whose segments have equal reference lengths along each curve.
+    pub(crate) fn new(law: Screened, set: &CurveSet) -> Self {
+        let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
+        let piece = (PIECE[0] * 2.0 * least).min(PIECE[1] * law.debye_length);
+        let length = |curve: usize| set.lengths[set.curves[curve].first];
+        let points = (0..set.curves.len()).map(|curve| points(length(curve), piece)).collect();
+        let neighbours: Vec<[f64; 2]> = (0..set.curves.len())
+            .map(|curve| {
+                let start = (NEIGHBOURS[0] * law.debye_length).max(length(curve));
+                [start, start * NEIGHBOURS[1] / NEIGHBOURS[0]]
+            })
+            .collect();
+        // segments whose points are all neighbours
+        let skipped = |curve: usize| (neighbours[curve][0] / length(curve)).floor() as usize - 1;
+        let num = (0..set.curves.len()).map(skipped).min().unwrap_or(0);
+        let mut exclusion = Exclusion::new();
+        exclusion.update_by_count(&Strands::of_set(set), num);
+        Self { law, points, neighbours, exclusion, broad_phase: BroadPhase::new() }
+    }
+
+    /// Looks for pairs anew if the present ones may not hold any more.
+    pub(crate) fn update(&mut self, set: &CurveSet) -> Result<(), InputError> {
+        let (range, margin) = (RANGE * self.law.debye_length, MARGIN * self.law.debye_length);
+        self.broad_phase.candidates(set, &self.exclusion, range, margin).map(|_| ())
+    }
+
+    /// Forgets the pairs: the next search is a fresh one.
+    pub(crate) fn forget(&mut self) {
+        self.broad_phase = BroadPhase::new();
+    }
+
+    /// Pairs of segments within range, and some more.
+    pub(crate) fn pairs(&self) -> &[[u32; 2]] {
+        self.broad_phase.pairs()
+    }
+
+    /// Increments each time the pairs change.
+    pub(crate) fn generation(&self) -> u64 {
+        self.broad_phase.generation()
+    }
+
+    /// The terms of some of the pairs, in their order.
+    pub(crate) fn terms(&self, set: &CurveSet, pairs: &[[u32; 2]], tangent: bool) -> Vec<Vec<Term>> {
+        const CHUNK: usize = 64;
+        parallel::map_ranges(pairs.len(), CHUNK, &|range| {
+            let term = |pair: &[u32; 2]| self.term(set, pair.map(|k| k as usize), tangent);
+            pairs[range].iter().filter_map(term).collect()
+        })
+    }
+
+    fn term(&self, set: &CurveSet, [i, j]: [usize; 2], tangent: bool) -> Option<Term> {
+        let range = RANGE * self.law.debye_length;
+        let origin = set.segments[i].b[0];
+        let (a, b) = (set.segments[i].relative_to(&origin), set.segments[j].relative_to(&origin));
+        let mut sum = Sum { energy: 0.0, gradient: [Vec3::zeros(); 8], hessian: tangent.then(Default::default) };
+        let mut felt = false;
+        for p in &self.points[set.curve_of(i)] {
+            let x = a.point(p.u);
+            let mut here = Here::default();
+            for q in &self.points[set.curve_of(j)] {
+                let Some((weight, straight)) = self.weight(set, [i, j], [p.u, q.u]) else { continue };
+                let weight = weight * p.weight * q.weight;
+                sum.energy -= weight * straight;
+                felt |= straight != 0.0;
+                let between = x - b.point(q.u);
+                if between.norm_squared() < range * range {
+                    felt = true;
+                    sum.add(&self.law, &between, weight, q, &mut here);
+                }
+            }
+            sum.close(p, &here);
+        }
+        felt.then(|| {
+            let coordinates = Coordinates::ends(&a, &b);
+            let blocks = |hessian: Box<Hessian>| {
+                let mut stiffness = PairStiffness::new(coordinates);
+                stiffness.add_hessian(&hessian);
+                stiffness.finish(&sum.gradient)
+            };
+            Term {
+                segments: [i, j],
+                energy: sum.energy,
+                gradient: coordinates.pull(&sum.gradient),
+                tangent: sum.hessian.map(blocks),
+            }
+        })
+    }
+
+    /// Weight of two points, and the energy that they have on a straight rod; `None` if they are neighbours.
+    fn weight(&self, set: &CurveSet, [i, j]: [usize; 2], [u, v]: [f64; 2]) -> Option<(f64, f64)> {
+        let curve = set.curve_of(i);
+        if curve != set.curve_of(j) {
+            return Some((1.0, 0.0));
+        }
+        let straight = (set.arc_length(i, u) - set.arc_length(j, v)).abs();
+        let arc = set.period(curve).map_or(straight, |period| straight.min(period - straight));
+        let [start, end] = self.neighbours[curve];
+        (arc > start).then(|| (smooth_step((arc - start) / (end - start))[0], self.law.at(arc).energy))
+    }
+}
+
+/// What the points of a pair of segments add, by the control points.
+struct Sum {
+    energy: f64,
+    gradient: [Vec3; 8],
+    hessian: Option<Box<Hessian>>,
+}
+
+/// Sums over the points of j for one point of i: of the pushes on it, of second derivatives, and of these with the shape
+/// functions of j.
+#[derive(Default)]
+struct Here {
+    push: Vec3,
+    second: Mat3,
+    mixed: [Mat3; 4],
+}
+
+impl Sum {
+    /// Adds a pair of points: `between` from the point q of j to that of i.
+    fn add(&mut self, law: &Screened, between: &Vec3, weight: f64, q: &Point, here: &mut Here) {
+        let r = between.norm();
+        let law = law.at(r);
+        self.energy += weight * law.energy;
+        // points that coincide have no direction: their energy is infinite, and a search turns back
+        let normal = between / r;
+        let push = normal * (weight * law.slope);
+        here.push += push;
+        (0..4).for_each(|n| self.gradient[4 + n] -= push * q.shape[n]);
+        let Some(hessian) = &mut self.hessian else { return };
+        let sideways = weight * law.slope / r;
+        let second =
+            normal * normal.transpose() * (weight * law.curvature - sideways) + Mat3::from_diagonal_element(sideways);
+        here.second += second;
+        for n in 0..4 {
+            let part = second * q.shape[n];
+            here.mixed[n] += part;
+            (n..4).for_each(|k| hessian[4 + n][4 + k] += part * q.shape[k]);
+        }
+    }
+
+    /// Adds the sums for the point p of i.
+    fn close(&mut self, p: &Point, here: &Here) {
+        (0..4).for_each(|m| self.gradient[m] += here.push * p.shape[m]);
+        let Some(hessian) = &mut self.hessian else { return };
+        for m in 0..4 {
+            (m..4).for_each(|k| hessian[m][k] += here.second * (p.shape[m] * p.shape[k]));
+            (0..4).for_each(|n| hessian[m][4 + n] -= here.mixed[n] * p.shape[m]);
+        }
+    }
+}
+
+/// Gauss points of a segment of this length in equal parts no longer than `piece`.
+fn points(length: f64, piece: f64) -> Vec<Point> {
+    let parts = (length / piece).ceil().max(1.0);
+    let rule = gauss(3);
+    let of_part = |part: usize| {
+        rule.points.iter().zip(rule.weights).map(move |(x, w)| {
+            let u = (part as f64 + x) / parts;
+            let left = 1.0 - u;
+            let shape = [left * left * left, 3.0 * u * left * left, 3.0 * u * u * left, u * u * u];
+            Point { u, weight: w * length / parts, shape }
+        })
+    };
+    (0..parts as usize).flat_map(of_part).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+//! Base pairs of a molecule, and the files that programs for DNA read and write: oxDNA, XYZ, VECT, PDB, frames as NumPy
+//! arrays, 3DNA's frames and step parameters.
+
+mod frames;
+mod oxdna;
+mod points;
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use crate::dna::HELICAL_REPEAT;
+use crate::error::InputError;
+use crate::math::quaternion::spin;
+use crate::math::shape_functions::lagrange;
+use crate::math::{Quat, Vec3};
+use crate::text::read_regular_bytes;
+
+/// oxDNA's unit of length, nm.
+const OXDNA_LENGTH: f64 = 0.8518;
+/// Distance of a nucleotide's centre from the helix axis in oxDNA, its units.
+const OXDNA_OFFSET: f64 = 0.6;
+/// Side of the simulation box over the largest extent of the molecule: room to turn and to open.
+const BOX: f64 = 2.0;
+
+/// Places (nm) and frames of base pairs: d1 to the major groove, d2 to the strand that is read, d3 along it from 5′ to
+/// 3′.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BasePairs {
+    /// Origins, nm.
+    pub positions: Vec<Vec3>,
+    /// Frames.
+    pub frames: Vec<Quat>,
+    /// The last pair is followed by the first.
+    pub closed: bool,
+}
+
+/// The nodes of a rod as its elements interpolate them.
+#[derive(Debug, Clone, Copy)]
+pub struct Nodes<'a> {
+    /// Positions, nm.
+    pub positions: &'a [Vec3],
+    /// Frames.
+    pub frames: &'a [Quat],
+    /// Order of the elements, 1 to 3.
+    pub order: usize,
+    /// Closed rods: link Tw + Wr of the frames, turns; the frame at the end is the first turned by it.
+    pub closed: Option<f64>,
+}
+
+impl Nodes<'_> {
+    fn node(&self, index: usize) -> (Vec3, Quat) {
+        match (self.positions.get(index), self.closed) {
+            (None, Some(link)) => (self.positions[0], self.frames[0] * spin(TAU * link)),
+            _ => (self.positions[index], self.frames[index]),
+        }
+    }
+
+    fn num_segments(&self) -> usize {
+        if self.closed.is_some() { self.positions.len() } else { self.positions.len().saturating_sub(1) }
+    }
+
+    /// Position and frame at a fraction of the length.
+    fn at(&self, fraction: f64) -> (Vec3, Quat) {
+        let elements = self.num_segments() / self.order;
+        let x = fraction * elements as f64;
+        let element = (x as usize).min(elements - 1);
+        let weights = lagrange(self.order, x - element as f64).0;
+        let first = self.node(element * self.order);
+        let (mut position, mut sum, mut before) = (Vec3::zeros(), nalgebra::Vector4::zeros(), first.1.coords);
+        for (a, weight) in weights.iter().enumerate().take(self.order + 1) {
+            let (r, q) = self.node(element * self.order + a);
+            let aligned = if before.dot(&q.coords) < 0.0 { -q.coords } else { q.coords };
+            position += r * *weight;
+            sum += aligned * *weight;
+            before = aligned;
+        }
+        (position, Quat::new_normalize(nalgebra::Quaternion::from(sum)))
+    }
+
+    /// Turns of the frames about d3 along the rod.
+    fn twist(&self) -> f64 {
+        let turn = |k: usize| (self.node(k).1.inverse() * self.node(k + 1).1).scaled_axis().z;
+        (0..self.num_segments()).map(turn).sum::<f64>() / TAU
+    }
+}
+
+impl BasePairs {
+    /// `count` base pairs evenly along a rod: of a closed one the first lies at s = 0, of an open one also the last at
+    /// its end.
+    ///
+    /// A rod whose frames carry the double helix, as that of a sequence, hands them on. Others model the axis alone: they
+    /// have less than half of a turn per [`HELICAL_REPEAT`] base pairs, and the helix is put in, evenly, with the whole
+    /// number of turns in a closed molecule that is next to pairs / [`HELICAL_REPEAT`] + link of the frames.
+    ///
+    /// # Errors
+    /// Fewer than two base pairs; nodes that are none of a rod of that order.
+    pub fn along(nodes: &Nodes, count: usize) -> Result<Self, InputError> {
+        if count < 2 {
+            let field = "number of base pairs".to_owned();
+            return Err(InputError::Count { field, value: count, allowed: "at least 2" });
+        }
+        let segments = nodes.num_segments();
+        let whole = (1..=3).contains(&nodes.order) && segments > 0 && segments.is_multiple_of(nodes.order);
+        if !whole || nodes.frames.len() != nodes.positions.len() {
+            let allowed = "a multiple of the order (plus 1 if open), with as many frames";
+            return Err(InputError::Count { field: "nodes".to_owned(), value: nodes.positions.len(), allowed });
+        }
+        let steps = if nodes.closed.is_some() { count } else { count - 1 };
+        let natural = steps as f64 / HELICAL_REPEAT;
+        let added = match nodes.closed {
+            _ if nodes.twist() > 0.5 * natural => 0.0,
+            Some(link) => (natural + link).round() - link,
+            None => natural,
+        };
+        let pair = |k: usize| {
+            let (position, frame) = nodes.at(k as f64 / steps as f64);
+            (position, frame * spin(TAU * added * (k as f64 / steps as f64)))
+        };
+        let (positions, frames) = (0..count).map(pair).unzip();
+        Ok(Self { positions, frames, closed: nodes.closed.is_some() })
+    }
+
+    /// Centres of the nucleotides of the strand that is read and of the other one, nm, in the order of the pairs.
+    #[must_use]
+    pub fn strands(&self) -> [Vec<Vec3>; 2] {
+        [1.0, -1.0].map(|side| {
+            let centre = |(r, q): (&Vec3, &Quat)| r + q * Vec3::y() * (side * OXDNA_OFFSET * OXDNA_LENGTH);
+            self.positions.iter().zip(&self.frames).map(centre).collect()
+        })
+    }
+
+    /// Base pairs of a file: `.npy` (frames as mdna has them), or a text that shows by its first line whether it is an
+    /// oxDNA configuration (`t = …`), step parameters (`.par`) or frames (`ref_frames.dat`) of 3DNA.
+    ///
+    /// # Errors
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value of what is none of these.
+    pub fn read(path: &Path, closed: bool) -> Result<Self, InputError> {
+        let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
+        let bytes = read_regular_bytes(path)?;
+        if bytes.starts_with(frames::MAGIC) {
+            return Self::from_npy(&bytes, closed).map_err(refuse);
+        }
+        let text = String::from_utf8(bytes).map_err(|e| refuse(e.to_string()))?;
+        let first = text.lines().next().unwrap_or_default();
+        let read = match first {
+            _ if first.trim_start().starts_with('t') => Self::from_oxdna(&text, closed),
+            _ if first.contains("base-pairs") && text.contains("step parameters") => Self::from_par(&text, closed),
+            _ => Self::from_ref_frames(&text, closed),
+        };
+        read.map_err(refuse)
+    }
+
+    /// The frames of the axis that a rod straight at rest models: without the double helix, `repeat` base pairs a turn
+    /// taken out evenly.
+    #[must_use]
+    pub fn unwound(mut self, repeat: f64) -> Self {
+        for (k, frame) in self.frames.iter_mut().enumerate() {
+            *frame *= spin(-TAU * k as f64 / repeat);
+        }
+        self
+    }
+
+    /// Writes one of the texts or arrays above, replacing what is there.
+    ///
+    /// # Errors
+    /// [`InputError::Write`].
+    pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), InputError> {
+        let refuse = |e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
+        std::fs::write(path, content).map_err(refuse)
+    }
+}
+
+#[cfg(test)]
+mod tests;

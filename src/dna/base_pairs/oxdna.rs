@@ -1,0 +1,109 @@
+//! oxDNA's configurations and topologies.
+
+use std::fmt::Write as _;
+
+use super::{BOX, BasePairs, OXDNA_LENGTH, OXDNA_OFFSET};
+use crate::dna::sequence::Sequence;
+use crate::error::InputError;
+use crate::math::{Mat3, Quat, Vec3};
+
+impl BasePairs {
+    /// oxDNA's configuration: the strand that is read, then the other one, each from its 3′ end to its 5′ end.
+    ///
+    /// A nucleotide's a1 points to the axis, its a3 to the 5′ end; velocities are 0.
+    #[must_use]
+    pub fn oxdna_configuration(&self) -> String {
+        let extent = |k: usize| {
+            let range = self.positions.iter().fold([f64::MAX, f64::MIN], |[a, b], r| [a.min(r[k]), b.max(r[k])]);
+            range[1] - range[0]
+        };
+        let side = BOX * ((0..3).map(extent).fold(0.0, f64::max) / OXDNA_LENGTH + 2.0 * OXDNA_OFFSET + 1.0);
+        let mut text = format!("t = 0\nb = {side} {side} {side}\nE = 0 0 0\n");
+        let mut add = |k: usize, sign: f64| {
+            let (a1, a3) = (self.frames[k] * Vec3::y() * -sign, self.frames[k] * Vec3::z() * -sign);
+            let r = self.positions[k] / OXDNA_LENGTH - a1 * OXDNA_OFFSET;
+            for v in [r, a1, a3] {
+                // writing to a string does not fail
+                let _ = write!(text, "{:?} {:?} {:?} ", v.x, v.y, v.z);
+            }
+            text.push_str("0 0 0 0 0 0\n");
+        };
+        (0..self.positions.len()).rev().for_each(|k| add(k, 1.0));
+        (0..self.positions.len()).for_each(|k| add(k, -1.0));
+        text
+    }
+
+    /// oxDNA's topology in its classic form (3′ to 5′), for [`BasePairs::oxdna_configuration`].
+    ///
+    /// # Errors
+    /// A sequence of another length.
+    pub fn oxdna_topology(&self, sequence: &Sequence) -> Result<String, InputError> {
+        let count = self.positions.len();
+        if sequence.num_bases() != count {
+            let reason = format!("has {} bases, but there are {count} base pairs", sequence.num_bases());
+            return Err(InputError::Inconsistent { field: "sequence".to_owned(), reason });
+        }
+        let letters = sequence.letters();
+        let other: String = letters.chars().map(complement).collect();
+        let mut text = format!("{} 2\n", 2 * count);
+        for (strand, bases) in [letters.chars().rev().collect::<String>(), other].iter().enumerate() {
+            let first = strand * count;
+            for (k, base) in bases.chars().enumerate() {
+                let beside = |inside: bool, index: usize, wrapped: usize| match (inside, self.closed) {
+                    (true, _) => (first + index).to_string(),
+                    (false, true) => (first + wrapped).to_string(),
+                    (false, false) => "-1".to_owned(),
+                };
+                let n3 = beside(k > 0, k.saturating_sub(1), count - 1);
+                let n5 = beside(k + 1 < count, k + 1, 0);
+                let _ = writeln!(text, "{} {base} {n3} {n5}", strand + 1);
+            }
+        }
+        Ok(text)
+    }
+
+    /// Base pairs of a configuration of two strands, as [`BasePairs::oxdna_configuration`] writes them.
+    ///
+    /// Listed from 3′ to 5′ (classic) or from 5′ to 3′: a3 tells which.
+    ///
+    /// # Errors
+    /// The line of what is no such configuration.
+    pub fn from_oxdna(text: &str, closed: bool) -> Result<Self, String> {
+        let refuse = |line: usize, reason: &str| format!("line {line}: {reason}");
+        let mut rows = Vec::new();
+        for (number, line) in (1..).zip(text.lines()).skip(3).filter(|(_, line)| !line.trim().is_empty()) {
+            let cells: Vec<f64> = line.split_whitespace().filter_map(|cell| cell.parse().ok()).collect();
+            let Some(&[x, y, z, ax, ay, az, cx, cy, cz]) = cells.first_chunk::<9>() else {
+                return Err(refuse(number, "position, a1 and a3 expected: nine numbers or more"));
+            };
+            rows.push([Vec3::new(x, y, z), Vec3::new(ax, ay, az), Vec3::new(cx, cy, cz)]);
+        }
+        if rows.is_empty() || rows.len() % 2 == 1 {
+            return Err(refuse(text.lines().count(), "two strands of as many nucleotides expected"));
+        }
+        let count = rows.len() / 2;
+        let mut pairs = Self { closed, ..Self::default() };
+        for k in 0..count {
+            let ([r, a1, a3], [other, ..]) = (&rows[count - 1 - k], &rows[count + k]);
+            let (d2, d3) = (-a1, -a3);
+            pairs.positions.push((r + other) * (0.5 * OXDNA_LENGTH));
+            let frame = Mat3::from_columns(&[d2.cross(&d3), d2, d3]);
+            pairs.frames.push(Quat::from_matrix(&frame));
+        }
+        let along = |k: usize| (pairs.positions[k + 1] - pairs.positions[k]).dot(&(pairs.frames[k] * Vec3::z()));
+        if (0..count - 1).map(along).sum::<f64>() < 0.0 {
+            pairs.positions.reverse();
+            pairs.frames.reverse();
+        }
+        Ok(pairs)
+    }
+}
+
+fn complement(base: char) -> char {
+    match base {
+        'A' => 'T',
+        'C' => 'G',
+        'G' => 'C',
+        _ => 'A',
+    }
+}

@@ -1,0 +1,59 @@
+//! A rod that starts from the base pairs of a file: nodes with their frames.
+
+use std::path::Path;
+
+use crate::dna::HELICAL_REPEAT;
+use crate::dna::base_pairs::BasePairs;
+use crate::error::InputError;
+use crate::rod::{Natural, Rod, Section, within};
+
+use super::refuse::inconsistent;
+use super::text::RodText;
+use super::values::NaturalText;
+
+/// The rod of a file of base pairs; on other elements than a node a pair, where the scene says how many. `length` \[nm\] where
+/// sequence or dna tell it, else that from pair to pair.
+pub(super) fn rod(
+    text: &RodText,
+    path: &Path,
+    length: Option<f64>,
+    section: Section,
+    natural: Natural,
+) -> Result<Rod, InputError> {
+    let mut pairs = BasePairs::read(path, text.closed)?;
+    let count = pairs.positions.len();
+    // a rod that is straight and untwisted at rest models the axis
+    let axis = text.sequence.is_none() && matches!(text.natural, NaturalText::Straight);
+    let repeat = text.dna.as_ref().and_then(|dna| dna.helical_repeat).unwrap_or(HELICAL_REPEAT);
+    if axis {
+        pairs = pairs.unwound(repeat);
+    }
+    let segments = if text.closed { count } else { count.saturating_sub(1) };
+    let way = || (0..segments).map(|k| (pairs.positions[(k + 1) % count] - pairs.positions[k]).norm()).sum();
+    let length = length.unwrap_or_else(way);
+    let field = format!("rods.{}", text.name);
+    let from = |order: usize, positions, frames| {
+        Rod::from_nodes(&text.name, length, positions, frames, text.closed, section, order, natural.clone())
+    };
+    let wanted = text.elements.map(|elements| elements.saturating_mul(text.order));
+    let (positions, frames) = (pairs.positions, pairs.frames);
+    let rod = if wanted.is_none_or(|wanted| wanted == segments) {
+        if !segments.is_multiple_of(text.order.max(1)) {
+            let reason = format!("the base pairs make {segments} segments, no multiple of the order: give elements");
+            return Err(inconsistent(format!("{field}.elements"), &reason));
+        }
+        from(text.order, positions, frames)?
+    } else {
+        let fine = from(1, positions, frames)?;
+        let (positions, frames) = fine.resampled(wanted.unwrap_or(segments)).map_err(|error| within(&field, error))?;
+        from(text.order, positions, frames)?
+    };
+    if !text.closed {
+        return Ok(rod);
+    }
+    // base pairs close on each other, so the strands are linked a whole number of times
+    let removed = if axis { count as f64 / repeat } else { 0.0 };
+    let link = rod.start_link();
+    let excess = (link + removed).round() - removed - rod.natural_link();
+    rod.with_excess_link(excess)
+}
