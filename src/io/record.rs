@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
-use crate::observe::report::{Energies, Observation, SiteReport};
+use crate::observe::report::{Energies, Linking, Observation, SiteReport};
 use crate::scene::file::OutputChoice;
 use crate::scene::{Scene, Units};
 
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};
-use super::table::{write_sites, write_steps};
+use super::table::{Columns, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, write_vtp};
 pub(super) use files::{SUMMARY, VIEW, step_of};
@@ -119,7 +119,7 @@ pub struct RecordState {
 /// | file | content |
 /// |---|---|
 /// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView with frame, curvature, twist, contact force at the nodes |
-/// | `table.csv` | one line per accepted step |
+/// | `table.csv`, `table_columns.csv` | one line per accepted step; name, unit and meaning of its columns |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
@@ -137,6 +137,7 @@ pub struct Record {
     output: OutputChoice,
     planar: bool,
     rods: Vec<RodHead>,
+    columns: Columns,
     steps: Vec<Observation>,
     film: Vec<Still>,
     stride: usize,
@@ -171,6 +172,7 @@ impl Record {
             order: rod.order,
             nodes: rod.num_nodes(),
         };
+        let thermal = scene.thermal().map(|(_, unit)| unit);
         Ok(Self {
             dir: dir.to_owned(),
             title: scene.title.clone(),
@@ -179,6 +181,7 @@ impl Record {
             output: scene.output.clone(),
             planar: scene.model.planar,
             rods: scene.model.rods.iter().map(head).collect(),
+            columns: Columns::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal),
             steps: Vec::new(),
             film: Vec::new(),
             stride: 1,
@@ -217,6 +220,11 @@ impl Record {
         &self.steps
     }
 
+    /// Whether tubes are inside each other in the last state, see [`OVERLAP`](crate::observe::OVERLAP).
+    pub fn overlaps(&self) -> bool {
+        self.steps.last().is_some_and(|last| last.status == crate::observe::OVERLAP)
+    }
+
     /// Takes in an accepted state and writes its VTK file if it is due; `rods` in the order of the scene.
     ///
     /// # Errors
@@ -224,6 +232,10 @@ impl Record {
     pub fn push(&mut self, mut observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
         let sites = std::mem::take(&mut observation.sites);
         observation.sites = strongest(&sites);
+        if let Some(first) = self.steps.first() {
+            let changed = changes(first, &observation, &self.rods);
+            observation.notes.extend(changed);
+        }
         let frame = Frame { step: self.steps.len(), rods, sites };
         self.steps.push(observation);
         if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
@@ -264,7 +276,8 @@ impl Record {
     /// [`InputError::Write`] if a file cannot be written.
     pub fn finish(&mut self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
         let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
-        write_steps(&self.dir.join(files::TABLE), &names, &self.steps)?;
+        self.columns.write(&self.dir.join(files::TABLE), &self.steps)?;
+        self.columns.write_legend(&self.dir.join(files::LEGEND))?;
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
         self.write_final_state(&last)?;
@@ -360,6 +373,24 @@ impl Record {
             None => every(rod.positions.len(), self.output.node_every, head.closed),
         }
     }
+}
+
+/// Knots and links of rods that are no longer those of the start, in words.
+fn changes(first: &Observation, now: &Observation, rods: &[RodHead]) -> Vec<String> {
+    let name = |rod: usize| rods.get(rod).map_or("", |rod| rod.name.as_str());
+    let knots = now.knots.iter().filter_map(|knot| {
+        let before = first.knots.iter().find(|before| before.rod == knot.rod)?;
+        let kept = (before.determinant, before.at_third) == (knot.determinant, knot.at_third);
+        (!kept).then(|| format!("rod \"{}\" was the knot {} and is {} now", name(knot.rod), before.name, knot.name))
+    });
+    let linking = now.linking.iter().filter_map(|pair| {
+        let is_it = |other: &&Linking| (other.rod_a, other.rod_b) == (pair.rod_a, pair.rod_b);
+        let before = first.linking.iter().find(is_it)?;
+        let (a, b) = (name(pair.rod_a), name(pair.rod_b));
+        (before.link != pair.link)
+            .then(|| format!("rods \"{a}\" and \"{b}\" were linked {} times and are {} now", before.link, pair.link))
+    });
+    knots.chain(linking).collect()
 }
 
 /// The [`MAX_SITES`] sites with the largest forces, in their old order.

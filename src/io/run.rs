@@ -94,6 +94,13 @@ pub struct SceneRun {
     pub force: bool,
 }
 
+impl Outcome {
+    /// Whether the final state came to rest with tubes inside each other where contact does not resist it.
+    pub fn overlaps(&self) -> bool {
+        self.status == Status::Converged && self.steps.last().is_some_and(|last| last.status == observe::OVERLAP)
+    }
+}
+
 impl SceneRun {
     /// A run that nothing interrupts yet.
     pub fn new(scene: Scene, dir: &Path) -> Self {
@@ -242,6 +249,9 @@ impl Keeper {
     fn finish(mut self, result: Result<solve::Solution, RunError>) -> Result<Outcome, RunError> {
         let seconds = self.elapsed();
         let (converged, status) = match &result {
+            Ok(solution) if solution.status == Status::Converged && self.record.overlaps() => {
+                (true, observe::OVERLAP.to_owned())
+            }
             Ok(solution) => (solution.status == Status::Converged, solution.status.to_string()),
             Err(error) => (false, error.to_string()),
         };
@@ -260,7 +270,7 @@ impl Keeper {
             self.record.set_error_estimate(estimate.clone());
         }
         // also where no estimate can be made: the run itself has converged
-        self.record.finish(converged, &status, seconds)?;
+        self.record.finish(converged && !self.record.overlaps(), &status, seconds)?;
         let error_estimate = estimated?;
         if converged && self.on_disk {
             // all there is to know is in the outputs now; a checkpoint that cannot be removed does no harm

@@ -3,6 +3,7 @@
 //! is; [`strains()`] what the elements know.
 
 mod error_estimate;
+mod knots;
 pub mod report;
 mod sites;
 mod start;
@@ -13,5 +14,5 @@ mod strains;
 pub use crate::math::link;
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
-pub use state::{contact_sites, observe};
+pub use state::{OVERLAP, contact_sites, observe};
 pub use strains::{RodStrains, strains};

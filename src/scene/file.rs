@@ -1,5 +1,6 @@
 //! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
 
+mod advice;
 mod build;
 mod dna;
 mod help;
