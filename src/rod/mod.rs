@@ -6,6 +6,7 @@ mod along;
 mod body;
 pub mod element;
 mod link;
+mod number;
 mod refine;
 pub mod section;
 pub mod shape;
@@ -16,6 +17,7 @@ pub(crate) use body::STRAINS;
 #[cfg(feature = "scenes")]
 pub(crate) use body::within;
 pub use body::{MAX_TURN, Natural, NaturalStrains, Rod};
+pub use number::RodNumber;
 pub use section::{CrossSection, Section};
 pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot};
 pub use stiffness::Stiffness;

@@ -3,6 +3,7 @@
 use crate::math::Vec3;
 
 use super::model::{Model, NodeRef, Ramp, Stage};
+use crate::rod::RodNumber;
 
 /// A prescribed quantity at every place of the path.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +76,19 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
             let axis = |k: usize| (format!("{place}_displaced_{}", ["x", "y", "z"][k]), "L", 0.0, to[k]);
             moved.into_iter().map(axis).collect()
         }
-        Ramp::ExcessLink { .. } | Ramp::Pose { .. } => Vec::new(),
+        Ramp::Number { rod, which, to } => {
+            vec![(of_rod(which.name(), *rod), unit_of(*which), model.rods[*rod].number(*which), *to)]
+        }
+        Ramp::ExcessLink { .. } | Ramp::Pose { .. } | Ramp::Hold(_) | Ramp::Release(_) => Vec::new(),
+    }
+}
+
+fn unit_of(which: RodNumber) -> &'static str {
+    match which {
+        RodNumber::ContactRadius | RodNumber::Length => "L",
+        RodNumber::Bending1 | RodNumber::Bending2 | RodNumber::Twisting => "F L^2",
+        RodNumber::Stretching | RodNumber::Shearing1 | RodNumber::Shearing2 => "F",
+        RodNumber::Curvature1 | RodNumber::Curvature2 | RodNumber::Twist => "1/L",
     }
 }
 

@@ -29,5 +29,6 @@ mod pictures;
 mod scene_files;
 mod scene_help;
 mod scene_tables;
+mod stage_changes;
 mod survive;
 mod view;

@@ -7,7 +7,7 @@ use crate::error::InputError;
 use crate::io::csv::{Cell, write_table};
 use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
 use crate::scene::ramped::{axis_of, place_name, prescribed};
-use crate::scene::{Model, NodeRef, Stage, Units};
+use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
 
 type Value = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
 
@@ -87,14 +87,14 @@ impl Columns {
     fn prescribed(&mut self, model: &Model, stages: &[Stage], names: &Names) {
         for quantity in prescribed(model, stages) {
             let unit = match quantity.unit {
-                "L" => &names.length,
-                "F/L" => &names.pressure,
-                "F L" => &names.moment,
-                "F" => &names.force,
-                other => other,
+                "L" => names.length.clone(),
+                "F/L" => names.pressure.clone(),
+                "F L^2" => format!("{} {}", names.moment, names.length),
+                "1/L" => format!("1/{}", names.length),
+                "F" => names.force.clone(),
+                other => other.to_owned(),
             };
             let name = quantity.name.clone();
-            let unit = unit.replace("/L", &format!("/{}", names.length));
             self.add(&name, &unit, "prescribed by the stages", move |step| {
                 quantity.at(step.stage, step.fraction).into()
             });
@@ -293,14 +293,26 @@ fn number(x: f64) -> Cell {
 }
 
 /// Nodes that supports hold at some time of the run.
-fn supported(model: &Model, _stages: &[Stage]) -> Vec<NodeRef> {
-    let mut all: Vec<NodeRef> = model.supports.iter().map(|support| support.node).collect();
+fn supported(model: &Model, stages: &[Stage]) -> Vec<NodeRef> {
+    let mut all: Vec<NodeRef> = model.supports.iter().chain(set_later(stages)).map(|support| support.node).collect();
     all.sort_unstable();
     all.dedup();
     all
 }
 
 /// Components of position and rotation that are held there at some time.
-fn held(model: &Model, _stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]) {
-    model.fixed(node)
+fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]) {
+    let later = set_later(stages).filter(|support| support.node == node);
+    later.fold(model.fixed(node), |(position, rotation), support| {
+        let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
+        (either(position, support.position), either(rotation, support.rotation))
+    })
+}
+
+/// Supports that stages set.
+fn set_later(stages: &[Stage]) -> impl Iterator<Item = &Support> {
+    stages.iter().flat_map(|stage| &stage.ramps).filter_map(|ramp| match ramp {
+        Ramp::Hold(support) => Some(support),
+        _ => None,
+    })
 }

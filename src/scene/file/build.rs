@@ -7,7 +7,7 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, CrossSection, Natural, Rod, Section, Stiffness, check_stiffness};
+use crate::rod::{Along, CrossSection, Natural, Rod, RodNumber, Section, Stiffness, check_stiffness};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use crate::scene::{read_natural, read_stiffness};
 
@@ -15,6 +15,7 @@ use super::dna::Dna;
 use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SectionText, SequenceText, ShapeText, StageText,
+    SupportText,
 };
 use super::values::{At, List, Names, NaturalText};
 use super::{memory, mesh, poses, state};
@@ -54,14 +55,8 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     let contact = contact(&text.contact, text.fidelity, &rods)?;
     let mut model = Model { rods, contact, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
-        let field = format!("supports[{i}]");
-        let (position, rotation) = (support.position.0, support.rotation.0);
-        if (position, rotation) == ([false; 3], [false; 3]) {
-            return Err(inconsistent(field, "fixes nothing: set position or rotation to true or a list of axes"));
-        }
-        for node in nodes(&model.rods, &field, &support.rod, support.at)? {
-            model.supports.push(Support { node, position, rotation });
-        }
+        let supports = supports(&format!("supports[{i}]"), support, &model.rods)?;
+        model.supports.extend(supports);
     }
     for (i, joint) in text.joints.iter().enumerate() {
         let end = |name: &str, end: &EndText| {
@@ -81,6 +76,16 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         model.line_loads.push(LineLoad { rod, force: load.force.into() });
     }
     model.check().map(|()| model)
+}
+
+fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support>, InputError> {
+    let (position, rotation) = (text.position.0, text.rotation.0);
+    if (position, rotation) == ([false; 3], [false; 3]) {
+        let reason = "names no component: set position or rotation to true or a list of axes";
+        return Err(inconsistent(field.to_owned(), reason));
+    }
+    let nodes = nodes(rods, field, &text.rod, text.at)?;
+    Ok(nodes.into_iter().map(|node| Support { node, position, rotation }).collect())
 }
 
 pub(super) fn stages(
@@ -104,8 +109,17 @@ pub(super) fn further_stages(
     relaxed_links: &[Option<f64>],
 ) -> Result<Vec<Stage>, InputError> {
     let stage = |(i, stage): (usize, &StageText)| {
-        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)
-            .map(|ramps| Stage { ramps, steps: stage.steps })
+        let mut all = Vec::new();
+        for (k, gone) in stage.release.iter().enumerate() {
+            let supports = supports(&format!("stages[{i}].release[{k}]"), gone, &model.rods)?;
+            all.extend(supports.into_iter().map(Ramp::Release));
+        }
+        for (k, held) in stage.hold.iter().enumerate() {
+            let supports = supports(&format!("stages[{i}].hold[{k}]"), held, &model.rods)?;
+            all.extend(supports.into_iter().map(Ramp::Hold));
+        }
+        all.extend(ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)?);
+        Ok(Stage { ramps: all, steps: stage.steps })
     };
     let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
     model.check_stages(&stages)?;
@@ -153,6 +167,44 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
     for ramp in &text.pressure.0 {
         let rod = find_rod(rods, &format!("{field}.pressure"), ramp.rod.as_deref())?;
         ramps.push(Ramp::Pressure { rod, to: ramp.to });
+    }
+    numbers(field, text, rods).map(|numbers| ramps.into_iter().chain(numbers).collect())
+}
+
+/// Ramps of the numbers of rods.
+fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, InputError> {
+    let mut ramps = Vec::new();
+    let mut add = |field: String, name: Option<&str>, numbers: &[(RodNumber, Option<f64>)]| {
+        let rod = find_rod(rods, &field, name)?;
+        let given = numbers.iter().filter_map(|&(which, to)| to.map(|to| Ramp::Number { rod, which, to }));
+        let before = ramps.len();
+        ramps.extend(given);
+        if ramps.len() == before { Err(inconsistent(field, "names no number to ramp")) } else { Ok(()) }
+    };
+    for ramp in &text.section.0 {
+        let (bending, shearing) = (ramp.bending.map(|pair| pair.0), ramp.shearing.map(|pair| pair.0));
+        let numbers = [
+            (RodNumber::ContactRadius, ramp.contact_radius),
+            (RodNumber::Bending1, bending.map(|pair| pair[0])),
+            (RodNumber::Bending2, bending.map(|pair| pair[1])),
+            (RodNumber::Twisting, ramp.twisting),
+            (RodNumber::Stretching, ramp.stretching),
+            (RodNumber::Shearing1, shearing.map(|pair| pair[0])),
+            (RodNumber::Shearing2, shearing.map(|pair| pair[1])),
+        ];
+        add(format!("{field}.section"), ramp.rod.as_deref(), &numbers)?;
+    }
+    for ramp in &text.length.0 {
+        add(format!("{field}.length"), ramp.rod.as_deref(), &[(RodNumber::Length, Some(ramp.to))])?;
+    }
+    for ramp in &text.natural.0 {
+        let curvature = ramp.curvature.map(|pair| pair.0);
+        let numbers = [
+            (RodNumber::Curvature1, curvature.map(|pair| pair[0])),
+            (RodNumber::Curvature2, curvature.map(|pair| pair[1])),
+            (RodNumber::Twist, ramp.twist),
+        ];
+        add(format!("{field}.natural"), ramp.rod.as_deref(), &numbers)?;
     }
     Ok(ramps)
 }
