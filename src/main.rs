@@ -18,7 +18,9 @@ use supercoil::dna::sequence::Sequence;
 use supercoil::io::base_pairs::BasePairs;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::base_pairs;
+use supercoil::io::plot_run::RunTable;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
+use supercoil::io::schema::scene_schema;
 use supercoil::io::table::StepTable;
 use supercoil::io::view::{self, GlbOptions, Quantity};
 use supercoil::observe::{OVERLAP, StartOverlap, start_overlaps};
@@ -91,6 +93,20 @@ enum Command {
         #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
         color: String,
     },
+    /// Plot columns of a run's table (table.csv) as SVG. Steps in which the rods snapped are joined by a dashed line.
+    Plot {
+        /// Folder of the run.
+        dir: PathBuf,
+        /// Column along the horizontal axis.
+        #[arg(long, value_name = "COLUMN")]
+        x: String,
+        /// Columns along the vertical axis, of one unit.
+        #[arg(long, value_name = "COLUMN", value_delimiter = ',', required = true)]
+        y: Vec<String>,
+        /// File to write [default: DIR/Y.svg].
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
     /// Check a scene file without running it.
     Check {
         /// Scene file (TOML).
@@ -108,9 +124,10 @@ enum Command {
         /// File to write; must not be there yet [default: KIND.toml].
         file: Option<PathBuf>,
     },
-    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command.
+    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command; `help schema` prints the JSON Schema
+    /// of scene files, for editors.
     Help {
-        /// "scene", or a command.
+        /// "scene", "schema", or a command.
         topic: Option<String>,
         /// A key of scene files, for example excess_link, rods.shape or stages.ramp.pose.
         key: Option<String>,
@@ -191,6 +208,7 @@ fn main() -> ExitCode {
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
+        Command::Plot { dir, x, y, out } => plot(&dir, &x, &y, out),
         Command::New { kind, file } => new(&kind, file),
         Command::Help { topic, key } => explain(topic.as_deref(), key.as_deref()),
     };
@@ -210,6 +228,13 @@ fn view(dir: &Path, glb: Option<PathBuf>, color: &str) -> Result<u8, InputError>
         }
     };
     say(format_args!("{}", written.display()));
+    Ok(CONVERGED)
+}
+
+fn plot(dir: &Path, x: &str, y: &[String], out: Option<PathBuf>) -> Result<u8, InputError> {
+    let file = out.unwrap_or_else(|| dir.join(format!("{}.svg", y.join("_"))));
+    RunTable::read(dir)?.plot(x, y, &file)?;
+    say(format_args!("{}", file.display()));
     Ok(CONVERGED)
 }
 
@@ -241,11 +266,12 @@ fn explain(topic: Option<&str>, key: Option<&str>) -> Result<u8, InputError> {
     program.build();
     match topic {
         Some("scene") => say(format_args!("{}", help(key)?.trim_end())),
+        Some("schema") => say(format_args!("{}", scene_schema().trim_end())),
         None => say(format_args!("{}", program.render_help())),
         Some(topic) => match program.find_subcommand_mut(topic) {
             Some(command) => say(format_args!("{}", command.render_long_help())),
             None => {
-                let allowed = "\"scene\" or a command".to_owned();
+                let allowed = "\"scene\", \"schema\" or a command".to_owned();
                 return Err(InputError::Name { field: "topic".to_owned(), name: topic.to_owned(), allowed });
             }
         },

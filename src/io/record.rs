@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
-use crate::observe::report::{Energies, Linking, Observation, SiteReport};
-use crate::scene::file::OutputChoice;
+use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteReport};
+use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Scene, Units};
 
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};
-use super::table::{Columns, write_sites};
+use super::table::{Columns, write_lines, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, write_vtp};
 pub(super) use files::{SUMMARY, VIEW, step_of};
@@ -122,6 +122,7 @@ pub struct RecordState {
 /// | `table.csv`, `table_columns.csv` | one line per accepted step; name, unit and meaning of its columns |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
+/// | `lines.csv` | where strands lie along each other in the final state: pressure and gap along the lines |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
@@ -135,6 +136,7 @@ pub struct Record {
     /// Temperature, K, and kT at it, pN·nm, where units are nm and pN.
     thermal: Option<(f64, f64)>,
     output: OutputChoice,
+    choice: PictureChoice,
     planar: bool,
     rods: Vec<RodHead>,
     columns: Columns,
@@ -142,6 +144,7 @@ pub struct Record {
     film: Vec<Still>,
     stride: usize,
     last: Option<Frame>,
+    lines: Vec<LineSample>,
     last_written: Option<usize>,
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
@@ -179,6 +182,7 @@ impl Record {
             units: scene.units.clone(),
             thermal: scene.thermal(),
             output: scene.output.clone(),
+            choice: scene.picture.clone(),
             planar: scene.model.planar,
             rods: scene.model.rods.iter().map(head).collect(),
             columns: Columns::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal),
@@ -186,6 +190,7 @@ impl Record {
             film: Vec::new(),
             stride: 1,
             last: None,
+            lines: Vec::new(),
             last_written: None,
             pvd: PvdWriter::new(dir.join(files::COLLECTION)),
             error_estimate: None,
@@ -225,6 +230,15 @@ impl Record {
         self.steps.last().is_some_and(|last| last.status == crate::observe::OVERLAP)
     }
 
+    /// A rod with length and radius as they are in a step.
+    fn head(&self, rod: usize, step: usize) -> RodHead {
+        let head = self.rods[rod].clone();
+        match self.steps.get(step).and_then(|step| step.sizes.get(rod)) {
+            Some(size) => RodHead { length: size.length, contact_radius: size.contact_radius, ..head },
+            None => head,
+        }
+    }
+
     /// Takes in an accepted state and writes its VTK file if it is due; `rods` in the order of the scene.
     ///
     /// # Errors
@@ -260,6 +274,11 @@ impl Record {
         }
     }
 
+    /// Takes in the pressure along lines of contact in the final state.
+    pub fn set_lines(&mut self, lines: Vec<LineSample>) {
+        self.lines = lines;
+    }
+
     /// Takes in why the run went no further, for the summary.
     pub fn set_failure(&mut self, failure: Option<String>) {
         self.failure = failure;
@@ -281,7 +300,11 @@ impl Record {
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
         self.write_final_state(&last)?;
-        write_sites(&self.dir.join(files::SITES), &names, &last.sites)?;
+        let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
+        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites)?;
+        if !self.lines.is_empty() {
+            write_lines(&self.dir.join(files::LINES), &names, &self.lines)?;
+        }
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
         }
@@ -289,7 +312,8 @@ impl Record {
             self.write_pictures(&last)?;
         }
         if self.output.vtk && self.output.view {
-            let run = view::Parts { title: &self.title, units: &self.units, rods: &self.rods, steps: &self.steps };
+            let rods: Vec<RodHead> = (0..self.rods.len()).map(|rod| self.head(rod, last.step)).collect();
+            let run = view::Parts { title: &self.title, units: &self.units, rods: &rods, steps: &self.steps };
             view::film(&self.dir, &run, view::MAX_NODES)?.save_page(&self.dir.join(files::VIEW))?;
         }
         self.last = Some(last);
@@ -326,7 +350,8 @@ impl Record {
     }
 
     fn write_final_state(&self, last: &Frame) -> Result<(), InputError> {
-        let state = |(head, rod): (&RodHead, &RodSnapshot)| {
+        let state = |(index, rod): (usize, &RodSnapshot)| {
+            let head = self.head(index, last.step);
             let spacing = head.length / (head.elements * head.order) as f64;
             RodState {
                 arc_lengths: (0..head.nodes).map(|i| spacing * i as f64).collect(),
@@ -334,7 +359,7 @@ impl Record {
                 frames: rod.frames.clone(),
             }
         };
-        let states: Vec<RodState> = self.rods.iter().zip(&last.rods).map(state).collect();
+        let states: Vec<RodState> = last.rods.iter().enumerate().map(state).collect();
         write_state(&self.dir.join(files::FINAL_STATE), &states)
     }
 

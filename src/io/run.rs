@@ -258,6 +258,7 @@ impl Keeper {
         if let Ok(solution) = &result {
             let engine = solution.solver.engine();
             self.record.set_last(|| (snapshots(engine), observe::contact_sites(engine)));
+            self.record.set_lines(observe::contact_lines(engine));
             self.record.set_failure(solution.failure.as_ref().map(Failure::to_string));
             // before the outputs, which may take a while
             if solution.status == Status::Stopped || (self.on_disk && !converged) {

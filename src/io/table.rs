@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::observe::report::{Observation, SiteReport};
+use crate::observe::report::{LineSample, Observation, SiteReport};
 use crate::scene::Units;
 
 use super::csv::{Cell, write_table};
@@ -124,10 +124,10 @@ pub(super) fn fixed(x: f64, decimals: usize) -> String {
 /// What [`Observation::status`] says of a converged step.
 const CONVERGED: &str = "converged";
 
-/// A number in 11 columns: plain where that shows 5 digits, else in powers of ten.
+/// A number in 11 columns, one of them blank: plain where that shows 5 digits, else in powers of ten.
 fn number(x: f64) -> String {
     let x = x + 0.0; // + 0.0 turns −0 into 0
-    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { format!("{x:>11.4}") } else { format!("{x:>11.3e}") }
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:>11.4}") } else { format!("{x:>11.3e}") }
 }
 
 impl fmt::Display for StepTable<'_> {
@@ -144,13 +144,19 @@ fn name_of(rods: &[String], rod: usize) -> Result<&str, InputError> {
     rods.get(rod).map(String::as_str).ok_or_else(refuse)
 }
 
-/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, smallest gap, force, crossing angle,
+/// Length of an interval, over the seam of a closed rod if it ends below its start.
+fn length_of(arc: [f64; 2], rod: Option<&f64>) -> f64 {
+    let length = arc[1] - arc[0];
+    if length < 0.0 { length + rod.copied().unwrap_or(0.0) } else { length }
+}
+
+/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
 /// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods`
-/// are the names of all rods.
+/// and `lengths` are the names and lengths \[L\] of all rods.
 ///
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
-pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result<(), InputError> {
+pub fn write_sites(path: &Path, rods: &[String], lengths: &[f64], sites: &[SiteReport]) -> Result<(), InputError> {
     let header = [
         "rod_a",
         "from_a",
@@ -159,6 +165,8 @@ pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result
         "from_b",
         "to_b",
         "kind",
+        "length",
+        "pressure",
         "gap",
         "force",
         "angle",
@@ -177,11 +185,28 @@ pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result
             |rod: usize, arc: [f64; 2]| name_of(rods, rod).map(|name| [Cell::from(name), arc[0].into(), arc[1].into()]);
         let mut cells: Vec<Cell> = [strand(site.rod_a, site.arc_a)?, strand(site.rod_b, site.arc_b)?].concat();
         cells.push(site.kind.as_str().into());
+        let length = length_of(site.arc_a, lengths.get(site.rod_a));
+        cells.extend([length, if length > 0.0 { site.force / length } else { 0.0 }].map(Cell::from));
         cells.extend([site.gap, site.force, site.angle].map(Cell::from));
         cells.extend([site.force_on_a, site.feet[0], site.feet[1]].into_iter().flatten().map(Cell::from));
         Ok(cells)
     };
     write_table(path, &header, sites.iter().map(row).collect::<Result<Vec<_>, _>>()?)
+}
+
+/// Writes the pressure along lines of contact as CSV: index of the site (line of `sites.csv`, from 0), rods and arc
+/// lengths, force per length of rod a, gap.
+///
+/// # Errors
+/// As [`write_sites`].
+pub fn write_lines(path: &Path, rods: &[String], samples: &[LineSample]) -> Result<(), InputError> {
+    let row = |sample: &LineSample| -> Result<[Cell; 7], InputError> {
+        let (a, b) = (name_of(rods, sample.rod_a)?, name_of(rods, sample.rod_b)?);
+        let LineSample { site, arc_a, arc_b, pressure, gap, .. } = *sample;
+        Ok([site.into(), a.into(), arc_a.into(), b.into(), arc_b.into(), pressure.into(), gap.into()])
+    };
+    let header = ["site", "rod_a", "arc_a", "rod_b", "arc_b", "pressure", "gap"];
+    write_table(path, &header, samples.iter().map(row).collect::<Result<Vec<_>, _>>()?)
 }
 
 #[cfg(test)]
@@ -202,6 +227,7 @@ pub(super) mod tests {
             seam_moment: 1.5,
         };
         Observation {
+            sizes: Vec::new(),
             ends: Vec::new(),
             linking: Vec::new(),
             knots: Vec::new(),
@@ -232,7 +258,7 @@ pub(super) mod tests {
         let text = StepTable { units: &Units::default(), steps: &steps }.to_string();
         let widths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
         assert_eq!(widths, vec![widths[0]; 6], "{text}");
-        assert!(text.contains("123456.7890") && text.contains("1.000e-9"), "{text}");
+        assert!(text.contains("1.235e5") && text.contains("1.000e-9"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(StepTable::line(&failed).ends_with("  stopped"));
     }

@@ -14,5 +14,5 @@ mod strains;
 pub use crate::math::link;
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
-pub use state::{OVERLAP, contact_sites, observe};
+pub use state::{OVERLAP, contact_lines, contact_sites, observe};
 pub use strains::{RodStrains, strains};

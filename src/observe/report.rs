@@ -99,6 +99,26 @@ pub struct SiteReport {
     pub feet: [[f64; 3]; 2],
 }
 
+/// Contact at one place of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LineSample {
+    /// Index of the site.
+    pub site: usize,
+    /// Rod of strand a.
+    pub rod_a: usize,
+    /// Arc length on strand a \[L\].
+    pub arc_a: f64,
+    /// Rod of strand b.
+    pub rod_b: usize,
+    /// Arc length on strand b \[L\].
+    pub arc_b: f64,
+    /// Force per arc length of strand a \[F/L\], smoothed over the width of the contact law; its integral is the site's force.
+    pub pressure: f64,
+    /// Gap \[L\].
+    pub gap: f64,
+}
+
 /// Force and moment a support exerts on the rod, in the global axes: a stretched rod is pulled outwards at its end.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -137,6 +157,16 @@ pub struct RodLink {
     pub writhe: f64,
     /// Twisting moment M3 that the rod transmits at its seam \[F·L\]; positive if overtwisted.
     pub seam_moment: f64,
+}
+
+/// Numbers of a rod that stages may change and files need.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RodSize {
+    /// Reference length \[L\].
+    pub length: f64,
+    /// Contact radius \[L\].
+    pub contact_radius: f64,
 }
 
 /// Ends of an open rod.
@@ -232,6 +262,9 @@ pub struct Observation {
     pub min_gap: Option<GapReport>,
     /// Number of contact sites.
     pub num_sites: usize,
+    /// Length and contact radius of each rod.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub sizes: Vec<RodSize>,
     /// Ends of open rods.
     #[cfg_attr(feature = "serde", serde(default))]
     pub ends: Vec<RodEnds>,

@@ -7,13 +7,15 @@ use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
 use crate::math::Vec3;
 use crate::math::link::{link_numbers, ribbon_twist, writhe};
+use crate::rod::Rod;
 use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
+use crate::solve::contact_side::ContactSide;
 use crate::solve::{Engine, Progress, Status};
 
 use super::knots;
-use super::report::{Energies, GapReport, Observation, Reaction, RodEnds, RodLink, SiteReport};
-use super::sites::{Layer, sites};
+use super::report::{Energies, GapReport, LineSample, Observation, Reaction, RodEnds, RodLink, RodSize, SiteReport};
+use super::sites::{Layer, lines, sites};
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -36,7 +38,7 @@ pub fn observe(progress: &Progress) -> Observation {
     let residual = engine.residual(engine.state());
     let sites = sites_of(engine, &residual);
     let min_gap = min_gap(engine);
-    let overlaps = overlaps(progress, min_gap.as_ref());
+    let (at_end, overlaps) = overlaps(progress, min_gap.as_ref());
     let status = if overlaps.is_empty() { progress.report.status.to_string() } else { OVERLAP.to_owned() };
     Observation {
         stage: progress.stage,
@@ -45,7 +47,8 @@ pub fn observe(progress: &Progress) -> Observation {
         status,
         links: links(engine, &residual),
         energies: energies(&residual.potential),
-        notes: notes(progress).into_iter().chain(overlaps).collect(),
+        notes: notes(progress).into_iter().chain(at_end).chain(overlaps).collect(),
+        sizes: engine.model().rods.iter().map(size).collect(),
         ends: ends(engine),
         linking: knots::linking(engine),
         knots: knots::knots(engine, min_gap.as_ref()),
@@ -68,16 +71,29 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
     sites_of(engine, &engine.residual(engine.state()))
 }
 
+/// Contact along the lines of the engine's state: pressure and gap at places a half of the contact law's width apart.
+pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
+    let residual = engine.residual(engine.state());
+    engine
+        .contact
+        .as_ref()
+        .map_or_else(Vec::new, |side| lines(&side.set, &residual.meetings, &side.rods, &layer(engine, side)))
+}
+
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
-    engine.contact.as_ref().map_or_else(Vec::new, |side| {
-        let softer = |rod: &usize| engine.model().rods[*rod].section.smaller_bending();
-        let stiffness = match side.law {
-            Law::Linear { stiffness } => stiffness,
-            Law::Core { .. } => engine.contact_stiffness(),
-        };
-        let layer = Layer { stiffness, bending: side.rods.iter().map(softer).collect() };
-        sites(&side.set, &residual.meetings, &side.rods, &layer)
-    })
+    engine
+        .contact
+        .as_ref()
+        .map_or_else(Vec::new, |side| sites(&side.set, &residual.meetings, &side.rods, &layer(engine, side)))
+}
+
+fn layer(engine: &Engine, side: &ContactSide) -> Layer {
+    let softer = |rod: &usize| engine.model().rods[*rod].section.smaller_bending();
+    let stiffness = match side.law {
+        Law::Linear { stiffness } => stiffness,
+        Law::Core { .. } => engine.contact_stiffness(),
+    };
+    Layer { stiffness, bending: side.rods.iter().map(softer).collect() }
 }
 
 fn energies(potential: &Potential) -> Energies {
@@ -98,6 +114,10 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
         RodLink { rod, excess_link, link, twist, excess_twist, writhe: link - twist, seam_moment }
     };
     (0..rods.len()).filter(|&rod| rods[rod].closed).map(link_of).collect()
+}
+
+fn size(rod: &Rod) -> RodSize {
+    RodSize { length: rod.length, contact_radius: rod.section.contact_radius }
 }
 
 /// Angle between the tangents at both ends, rad, up to which they count as parallel.
@@ -155,10 +175,11 @@ fn notes(progress: &Progress) -> Vec<String> {
 }
 
 /// Overlaps of a state at rest that contact does not resist: it acts between strands, not between neighbours along one.
-fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
+/// Apart from the others, that of a rod's rounded end with what follows along the rod, which is none of the tube.
+fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>, Vec<String>) {
     let engine = progress.engine;
     let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
-        return Vec::new();
+        return (None, Vec::new());
     };
     let rods = &engine.model().rods;
     let too_tight = side.rods.iter().filter_map(|&rod| {
@@ -184,7 +205,19 @@ fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
             -gap.upper / side.min_radius
         )
     });
-    too_tight.chain(inside).collect()
+    let of_end = min_gap.is_some_and(|gap| is_of_end(&rods[gap.rod_a], gap));
+    let (at_end, inside) = if of_end { (inside, None) } else { (None, inside) };
+    (at_end, too_tight.chain(inside).collect())
+}
+
+/// Whether a gap is that of an open rod's end to a place nearer along the rod than half a turn about its own radius.
+fn is_of_end(rod: &Rod, gap: &GapReport) -> bool {
+    let is_end = |arc: f64| arc <= 0.0 || arc >= rod.length;
+    let along = (gap.arc_a - gap.arc_b).abs();
+    gap.rod_a == gap.rod_b
+        && !rod.closed
+        && (is_end(gap.arc_a) || is_end(gap.arc_b))
+        && along < std::f64::consts::PI * rod.section.contact_radius
 }
 
 fn min_gap(engine: &Engine) -> Option<GapReport> {

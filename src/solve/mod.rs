@@ -20,7 +20,7 @@ pub(crate) mod assembly;
 mod balance;
 mod changes;
 mod coarse_first;
-mod contact_side;
+pub(crate) mod contact_side;
 pub mod continuation;
 pub(crate) mod engine;
 mod failure;

@@ -31,4 +31,5 @@ mod scene_help;
 mod scene_tables;
 mod stage_changes;
 mod survive;
+mod told;
 mod view;

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::scene::{Fidelity, Units};
 
 use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
-use super::{OutputChoice, SolverChoice};
+use super::{OutputChoice, PictureChoice, SolverChoice};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -39,6 +39,8 @@ pub(super) struct SceneText {
     pub solver: SolverChoice,
     #[serde(default, deserialize_with = "table")]
     pub output: OutputChoice,
+    #[serde(default, deserialize_with = "table")]
+    pub picture: PictureChoice,
 }
 
 fn default_order() -> usize {
