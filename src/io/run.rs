@@ -9,10 +9,11 @@ use crate::error::InputError;
 use crate::observe;
 use crate::observe::ErrorEstimate;
 use crate::observe::report::Observation;
-use crate::scene::Scene;
+use crate::scene::file::{FollowChoice, FollowStart};
+use crate::scene::{Ramp, Scene};
 use crate::solve::{
-    self, Engine, Failure, Interrupt, NewtonOptions, NodalFields, Options, Progress, Restart, RunError, Status,
-    Waypoint,
+    self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
+    PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
 };
 
 use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
@@ -186,7 +187,18 @@ impl SceneRun {
                 }
             }
         };
-        let result = solve::run_from(self.scene.model, &self.scene.stages, &options, from, &mut observer);
+        let followed = self.scene.follow.and_then(|choice| Some((choice, self.scene.stages.last()?.ramps.first()?)));
+        let stepped = &self.scene.stages[..self.scene.stages.len() - usize::from(followed.is_some())];
+        let mut result = solve::run_from(self.scene.model, stepped, &options, from, &mut observer);
+        if let (None, Ok(solution), Some((choice, ramp))) = (&failed, &mut result, followed)
+            && solution.status == Status::Converged
+        {
+            let stage = stepped.len();
+            let ended = keeper.follow(solution, stage, ramp, &choice, watch);
+            if let Err(error) = ended {
+                failed = Some(error);
+            }
+        }
         match failed {
             Some(error) => Err(error.into()),
             None => keeper.finish(result),
@@ -223,6 +235,59 @@ impl Keeper {
         // an interval too long for a Duration never ends
         let interval = Duration::try_from_secs_f64(self.seconds).unwrap_or(Duration::MAX);
         if by_steps || self.last.elapsed() >= interval { self.write() } else { Ok(()) }
+    }
+
+    /// Follows the path of a ramp from where a solution stands. No checkpoint is written on the way: a run that is taken
+    /// up again follows the path from its beginning.
+    fn follow(
+        &mut self,
+        solution: &mut solve::Solution,
+        stage: usize,
+        ramp: &Ramp,
+        choice: &FollowChoice,
+        watch: &mut Watch,
+    ) -> Result<(), InputError> {
+        self.latest = None;
+        let before = self.record.steps().len();
+        let mut failed = None;
+        let options = FollowOptions {
+            start: match choice.start {
+                FollowStart::Towards => Start::Towards,
+                FollowStart::Away => Start::Away,
+                FollowStart::Branch => Start::Branch { forwards: true },
+                FollowStart::OtherBranch => Start::Branch { forwards: false },
+            },
+            step: choice.step,
+            max_step: choice.max_step,
+            max_points: choice.max_points,
+            ..FollowOptions::default()
+        };
+        let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
+            // it is the state that the stages before have ended with
+            if point.kind == PointKind::Start {
+                return ControlFlow::Continue(());
+            }
+            let mut observation = observe::observe(&point.progress);
+            observation.stage = stage;
+            observation.step = self.record.steps().len();
+            observation.notes.extend(kind_in_words(point));
+            let seen = watch(&observation);
+            match self.record.push(observation, snapshots(point.engine())) {
+                Ok(()) => seen,
+                Err(error) => {
+                    failed = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        })?;
+        solution.status = match report.end {
+            PathEnd::Target | PathEnd::MaxPoints => Status::Converged,
+            PathEnd::Stopped => Status::Stopped,
+            _ => Status::StepTooSmall,
+        };
+        solution.num_steps += self.record.steps().len() - before;
+        solution.iterations += report.iterations;
+        failed.map_or(Ok(()), Err)
     }
 
     /// Writes a checkpoint of the last accepted state, if there is any.
@@ -287,6 +352,17 @@ impl Keeper {
             checkpoint,
             error_estimate,
         })
+    }
+}
+
+/// What a point of a path is, where that is worth a note.
+fn kind_in_words(point: &PathPoint) -> Option<String> {
+    let value = point.value;
+    match point.kind {
+        PointKind::Limit => Some(format!("limit point: what is ramped turns back at {value:.6}")),
+        PointKind::Branch { .. } => Some(format!("branch point: other paths cross at {value:.6}")),
+        PointKind::Corner => Some(format!("corner: a contact begins, ends, splits or joins at {value:.6}")),
+        PointKind::Start | PointKind::Regular | PointKind::Target => None,
     }
 }
 

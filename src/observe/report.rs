@@ -79,7 +79,8 @@ pub struct SiteReport {
     /// "line" where the mean of both intervals is longer than 3.9 (B/κ)^¼ for rods of equal bending stiffness B (the
     /// smaller of the two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a
     /// point contact at the load at which it opens into a line or into two points. Stiffer laws shorten the zone of a
-    /// point (as κ^(−1/3)), but not a line. Two points closer than that to each other are reported as one line.
+    /// point (as κ^(−1/3)), but not a line. Contacts nearer to each other on both strands than two layers (B/κ)^¼ are one site: of a line, pressure may
+    /// vanish between nodes.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,

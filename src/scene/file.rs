@@ -72,6 +72,8 @@ pub struct Scene {
     pub model: Model,
     /// The path.
     pub stages: Vec<Stage>,
+    /// The last stage is a path to be followed like this.
+    pub follow: Option<FollowChoice>,
     /// Solver settings that differ from the defaults.
     pub solver: SolverChoice,
     /// What to write.
@@ -127,6 +129,52 @@ pub struct OutputChoice {
     pub error_estimate: bool,
     /// Folder, relative to the working directory; the command line's `--out` goes before it.
     pub dir: Option<PathBuf>,
+}
+
+/// How the path of the last stage is followed, see `solve::FollowOptions`: through limit points, where steps would jump.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FollowChoice {
+    /// Where to go first.
+    pub start: FollowStart,
+    /// First step, arc length. Legal: > 0.
+    pub step: f64,
+    /// Longest step, arc length. Legal: ≥ `step`.
+    pub max_step: f64,
+    /// Points after which the path ends. Legal: ≥ 1.
+    pub max_points: usize,
+}
+
+/// Where a path is begun.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FollowStart {
+    /// Towards the ramp's target.
+    #[default]
+    Towards,
+    /// Away from it.
+    Away,
+    /// At a branch point: onto the branch, along the critical direction.
+    Branch,
+    /// At a branch point: onto the branch, against the critical direction.
+    OtherBranch,
+}
+
+impl Default for FollowChoice {
+    fn default() -> Self {
+        Self { start: FollowStart::Towards, step: 0.05, max_step: 0.2, max_points: 500 }
+    }
+}
+
+impl FollowChoice {
+    fn check(&self) -> Result<(), InputError> {
+        InputError::positive("follow.step", self.step)?;
+        InputError::check("follow.max_step", self.max_step, self.max_step >= self.step, "at least step")?;
+        if self.max_points == 0 {
+            return Err(InputError::Count { field: "follow.max_points".into(), value: 0, allowed: "at least 1" });
+        }
+        Ok(())
+    }
 }
 
 /// How pictures are drawn.
@@ -290,6 +338,7 @@ impl Scene {
         let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;
+        let follow = build::follow(&text.stages, &stages)?;
         let SceneText { title, temperature, fidelity, mut solver, output, picture, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
         Ok(Self {
@@ -300,6 +349,7 @@ impl Scene {
             fidelity,
             model,
             stages,
+            follow,
             solver,
             output,
             picture,

@@ -18,6 +18,22 @@ use crate::solve::state::Target;
 /// Numbers of rods that have been ramped.
 pub type Numbers = BTreeMap<(usize, RodNumber), f64>;
 
+/// Numbers as a list: text formats have words for keys only.
+#[cfg(feature = "serde")]
+pub(crate) mod as_list {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{Numbers, RodNumber};
+
+    pub(crate) fn serialize<S: Serializer>(numbers: &Numbers, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(numbers)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Numbers, D::Error> {
+        Vec::<((usize, RodNumber), f64)>::deserialize(deserializer).map(|list| list.into_iter().collect())
+    }
+}
+
 impl Engine {
     /// Makes the model that of the state's numbers.
     ///

@@ -27,6 +27,7 @@ pub struct State {
     /// Per rod: pressure \[F/L\].
     pub pressures: Vec<f64>,
     /// Numbers of rods that ramps have changed.
+    #[cfg_attr(feature = "serde", serde(with = "crate::solve::changes::as_list"))]
     pub numbers: Numbers,
 }
 

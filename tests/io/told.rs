@@ -256,3 +256,49 @@ fn fits(root: &serde_json::Value, schema: &serde_json::Value, value: &serde_json
     }
     Ok(())
 }
+
+const ARCH: &str = r#"
+planar = true
+[[rods]]
+shape = { kind = "arc", radius = 1.0, turns = 0.2, tangent = [0.8090169943749475, 0.5877852522924731, 0.0], towards = [0.5877852522924731, -0.8090169943749475, 0.0] }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 }
+natural = "as-shaped"
+elements = 16
+[[supports]]
+at = "start"
+position = true
+[[supports]]
+at = "end"
+position = true
+[[loads]]
+at = 24
+force = [0.0, -30.0, 0.0]
+[[stages]]
+ramp = { load = 1.0 }
+follow = { max_step = 0.1, max_points = 60 }
+[output]
+vtk = false
+picture = false
+"#;
+
+/// An arch that snaps under its load is followed through the limit point: the load falls while the crown goes on down.
+#[test]
+fn paths_are_followed_through_limit_points() {
+    let dir = folder("arch");
+    let (code, printed, error) = run(&dir, ARCH);
+    assert_eq!(code, 0, "{error}");
+    assert!(printed.contains("limit point: what is ramped turns back at"), "{printed}");
+    let (_, rows) = table(&dir.join("out/table.csv"));
+    let loads: Vec<f64> = rows.iter().map(|row| number(row, "load")).collect();
+    let top = loads.iter().take_while(|load| **load < 1.0).copied().fold(0.0, f64::max);
+    let falls = loads.windows(2).any(|pair| pair[1] < pair[0] - 1e-3);
+    assert!(falls && top > 0.05, "{loads:?}");
+    // both supports bear the load at every point of the path
+    for row in &rows {
+        let held = number(row, "start_force_y") + number(row, "end_force_y");
+        assert!((held - 30.0 * number(row, "load")).abs() < 1e-6, "{held} {row:?}");
+    }
+    let (code, _, error) = run(&dir, &ARCH.replace("[output]", "[[stages]]\nramp = { load = 0.0 }\n[output]"));
+    assert!(code == 2 && error.contains("only for the last stage"), "{error}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}

@@ -11,6 +11,7 @@ use crate::rod::{Along, CrossSection, Natural, Rod, RodNumber, Section, Stiffnes
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use crate::scene::{read_natural, read_stiffness};
 
+use super::FollowChoice;
 use super::dna::Dna;
 use super::shapes::{Wound, shape};
 use super::text::{
@@ -124,6 +125,31 @@ pub(super) fn further_stages(
     let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
     model.check_stages(&stages)?;
     Ok(stages)
+}
+
+/// How the last stage is followed, if it is.
+pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
+    let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
+    let field = format!("stages[{place}].follow");
+    if place + 1 < text.len() {
+        return Err(inconsistent(field, "is only for the last stage: a path may end anywhere"));
+    }
+    let steady = |ramp: &Ramp| {
+        matches!(
+            ramp,
+            Ramp::ExcessLink { .. }
+                | Ramp::Rotation { .. }
+                | Ramp::Displacement { .. }
+                | Ramp::Load { .. }
+                | Ramp::Pressure { .. }
+        )
+    };
+    if !matches!(stages[place].ramps.as_slice(), [only] if steady(only)) {
+        let reason =
+            "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or pressure";
+        return Err(inconsistent(field, reason));
+    }
+    text[place].follow.map(|choice| choice.check().map(|()| choice)).transpose()
 }
 
 fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f64>]) -> Result<Vec<Ramp>, InputError> {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::scene::{Fidelity, Units};
 
 use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
-use super::{OutputChoice, PictureChoice, SolverChoice};
+use super::{FollowChoice, OutputChoice, PictureChoice, SolverChoice};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -294,6 +294,9 @@ pub(super) struct StageText {
     pub hold: Vec<SupportText>,
     #[serde(default, deserialize_with = "tables")]
     pub release: Vec<SupportText>,
+    #[serde(default, deserialize_with = "some_table")]
+    pub follow: Option<FollowChoice>,
+    #[serde(default = "one")]
     pub steps: usize,
 }
 
