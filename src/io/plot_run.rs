@@ -81,7 +81,7 @@ impl RunTable {
 }
 
 /// A curve that is interrupted where the rods snapped, and the pieces across.
-pub(super) fn with_jumps(points: &[(f64, f64)], snapped: &[bool]) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+pub(super) fn with_jumps(points: &[Point], snapped: &[bool]) -> (Vec<Point>, Vec<Point>) {
     let gap = (f64::NAN, f64::NAN);
     let (mut line, mut jumps) = (Vec::new(), Vec::new());
     for (k, &point) in points.iter().enumerate() {
@@ -94,6 +94,7 @@ pub(super) fn with_jumps(points: &[(f64, f64)], snapped: &[bool]) -> (Vec<(f64, 
     (line, jumps)
 }
 
+type Point = (f64, f64);
 type Rows = (Vec<String>, Vec<Vec<String>>);
 
 fn read(path: &Path) -> Result<Rows, InputError> {

@@ -126,7 +126,7 @@ mod tests {
     fn pressure_is_smoothed_and_its_resultant_kept() {
         let source = |k: usize| Source {
             arcs: [0.05 + 0.1 * k as f64, 7.0 - 0.1 * k as f64],
-            force: if k % 2 == 0 { 1.2 } else { 0.8 },
+            force: if k.is_multiple_of(2) { 1.2 } else { 0.8 },
             gap: -1e-9,
         };
         let found = smoothed((0..100).map(source).collect(), 10.0, 0.5);
