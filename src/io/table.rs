@@ -238,7 +238,7 @@ pub(super) mod tests {
             status: CONVERGED.to_owned(),
             notes: Vec::new(),
             links: vec![link],
-            energies: Energies { bend: 123456.789, twist: 1e-9, total: 123456.789, ..Energies::default() },
+            energies: Energies { bend: 123456.789, twist: 1e-6, total: 123456.789, ..Energies::default() },
             min_gap: None,
             num_sites: 0,
             sites: Vec::new(),
@@ -258,7 +258,7 @@ pub(super) mod tests {
         let text = StepTable { units: &Units::default(), steps: &steps }.to_string();
         let widths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
         assert_eq!(widths, vec![widths[0]; 6], "{text}");
-        assert!(text.contains("1.235e5") && text.contains("1.000e-9"), "{text}");
+        assert!(text.contains("1.235e5") && text.contains("1.000e-6"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(StepTable::line(&failed).ends_with("  stopped"));
     }
