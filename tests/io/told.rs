@@ -110,7 +110,9 @@ fn lines_of_contact_have_their_pressure() {
     let (_, sites) = table(&dir.join("out/sites.csv"));
     let (_, lines) = table(&dir.join("out/lines.csv"));
     let (_, rows) = table(&dir.join("out/table.csv"));
-    let is_of = |site: &&BTreeMap<String, String>, a: &str, b: &str| site["rod_a"] == a && site["rod_b"] == b;
+    let is_of = |site: &&BTreeMap<String, String>, a: &str, b: &str| {
+        site["rod_a"] == a && site["rod_b"] == b && site["kind"] == "line"
+    };
     let between = |a: &str, b: &str| sites.iter().filter(|site| is_of(site, a, b)).count();
     assert_eq!([between("w1", "w2"), between("w1", "w6"), between("w3", "w5")], [1, 1, 0]);
     let mut found = 0;
