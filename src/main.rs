@@ -2,7 +2,7 @@
 //! `supercoil view DIR`, `supercoil export DIR` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
-//! read-only, folder in use), 130 stopped by Ctrl-C or `--time-limit`.
+//! read-only, folder in use), 4 came to rest with tubes inside each other, 130 stopped by Ctrl-C or `--time-limit`.
 #![allow(clippy::print_stderr)] // a program talks to its user
 
 mod progress;
@@ -18,10 +18,12 @@ use supercoil::dna::base_pairs::BasePairs;
 use supercoil::dna::sequence::Sequence;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::base_pairs;
+use supercoil::io::plot_run::RunTable;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
+use supercoil::io::schema::scene_schema;
 use supercoil::io::table::StepTable;
 use supercoil::io::view::{self, GlbOptions, Quantity};
-use supercoil::observe::{StartOverlap, start_overlaps};
+use supercoil::observe::{OVERLAP, StartOverlap, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Options, RunError, Solver, Status};
@@ -32,6 +34,7 @@ const CONVERGED: u8 = 0;
 const NOT_CONVERGED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NOT_WRITTEN: u8 = 3;
+const OVERLAPS: u8 = 4;
 const INTERRUPTED: u8 = 130;
 
 /// Overlaps told one by one.
@@ -43,7 +46,7 @@ const MOST_WARNINGS: usize = 10;
     version,
     disable_help_subcommand = true,
     after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
-    full, read-only, folder in use), 130 stopped by Ctrl-C or --time-limit."
+    full, read-only, folder in use), 4 came to rest with tubes inside each other (status overlap), 130 stopped by Ctrl-C or --time-limit."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -90,6 +93,20 @@ enum Command {
         #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
         color: String,
     },
+    /// Plot columns of a run's table (table.csv) as SVG. Steps in which the rods snapped are joined by a dashed line.
+    Plot {
+        /// Folder of the run.
+        dir: PathBuf,
+        /// Column along the horizontal axis.
+        #[arg(long, value_name = "COLUMN")]
+        x: String,
+        /// Columns along the vertical axis, of one unit.
+        #[arg(long, value_name = "COLUMN", value_delimiter = ',', required = true)]
+        y: Vec<String>,
+        /// File to write [default: DIR/Y.svg].
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
     /// Check a scene file without running it.
     Check {
         /// Scene file (TOML).
@@ -107,9 +124,10 @@ enum Command {
         /// File to write; must not be there yet [default: KIND.toml].
         file: Option<PathBuf>,
     },
-    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command.
+    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command; `help schema` prints the JSON Schema
+    /// of scene files, for editors.
     Help {
-        /// "scene", or a command.
+        /// "scene", "schema", or a command.
         topic: Option<String>,
         /// A key of scene files, for example excess_link, rods.shape or stages.ramp.pose.
         key: Option<String>,
@@ -202,6 +220,7 @@ fn main() -> ExitCode {
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
+        Command::Plot { dir, x, y, out } => plot(&dir, &x, &y, out),
         Command::New { kind, file } => new(&kind, file),
         Command::Help { topic, key } => explain(topic.as_deref(), key.as_deref()),
     };
@@ -221,6 +240,13 @@ fn view(dir: &Path, glb: Option<PathBuf>, color: &str) -> Result<u8, InputError>
         }
     };
     say(format_args!("{}", written.display()));
+    Ok(CONVERGED)
+}
+
+fn plot(dir: &Path, x: &str, y: &[String], out: Option<PathBuf>) -> Result<u8, InputError> {
+    let file = out.unwrap_or_else(|| dir.join(format!("{}.svg", y.join("_"))));
+    RunTable::read(dir)?.plot(x, y, &file)?;
+    say(format_args!("{}", file.display()));
     Ok(CONVERGED)
 }
 
@@ -252,11 +278,12 @@ fn explain(topic: Option<&str>, key: Option<&str>) -> Result<u8, InputError> {
     program.build();
     match topic {
         Some("scene") => say(format_args!("{}", help(key)?.trim_end())),
+        Some("schema") => say(format_args!("{}", scene_schema().trim_end())),
         None => say(format_args!("{}", program.render_help())),
         Some(topic) => match program.find_subcommand_mut(topic) {
             Some(command) => say(format_args!("{}", command.render_long_help())),
             None => {
-                let allowed = "\"scene\" or a command".to_owned();
+                let allowed = "\"scene\", \"schema\" or a command".to_owned();
                 return Err(InputError::Name { field: "topic".to_owned(), name: topic.to_owned(), allowed });
             }
         },
@@ -275,13 +302,16 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
     let (supports, joints, stages) = (scene.model.supports.len(), scene.model.joints.len(), scene.stages.len());
     say(format_args!("  {supports} supports, {joints} joints, {stages} stages of {steps} steps in all"));
+    scene.expectations().iter().for_each(|line| say(format_args!("  {line}")));
+    let warnings = scene.warnings();
+    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     // what a run refuses before its first step
     let overlaps = Solver::new(scene.model.clone(), Options::default())
         .map(drop)
         .map_err(RunError::Input)
         .and_then(|()| start_overlaps(&scene.model));
     match overlaps {
-        Ok(overlaps) if overlaps.is_empty() => say(format_args!("  nothing to object")),
+        Ok(overlaps) if overlaps.is_empty() && warnings.is_empty() => say(format_args!("  nothing to object")),
         Ok(overlaps) => warn(&overlaps),
         Err(RunError::Input(error)) => return Err(error),
         Err(error) => {
@@ -332,6 +362,7 @@ fn run(file: &Path, set: &[String], out: Option<PathBuf>, force: bool, choices: 
         say(format_args!("{}", scene.title));
     }
     if !choices.quiet {
+        scene.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
         // what goes wrong here goes wrong in the run, too, and is told there
         let overlaps = start_overlaps(&scene.model).unwrap_or_default();
         warn(&overlaps.into_iter().filter(|overlap| overlap.through).collect::<Vec<_>>());
@@ -420,13 +451,16 @@ fn report(
             let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
             say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
         }
-        for note in outcome.steps.last().iter().flat_map(|step| &step.notes) {
-            say(format_args!("note: {note}"));
-        }
         if let Some(estimate) = &outcome.error_estimate {
             say(format_args!("{estimate}"));
         }
-        say(format_args!("{} after {:.1} s; files are in {}", outcome.status, outcome.seconds, dir.display()));
+        let status = if outcome.overlaps() { OVERLAP.to_owned() } else { outcome.status.to_string() };
+        say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
+    }
+    if outcome.overlaps() {
+        let notes = outcome.steps.last().map_or_else(String::new, |last| last.notes.join("; "));
+        eprintln!("overlap: {notes}");
+        return OVERLAPS;
     }
     if outcome.status == Status::Converged {
         return CONVERGED;

@@ -1,11 +1,18 @@
-//! The command line's progress bar: how much of the path is done, how long the rest will take.
+//! The command line's progress: how much of the path is done, how long the rest will take. A bar on a terminal; where
+//! standard error goes to a file or a pipe, a line every half minute.
 
+use std::io::IsTerminal;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use supercoil::observe::report::Observation;
 use supercoil::scene::Stage;
+
+/// Time between two lines where there is no terminal: few in a log, soon enough to see that a run lives.
+const HEARTBEAT: Duration = Duration::from_secs(30);
 
 /// Ticks of the bar per planned step.
 const TICKS: f64 = 100.0;
@@ -16,6 +23,8 @@ pub struct Bar {
     bar: ProgressBar,
     /// Planned steps of each stage.
     steps: Vec<usize>,
+    /// No more lines.
+    is_over: Arc<AtomicBool>,
 }
 
 impl Bar {
@@ -24,10 +33,15 @@ impl Bar {
         let steps: Vec<usize> = stages.iter().map(|stage| stage.steps).collect();
         let total = (TICKS * steps.iter().sum::<usize>().max(1) as f64) as u64;
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };
-        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed} spent, about {eta} left  {msg}");
+        let style =
+            ProgressStyle::with_template("{bar:20} {percent:>3} %  {elapsed} spent, about {eta} left  {wide_msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.enable_steady_tick(Duration::from_millis(500));
-        let this = Self { bar, steps };
+        let this = Self { bar, steps, is_over: Arc::default() };
+        if !quiet && !std::io::stderr().is_terminal() {
+            let (told, beat) = (this.clone(), HEARTBEAT);
+            std::thread::spawn(move || told.tell_every(beat));
+        }
         if let Some((stage, fraction)) = from {
             this.bar.set_position(this.position(stage, fraction));
             this.bar.reset_eta();
@@ -55,8 +69,23 @@ impl Bar {
         self.bar.suspend(|| eprintln!("{line}"));
     }
 
+    /// Prints a line after each such time until the bar is taken away.
+    fn tell_every(&self, time: Duration) {
+        loop {
+            std::thread::sleep(time);
+            if self.is_over.load(Ordering::Relaxed) {
+                return;
+            }
+            let percent = 100.0 * self.bar.position() as f64 / self.bar.length().unwrap_or(1).max(1) as f64;
+            let (seconds, message) = (self.bar.elapsed().as_secs(), self.bar.message());
+            let message = if message.is_empty() { "bringing the start to rest".to_owned() } else { message };
+            eprintln!("{percent:.0} %, {seconds} s spent: {message}");
+        }
+    }
+
     /// Takes the bar away.
     pub fn clear(&self) {
+        self.is_over.store(true, Ordering::Relaxed);
         self.bar.finish_and_clear();
     }
 }

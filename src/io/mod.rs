@@ -2,7 +2,7 @@
 //! states; feature `tables`), `picture` (shaded tubes, plots; feature `pictures`), `view` (a page to turn and to step
 //! through, glTF; `view`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run that
 //! survives), `record` (all that a run leaves behind), `run` (a scene from start to files), `export` (the base pairs of
-//! a run).
+//! a run), `plot_run` (columns of its table), `schema` (scene files as editors know them).
 
 #[cfg(feature = "runs")]
 pub mod checkpoint;
@@ -16,9 +16,13 @@ mod folder;
 #[cfg(feature = "pictures")]
 pub mod picture;
 #[cfg(feature = "runs")]
+pub mod plot_run;
+#[cfg(feature = "runs")]
 pub mod record;
 #[cfg(feature = "runs")]
 pub mod run;
+#[cfg(feature = "runs")]
+pub mod schema;
 #[cfg(feature = "tables")]
 pub mod table;
 #[cfg(feature = "view")]

@@ -10,6 +10,7 @@
 //! fonts are needed.
 
 pub(super) mod camera;
+pub(super) mod legend;
 pub(super) mod palette;
 mod plot;
 mod raster;
@@ -270,6 +271,25 @@ impl Picture {
     pub fn save_png(&self, path: &Path) -> Result<(), InputError> {
         let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
         let buffer = image::RgbImage::from_raw(self.width as u32, self.height as u32, self.rgb.clone());
+        let buffer = buffer.ok_or_else(|| refuse("picture of inconsistent size".to_owned()))?;
+        buffer.save_with_format(path, image::ImageFormat::Png).map_err(|e| refuse(e.to_string()))
+    }
+
+    /// Writes a PNG file without background: this picture is drawn before white, the other the same before black.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] if the file cannot be written, or the pictures are not of one size.
+    pub fn save_transparent_png(&self, on_black: &Self, path: &Path) -> Result<(), InputError> {
+        let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
+        let pixel = |(white, black): (&[u8], &[u8])| {
+            // background shows through as far as the two differ, and is told from the brightest channel of either
+            let differ = (0..3).map(|k| white[k].saturating_sub(black[k])).min().unwrap_or(0);
+            let alpha = 255 - differ;
+            let channel = |k: usize| (255 * usize::from(black[k]) / usize::from(alpha.max(1))).min(255) as u8;
+            [channel(0), channel(1), channel(2), alpha]
+        };
+        let rgba = self.rgb.chunks_exact(3).zip(on_black.rgb.chunks_exact(3)).flat_map(pixel).collect();
+        let buffer = image::RgbaImage::from_raw(self.width as u32, self.height as u32, rgba);
         let buffer = buffer.ok_or_else(|| refuse("picture of inconsistent size".to_owned()))?;
         buffer.save_with_format(path, image::ImageFormat::Png).map_err(|e| refuse(e.to_string()))
     }

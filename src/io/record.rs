@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
-use crate::observe::report::{Energies, Observation, SiteReport};
-use crate::scene::file::OutputChoice;
+use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteReport};
+use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Scene, Units};
 
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};
-use super::table::{write_sites, write_steps};
+use super::table::{Columns, write_lines, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, write_vtp};
 pub(super) use files::{SUMMARY, VIEW, step_of};
@@ -119,9 +119,10 @@ pub struct RecordState {
 /// | file | content |
 /// |---|---|
 /// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView with frame, curvature, twist, contact force at the nodes |
-/// | `table.csv` | one line per accepted step |
+/// | `table.csv`, `table_columns.csv` | one line per accepted step; name, unit and meaning of its columns |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
+/// | `lines.csv` | where strands lie along each other in the final state: pressure and gap along the lines |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
@@ -135,12 +136,15 @@ pub struct Record {
     /// Temperature, K, and kT at it, pN·nm, where units are nm and pN.
     thermal: Option<(f64, f64)>,
     output: OutputChoice,
+    choice: PictureChoice,
     planar: bool,
     rods: Vec<RodHead>,
+    columns: Columns,
     steps: Vec<Observation>,
     film: Vec<Still>,
     stride: usize,
     last: Option<Frame>,
+    lines: Vec<LineSample>,
     last_written: Option<usize>,
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
@@ -171,18 +175,22 @@ impl Record {
             order: rod.order,
             nodes: rod.num_nodes(),
         };
+        let thermal = scene.thermal().map(|(_, unit)| unit);
         Ok(Self {
             dir: dir.to_owned(),
             title: scene.title.clone(),
             units: scene.units.clone(),
             thermal: scene.thermal(),
             output: scene.output.clone(),
+            choice: scene.picture.clone(),
             planar: scene.model.planar,
             rods: scene.model.rods.iter().map(head).collect(),
+            columns: Columns::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal),
             steps: Vec::new(),
             film: Vec::new(),
             stride: 1,
             last: None,
+            lines: Vec::new(),
             last_written: None,
             pvd: PvdWriter::new(dir.join(files::COLLECTION)),
             error_estimate: None,
@@ -217,6 +225,20 @@ impl Record {
         &self.steps
     }
 
+    /// Whether tubes are inside each other in the last state, see [`OVERLAP`](crate::observe::OVERLAP).
+    pub fn overlaps(&self) -> bool {
+        self.steps.last().is_some_and(|last| last.status == crate::observe::OVERLAP)
+    }
+
+    /// A rod with length and radius as they are in a step.
+    fn head(&self, rod: usize, step: usize) -> RodHead {
+        let head = self.rods[rod].clone();
+        match self.steps.get(step).and_then(|step| step.sizes.get(rod)) {
+            Some(size) => RodHead { length: size.length, contact_radius: size.contact_radius, ..head },
+            None => head,
+        }
+    }
+
     /// Takes in an accepted state and writes its VTK file if it is due; `rods` in the order of the scene.
     ///
     /// # Errors
@@ -224,6 +246,10 @@ impl Record {
     pub fn push(&mut self, mut observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
         let sites = std::mem::take(&mut observation.sites);
         observation.sites = strongest(&sites);
+        if let Some(first) = self.steps.first() {
+            let changed = changes(first, &observation, &self.rods);
+            observation.notes.extend(changed);
+        }
         let frame = Frame { step: self.steps.len(), rods, sites };
         self.steps.push(observation);
         if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
@@ -248,6 +274,11 @@ impl Record {
         }
     }
 
+    /// Takes in the pressure along lines of contact in the final state.
+    pub fn set_lines(&mut self, lines: Vec<LineSample>) {
+        self.lines = lines;
+    }
+
     /// Takes in why the run went no further, for the summary.
     pub fn set_failure(&mut self, failure: Option<String>) {
         self.failure = failure;
@@ -264,11 +295,16 @@ impl Record {
     /// [`InputError::Write`] if a file cannot be written.
     pub fn finish(&mut self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
         let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
-        write_steps(&self.dir.join(files::TABLE), &names, &self.steps)?;
+        self.columns.write(&self.dir.join(files::TABLE), &self.steps)?;
+        self.columns.write_legend(&self.dir.join(files::LEGEND))?;
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
         self.write_final_state(&last)?;
-        write_sites(&self.dir.join(files::SITES), &names, &last.sites)?;
+        let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
+        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites)?;
+        if !self.lines.is_empty() {
+            write_lines(&self.dir.join(files::LINES), &names, &self.lines)?;
+        }
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
         }
@@ -276,7 +312,8 @@ impl Record {
             self.write_pictures(&last)?;
         }
         if self.output.vtk && self.output.view {
-            let run = view::Parts { title: &self.title, units: &self.units, rods: &self.rods, steps: &self.steps };
+            let rods: Vec<RodHead> = (0..self.rods.len()).map(|rod| self.head(rod, last.step)).collect();
+            let run = view::Parts { title: &self.title, units: &self.units, rods: &rods, steps: &self.steps };
             view::film(&self.dir, &run, view::MAX_NODES)?.save_page(&self.dir.join(files::VIEW))?;
         }
         self.last = Some(last);
@@ -313,7 +350,8 @@ impl Record {
     }
 
     fn write_final_state(&self, last: &Frame) -> Result<(), InputError> {
-        let state = |(head, rod): (&RodHead, &RodSnapshot)| {
+        let state = |(index, rod): (usize, &RodSnapshot)| {
+            let head = self.head(index, last.step);
             let spacing = head.length / (head.elements * head.order) as f64;
             RodState {
                 arc_lengths: (0..head.nodes).map(|i| spacing * i as f64).collect(),
@@ -321,7 +359,7 @@ impl Record {
                 frames: rod.frames.clone(),
             }
         };
-        let states: Vec<RodState> = self.rods.iter().zip(&last.rods).map(state).collect();
+        let states: Vec<RodState> = last.rods.iter().enumerate().map(state).collect();
         write_state(&self.dir.join(files::FINAL_STATE), &states)
     }
 
@@ -360,6 +398,24 @@ impl Record {
             None => every(rod.positions.len(), self.output.node_every, head.closed),
         }
     }
+}
+
+/// Knots and links of rods that are no longer those of the start, in words.
+fn changes(first: &Observation, now: &Observation, rods: &[RodHead]) -> Vec<String> {
+    let name = |rod: usize| rods.get(rod).map_or("", |rod| rod.name.as_str());
+    let knots = now.knots.iter().filter_map(|knot| {
+        let before = first.knots.iter().find(|before| before.rod == knot.rod)?;
+        let kept = (before.determinant, before.at_third) == (knot.determinant, knot.at_third);
+        (!kept).then(|| format!("rod \"{}\" was the knot {} and is {} now", name(knot.rod), before.name, knot.name))
+    });
+    let linking = now.linking.iter().filter_map(|pair| {
+        let is_it = |other: &&Linking| (other.rod_a, other.rod_b) == (pair.rod_a, pair.rod_b);
+        let before = first.linking.iter().find(is_it)?;
+        let (a, b) = (name(pair.rod_a), name(pair.rod_b));
+        (before.link != pair.link)
+            .then(|| format!("rods \"{a}\" and \"{b}\" were linked {} times and are {} now", before.link, pair.link))
+    });
+    knots.chain(linking).collect()
 }
 
 /// The [`MAX_SITES`] sites with the largest forces, in their old order.

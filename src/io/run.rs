@@ -9,10 +9,11 @@ use crate::error::InputError;
 use crate::observe;
 use crate::observe::ErrorEstimate;
 use crate::observe::report::Observation;
-use crate::scene::Scene;
+use crate::scene::file::{FollowChoice, FollowStart};
+use crate::scene::{Ramp, Scene};
 use crate::solve::{
-    self, Engine, Failure, Interrupt, NewtonOptions, NodalFields, Options, Progress, Restart, RunError, Status,
-    Waypoint,
+    self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
+    PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
 };
 
 use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
@@ -92,6 +93,13 @@ pub struct SceneRun {
     pub interrupt: Interrupt,
     /// Replaces what another scene has left in the folder; else that is refused.
     pub force: bool,
+}
+
+impl Outcome {
+    /// Whether the final state came to rest with tubes inside each other where contact does not resist it.
+    pub fn overlaps(&self) -> bool {
+        self.status == Status::Converged && self.steps.last().is_some_and(|last| last.status == observe::OVERLAP)
+    }
 }
 
 impl SceneRun {
@@ -179,7 +187,18 @@ impl SceneRun {
                 }
             }
         };
-        let result = solve::run_from(self.scene.model, &self.scene.stages, &options, from, &mut observer);
+        let followed = self.scene.follow.and_then(|choice| Some((choice, self.scene.stages.last()?.ramps.first()?)));
+        let stepped = &self.scene.stages[..self.scene.stages.len() - usize::from(followed.is_some())];
+        let mut result = solve::run_from(self.scene.model, stepped, &options, from, &mut observer);
+        if let (None, Ok(solution), Some((choice, ramp))) = (&failed, &mut result, followed)
+            && solution.status == Status::Converged
+        {
+            let stage = stepped.len();
+            let ended = keeper.follow(solution, stage, ramp, &choice, watch);
+            if let Err(error) = ended {
+                failed = Some(error);
+            }
+        }
         match failed {
             Some(error) => Err(error.into()),
             None => keeper.finish(result),
@@ -218,6 +237,59 @@ impl Keeper {
         if by_steps || self.last.elapsed() >= interval { self.write() } else { Ok(()) }
     }
 
+    /// Follows the path of a ramp from where a solution stands. No checkpoint is written on the way: a run that is taken
+    /// up again follows the path from its beginning.
+    fn follow(
+        &mut self,
+        solution: &mut solve::Solution,
+        stage: usize,
+        ramp: &Ramp,
+        choice: &FollowChoice,
+        watch: &mut Watch,
+    ) -> Result<(), InputError> {
+        self.latest = None;
+        let before = self.record.steps().len();
+        let mut failed = None;
+        let options = FollowOptions {
+            start: match choice.start {
+                FollowStart::Towards => Start::Towards,
+                FollowStart::Away => Start::Away,
+                FollowStart::Branch => Start::Branch { forwards: true },
+                FollowStart::OtherBranch => Start::Branch { forwards: false },
+            },
+            step: choice.step,
+            max_step: choice.max_step,
+            max_points: choice.max_points,
+            ..FollowOptions::default()
+        };
+        let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
+            // it is the state that the stages before have ended with
+            if point.kind == PointKind::Start {
+                return ControlFlow::Continue(());
+            }
+            let mut observation = observe::observe(&point.progress);
+            observation.stage = stage;
+            observation.step = self.record.steps().len();
+            observation.notes.extend(kind_in_words(point));
+            let seen = watch(&observation);
+            match self.record.push(observation, snapshots(point.engine())) {
+                Ok(()) => seen,
+                Err(error) => {
+                    failed = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
+        })?;
+        solution.status = match report.end {
+            PathEnd::Target | PathEnd::MaxPoints => Status::Converged,
+            PathEnd::Stopped => Status::Stopped,
+            _ => Status::StepTooSmall,
+        };
+        solution.num_steps += self.record.steps().len() - before;
+        solution.iterations += report.iterations;
+        failed.map_or(Ok(()), Err)
+    }
+
     /// Writes a checkpoint of the last accepted state, if there is any.
     fn write(&mut self) -> Result<(), InputError> {
         let Some(restart) = &self.latest else { return Ok(()) };
@@ -242,12 +314,16 @@ impl Keeper {
     fn finish(mut self, result: Result<solve::Solution, RunError>) -> Result<Outcome, RunError> {
         let seconds = self.elapsed();
         let (converged, status) = match &result {
+            Ok(solution) if solution.status == Status::Converged && self.record.overlaps() => {
+                (true, observe::OVERLAP.to_owned())
+            }
             Ok(solution) => (solution.status == Status::Converged, solution.status.to_string()),
             Err(error) => (false, error.to_string()),
         };
         if let Ok(solution) = &result {
             let engine = solution.solver.engine();
             self.record.set_last(|| (snapshots(engine), observe::contact_sites(engine)));
+            self.record.set_lines(observe::contact_lines(engine));
             self.record.set_failure(solution.failure.as_ref().map(Failure::to_string));
             // before the outputs, which may take a while
             if solution.status == Status::Stopped || (self.on_disk && !converged) {
@@ -260,7 +336,7 @@ impl Keeper {
             self.record.set_error_estimate(estimate.clone());
         }
         // also where no estimate can be made: the run itself has converged
-        self.record.finish(converged, &status, seconds)?;
+        self.record.finish(converged && !self.record.overlaps(), &status, seconds)?;
         let error_estimate = estimated?;
         if converged && self.on_disk {
             // all there is to know is in the outputs now; a checkpoint that cannot be removed does no harm
@@ -276,6 +352,17 @@ impl Keeper {
             checkpoint,
             error_estimate,
         })
+    }
+}
+
+/// What a point of a path is, where that is worth a note.
+fn kind_in_words(point: &PathPoint) -> Option<String> {
+    let value = point.value;
+    match point.kind {
+        PointKind::Limit => Some(format!("limit point: what is ramped turns back at {value:.6}")),
+        PointKind::Branch { .. } => Some(format!("branch point: other paths cross at {value:.6}")),
+        PointKind::Corner => Some(format!("corner: a contact begins, ends, splits or joins at {value:.6}")),
+        PointKind::Start | PointKind::Regular | PointKind::Target => None,
     }
 }
 

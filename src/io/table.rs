@@ -1,13 +1,17 @@
-//! A run as a table: for people ([`StepTable`]) and for programs ([`write_steps`]).
+//! A run as a table: for people ([`StepTable`]) and for programs ([`Columns`]).
 
 use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::observe::report::{Observation, SiteReport};
+use crate::observe::report::{LineSample, Observation, SiteReport};
 use crate::scene::Units;
 
 use super::csv::{Cell, write_table};
+
+mod columns;
+
+pub use columns::Columns;
 
 /// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod.
 ///
@@ -32,11 +36,11 @@ fn columns(units: &Units) -> [(&'static str, String, usize); 13] {
         ("twist", turns(), 9),
         ("bending", energy.clone(), 11),
         ("twisting", energy.clone(), 11),
-        ("stretch", energy.clone(), 11),
-        ("shear", energy, 11),
+        ("stretching", energy.clone(), 11),
+        ("shearing", energy, 11),
         ("least gap", units.length.clone(), 11),
         ("sites", none(), 6),
-        ("contact", units.force.clone(), 11),
+        ("cont. force", units.force.clone(), 12),
         ("unst.", none(), 6),
         ("iter.", none(), 9),
     ]
@@ -59,8 +63,10 @@ impl StepTable<'_> {
         let e = &step.energies;
         let mut line = format!("{:>5}", step.step);
         line += &[link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)].map(turns).concat();
-        line += &[e.bend, e.twist, e.stretch, e.shear].map(number).concat();
-        line += &format!("{gap}{:>6}{}", step.num_sites, number(step.total_contact_force));
+        // what is rounding beside the others is zero
+        let energy = |x: f64| number(if x.abs() < ROUNDING * e.total.abs() { 0.0 } else { x });
+        line += &[e.bend, e.twist, e.stretch, e.shear].map(energy).concat();
+        line += &format!("{gap}{:>6} {}", step.num_sites, number(step.total_contact_force));
         let iterations = match step.iterations_elsewhere {
             0 => step.iterations.to_string(),
             elsewhere => format!("{}+{elsewhere}", step.iterations),
@@ -70,11 +76,44 @@ impl StepTable<'_> {
             line += &format!("  {}", step.status);
         }
         if !step.notes.is_empty() {
-            line += "  see notes";
+            line += "  *";
         }
         line
     }
+
+    /// Notes of the steps marked by a star, one a line; steps that follow each other with the same note share a line.
+    /// The first so many lines, and a line that counts the others.
+    fn footnotes(&self) -> Vec<String> {
+        let mut runs: Vec<(usize, usize, &str)> = Vec::new();
+        for (step, note) in self.steps.iter().flat_map(|step| step.notes.iter().map(|note| (step.step, note.as_str())))
+        {
+            match runs.iter_mut().rev().find(|run| run.2 == note && run.1 + 1 == step) {
+                Some(run) => run.1 = step,
+                None => runs.push((step, step, note)),
+            }
+        }
+        let line = |&(from, to, note): &(usize, usize, &str)| match from == to {
+            true => format!("* step {from}: {note}"),
+            false => format!("* steps {from} to {to}: {note}"),
+        };
+        let left_out = runs.len().saturating_sub(MOST_NOTES);
+        // the last are those of the final state
+        let shown = runs
+            .iter()
+            .take(MOST_NOTES - 1)
+            .chain(runs.iter().skip((MOST_NOTES - 1).max(runs.len().saturating_sub(1))));
+        let mut lines: Vec<String> = shown.map(line).collect();
+        if left_out > 0 {
+            lines.insert(MOST_NOTES - 1, format!("* {left_out} more notes: column notes of table.csv"));
+        }
+        lines
+    }
 }
+
+/// An energy below this part of the total is printed as zero.
+const ROUNDING: f64 = 1e-14;
+/// Notes printed below a table.
+const MOST_NOTES: usize = 12;
 
 /// A number with so many decimals; rounding must not print as -0.00.
 pub(super) fn fixed(x: f64, decimals: usize) -> String {
@@ -85,62 +124,18 @@ pub(super) fn fixed(x: f64, decimals: usize) -> String {
 /// What [`Observation::status`] says of a converged step.
 const CONVERGED: &str = "converged";
 
-/// A number in 11 columns: plain where that shows 5 digits, else in powers of ten.
+/// A number in 11 columns, one of them blank: plain where that shows 5 digits, else in powers of ten.
 fn number(x: f64) -> String {
     let x = x + 0.0; // + 0.0 turns −0 into 0
-    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { format!("{x:>11.4}") } else { format!("{x:>11.3e}") }
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:>11.4}") } else { format!("{x:>11.3e}") }
 }
 
 impl fmt::Display for StepTable<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", Self::head(self.units))?;
-        self.steps.iter().try_for_each(|step| writeln!(f, "{}", Self::line(step)))
+        self.steps.iter().try_for_each(|step| writeln!(f, "{}", Self::line(step)))?;
+        self.footnotes().iter().try_for_each(|note| writeln!(f, "{note}"))
     }
-}
-
-/// Writes the steps as CSV: step, stage, fraction, link numbers of each closed rod, energies, smallest gap (lower
-/// bound), sites, contact force, unstable directions, energy released by snaps, iterations (and those on shorter rods or coarser meshes),
-/// seconds, status. Units as in the scene, links in turns.
-///
-/// `rods` are the names of all rods; where several are closed their columns carry the name.
-///
-/// # Errors
-/// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
-pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Result<(), InputError> {
-    let closed: Vec<usize> =
-        steps.first().map_or_else(Vec::new, |step| step.links.iter().map(|link| link.rod).collect());
-    let mut header: Vec<String> = ["step", "stage", "fraction"].map(str::to_owned).to_vec();
-    for rod in &closed {
-        let suffix = if closed.len() > 1 { format!("_{}", name_of(rods, *rod)?) } else { String::new() };
-        header.extend(
-            ["excess_link", "link", "twist", "excess_twist", "writhe", "seam_moment"]
-                .map(|name| format!("{name}{suffix}")),
-        );
-    }
-    let rest =
-        ["stretch", "shear", "bend", "twist_energy", "contact", "electrostatic", "total", "min_gap", "num_sites"];
-    header.extend(rest.map(str::to_owned));
-    header.extend(["total_contact_force", "num_unstable", "energy_released", "iterations"].map(str::to_owned));
-    header.extend(["iterations_elsewhere", "seconds", "status"].map(str::to_owned));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    write_table(path, &header, steps.iter().map(cells))
-}
-
-fn cells(step: &Observation) -> Vec<Cell> {
-    let e = &step.energies;
-    let mut cells = vec![step.step.into(), step.stage.into(), step.fraction.into()];
-    for link in &step.links {
-        cells.extend(
-            [link.excess_link, link.link, link.twist, link.excess_twist, link.writhe, link.seam_moment].map(Cell::from),
-        );
-    }
-    cells.extend([e.stretch, e.shear, e.bend, e.twist, e.contact, e.electrostatic, e.total].map(Cell::from));
-    cells.push(step.min_gap.map_or_else(|| Cell::from(""), |gap| gap.lower.into()));
-    cells.extend([step.num_sites.into(), step.total_contact_force.into(), step.num_unstable.into()]);
-    cells.push(step.energy_released.into());
-    cells.extend([step.iterations.into(), step.iterations_elsewhere.into()]);
-    cells.extend([step.seconds.into(), step.status.as_str().into()]);
-    cells
 }
 
 /// Name of a rod that a step or site tells of.
@@ -149,13 +144,19 @@ fn name_of(rods: &[String], rod: usize) -> Result<&str, InputError> {
     rods.get(rod).map(String::as_str).ok_or_else(refuse)
 }
 
-/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, smallest gap, force, crossing angle,
+/// Length of an interval, over the seam of a closed rod if it ends below its start.
+fn length_of(arc: [f64; 2], rod: Option<&f64>) -> f64 {
+    let length = arc[1] - arc[0];
+    if length < 0.0 { length + rod.copied().unwrap_or(0.0) } else { length }
+}
+
+/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
 /// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods`
-/// are the names of all rods.
+/// and `lengths` are the names and lengths \[L\] of all rods.
 ///
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
-pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result<(), InputError> {
+pub fn write_sites(path: &Path, rods: &[String], lengths: &[f64], sites: &[SiteReport]) -> Result<(), InputError> {
     let header = [
         "rod_a",
         "from_a",
@@ -164,6 +165,8 @@ pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result
         "from_b",
         "to_b",
         "kind",
+        "length",
+        "pressure",
         "gap",
         "force",
         "angle",
@@ -182,11 +185,28 @@ pub fn write_sites(path: &Path, rods: &[String], sites: &[SiteReport]) -> Result
             |rod: usize, arc: [f64; 2]| name_of(rods, rod).map(|name| [Cell::from(name), arc[0].into(), arc[1].into()]);
         let mut cells: Vec<Cell> = [strand(site.rod_a, site.arc_a)?, strand(site.rod_b, site.arc_b)?].concat();
         cells.push(site.kind.as_str().into());
+        let length = length_of(site.arc_a, lengths.get(site.rod_a));
+        cells.extend([length, if length > 0.0 { site.force / length } else { 0.0 }].map(Cell::from));
         cells.extend([site.gap, site.force, site.angle].map(Cell::from));
         cells.extend([site.force_on_a, site.feet[0], site.feet[1]].into_iter().flatten().map(Cell::from));
         Ok(cells)
     };
     write_table(path, &header, sites.iter().map(row).collect::<Result<Vec<_>, _>>()?)
+}
+
+/// Writes the pressure along lines of contact as CSV: index of the site (line of `sites.csv`, from 0), rods and arc
+/// lengths, force per length of rod a, gap.
+///
+/// # Errors
+/// As [`write_sites`].
+pub fn write_lines(path: &Path, rods: &[String], samples: &[LineSample]) -> Result<(), InputError> {
+    let row = |sample: &LineSample| -> Result<[Cell; 7], InputError> {
+        let (a, b) = (name_of(rods, sample.rod_a)?, name_of(rods, sample.rod_b)?);
+        let LineSample { site, arc_a, arc_b, pressure, gap, .. } = *sample;
+        Ok([site.into(), a.into(), arc_a.into(), b.into(), arc_b.into(), pressure.into(), gap.into()])
+    };
+    let header = ["site", "rod_a", "arc_a", "rod_b", "arc_b", "pressure", "gap"];
+    write_table(path, &header, samples.iter().map(row).collect::<Result<Vec<_>, _>>()?)
 }
 
 #[cfg(test)]
@@ -207,13 +227,18 @@ pub(super) mod tests {
             seam_moment: 1.5,
         };
         Observation {
+            sizes: Vec::new(),
+            ends: Vec::new(),
+            linking: Vec::new(),
+            knots: Vec::new(),
+            contact_resultants: 0.0,
             stage: 0,
             step,
             fraction: 0.5,
             status: CONVERGED.to_owned(),
             notes: Vec::new(),
             links: vec![link],
-            energies: Energies { bend: 123456.789, twist: 1e-9, total: 123456.789, ..Energies::default() },
+            energies: Energies { bend: 123456.789, twist: 1e-6, total: 123456.789, ..Energies::default() },
             min_gap: None,
             num_sites: 0,
             sites: Vec::new(),
@@ -233,7 +258,7 @@ pub(super) mod tests {
         let text = StepTable { units: &Units::default(), steps: &steps }.to_string();
         let widths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
         assert_eq!(widths, vec![widths[0]; 6], "{text}");
-        assert!(text.contains("123456.7890") && text.contains("1.000e-9"), "{text}");
+        assert!(text.contains("1.235e5") && text.contains("1.000e-6"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(StepTable::line(&failed).ends_with("  stopped"));
     }
@@ -244,27 +269,84 @@ pub(super) mod tests {
         assert_eq!(number(-0.0).trim(), "0.0000");
     }
 
-    /// Symptom: too few names panicked. Mechanism: they were indexed by the rods of the steps.
-    #[test]
-    fn rods_without_a_name_are_refused() {
-        let path = Path::new("/nowhere/steps.csv");
-        let mut step = observation(0);
-        let other = RodLink { rod: 1, ..step.links[0] };
-        step.links.push(other);
-        let error = write_steps(path, &["dna".into()], &[step]).unwrap_err().to_string();
-        assert_eq!(error, "rods = 1: must be one name a rod");
+    fn model(text: &str) -> crate::scene::Scene {
+        crate::scene::Scene::from_toml(text, Path::new("")).unwrap()
     }
 
+    /// Every column has a cell in every line; the legend names each.
     #[test]
     fn csv_has_a_column_for_everything() {
-        let path = std::env::temp_dir().join(format!("supercoil_steps_{}.csv", std::process::id()));
-        write_steps(&path, &["dna".into()], &[observation(0), observation(1)]).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::remove_file(&path).unwrap();
-        assert!(
-            text.starts_with("step,stage,fraction,excess_link,link,twist,excess_twist,writhe,seam_moment,stretch,"),
-            "{text}"
+        let scene = model(
+            r#"
+            [[rods]]
+            name = "ring"
+            closed = true
+            shape = { kind = "circle", radius = 1.0 }
+            section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.05 }
+            elements = 8
+            [[rods]]
+            name = "rod"
+            shape = { kind = "line", start = [3.0, 0.0, 0.0], length = 2.0 }
+            section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.05 }
+            elements = 8
+            [[supports]]
+            rod = "rod"
+            at = "start"
+            position = true
+            rotation = true
+            [[supports]]
+            rod = "rod"
+            at = "end"
+            position = ["y", "z"]
+            rotation = true
+            [[stages]]
+            ramp = { rotation = { rod = "rod", at = "end", axis = [1, 0, 0], turns = -2.0 } }
+            steps = 4
+            [[stages]]
+            ramp = { excess_link = { rod = "ring", to = 1.0 } }
+            steps = 2
+            "#,
         );
-        assert!(text.lines().nth(2).unwrap().starts_with("1,0,0.5,-0.1,-0.1,-0.04,-0.04,0.01,1.5,"), "{text}");
+        let columns = Columns::new(&scene.model, &scene.stages, &Units::default(), &[], None);
+        let names = columns.names();
+        for name in [
+            "rod_end_turned",
+            "excess_link",
+            "rod_extension",
+            "bending_energy",
+            "rod_end_force_y",
+            "rod_end_torque",
+            "knot_",
+            "notes",
+        ] {
+            assert!(
+                names.iter().any(|found| *found == name || (name == "knot_" && found.ends_with("knot"))),
+                "{name}: {names:?}"
+            );
+        }
+        assert!(!names.contains(&"rod_end_force_x"), "{names:?}");
+        let mut unlike = names.clone();
+        unlike.sort_unstable();
+        unlike.dedup();
+        assert_eq!(unlike.len(), names.len(), "{names:?}");
+        let turned = names.iter().position(|name| *name == "rod_end_turned").unwrap();
+        assert_eq!(columns.cells(&observation(1))[turned], Cell::Number(-1.0));
+        let second = Observation { stage: 1, ..observation(1) };
+        assert_eq!(columns.cells(&second)[turned], Cell::Number(-2.0));
+    }
+
+    /// A note is told once for all steps it holds for, and below the table.
+    #[test]
+    fn notes_stand_below_the_table() {
+        let noted = |step: usize, notes: &[&str]| Observation {
+            notes: notes.iter().map(|&note| note.to_owned()).collect(),
+            ..observation(step)
+        };
+        let steps = [noted(0, &[]), noted(1, &["soft"]), noted(2, &["soft", "snap"]), noted(3, &["soft"])];
+        let text = StepTable { units: &Units::default(), steps: &steps }.to_string();
+        assert!(text.ends_with("\n* steps 1 to 3: soft\n* step 2: snap\n"), "{text}");
+        let many: Vec<Observation> = (0..40).map(|k| noted(k, &[&format!("note {k}")])).collect();
+        let text = StepTable { units: &Units::default(), steps: &many }.to_string();
+        assert!(text.contains("* 28 more notes") && text.ends_with("* step 39: note 39\n"), "{text}");
     }
 }

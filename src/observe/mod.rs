@@ -2,6 +2,7 @@
 //! the plain data; [`estimate_error`] tells how far off a state is, [`strains()`] strains and stress resultants.
 
 mod error_estimate;
+mod knots;
 pub mod report;
 mod sites;
 mod start;
@@ -10,5 +11,5 @@ mod strains;
 
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
-pub use state::{contact_sites, observe};
+pub use state::{OVERLAP, contact_lines, contact_sites, observe};
 pub use strains::{RodStrains, strains};

@@ -83,7 +83,8 @@ pub struct SiteReport {
     /// "line" where the mean of both intervals is longer than 3.9 (B/κ)^¼ for rods of equal bending stiffness B (the
     /// smaller of the two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a
     /// point contact at the load at which it opens into a line or into two points. Stiffer laws shorten the zone of a
-    /// point (as κ^(−1/3)), but not a line. Two points closer than that to each other are reported as one line.
+    /// point (as κ^(−1/3)), but not a line. Contacts nearer to each other on both strands than two layers (B/κ)^¼ are one site: of a line, pressure may
+    /// vanish between nodes.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
@@ -103,7 +104,27 @@ pub struct SiteReport {
     pub feet: [[f64; 3]; 2],
 }
 
-/// Force and moment a support exerts on the rod.
+/// Contact at one place of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LineSample {
+    /// Index of the site.
+    pub site: usize,
+    /// Rod of strand a.
+    pub rod_a: usize,
+    /// Arc length on strand a \[L\].
+    pub arc_a: f64,
+    /// Rod of strand b.
+    pub rod_b: usize,
+    /// Arc length on strand b \[L\].
+    pub arc_b: f64,
+    /// Force per arc length of strand a \[F/L\], smoothed over the width of the contact law; its integral is the site's force.
+    pub pressure: f64,
+    /// Gap \[L\].
+    pub gap: f64,
+}
+
+/// Force and moment a support exerts on the rod, in the global axes: a stretched rod is pulled outwards at its end.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reaction {
@@ -143,6 +164,66 @@ pub struct RodLink {
     pub seam_moment: f64,
 }
 
+/// Numbers of a rod that stages may change and files need.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RodSize {
+    /// Reference length \[L\].
+    pub length: f64,
+    /// Contact radius \[L\].
+    pub contact_radius: f64,
+}
+
+/// Ends of an open rod.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RodEnds {
+    /// Rod index.
+    pub rod: usize,
+    /// Position of the node at s = 0 \[L\].
+    pub start: [f64; 3],
+    /// Position of the last node \[L\].
+    pub end: [f64; 3],
+    /// Twist Tw of d1 about the centreline, turns.
+    pub twist: f64,
+    /// (1/2π)∫K3 ds beyond the rod's natural twist, turns: the part that costs energy.
+    pub excess_twist: f64,
+    /// Link of the rod continued straight on at both ends: turns of its end against its start. Told of rods of at most
+    /// 1000 nodes whose tangents at the ends are parallel (to 1e-3 rad) and point the same way.
+    pub link: Option<f64>,
+    /// Writhe of the rod so continued, turns: `link` − `twist`.
+    pub writhe: Option<f64>,
+}
+
+/// Linking number of two closed rods.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Linking {
+    /// One rod.
+    pub rod_a: usize,
+    /// The other.
+    pub rod_b: usize,
+    /// Linking number; its sign goes with the rods' directions.
+    pub link: f64,
+}
+
+/// How a rod is knotted, and how tightly. Open rods count as closed by straight lines that lead outwards from their ends.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Knot {
+    /// Rod index.
+    pub rod: usize,
+    /// Name of the simplest knot with this polynomial, as "3_1"; "other" beyond the table.
+    pub name: String,
+    /// |Δ(−1)| of the Alexander polynomial Δ, the knot's determinant; 1 where it is not knotted.
+    pub determinant: f64,
+    /// |Δ(exp(2πi/3))|.
+    pub at_third: f64,
+    /// Length of the centreline over the diameter of the thickest tube about it that does not overlap: closed rods
+    /// that nearly touch.
+    pub ropelength: Option<f64>,
+}
+
 /// Smallest certified clearance of the state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -171,7 +252,7 @@ pub struct Observation {
     pub step: usize,
     /// Fraction of the stage done, 0..=1.
     pub fraction: f64,
-    /// "converged" or why not.
+    /// "converged", or why not, or "overlap": at rest, but tubes are inside each other where contact does not resist it.
     pub status: String,
     /// What to know of the state before believing it, in words. A snap on the way to it. Overlaps that contact does not resist: it acts between
     /// strands, not between neighbours along one, so a rod bent tighter than its contact radius overlaps itself. A
@@ -186,10 +267,26 @@ pub struct Observation {
     pub min_gap: Option<GapReport>,
     /// Number of contact sites.
     pub num_sites: usize,
+    /// Length and contact radius of each rod.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub sizes: Vec<RodSize>,
+    /// Ends of open rods.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub ends: Vec<RodEnds>,
+    /// Linking numbers of closed rods, where there are several.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub linking: Vec<Linking>,
+    /// Knots of the rods, where their nodes are few enough to tell.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub knots: Vec<Knot>,
     /// Contact sites; a [record](crate::io::record::Record) keeps only the strongest of each step.
     pub sites: Vec<SiteReport>,
-    /// Sum of the forces of all sites \[F\].
+    /// Integral of the contact pressure: sum of the forces of all sites \[F\].
     pub total_contact_force: f64,
+    /// Sum over all sites of the length of the force vector on a strand \[F\]: less than the integral where pressure
+    /// turns along a site, as round a plectoneme, and an order more exact where it does not.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub contact_resultants: f64,
     /// Reactions at supports.
     pub reactions: Vec<Reaction>,
     /// Number of unstable directions of the accepted state.

@@ -4,7 +4,8 @@
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
 //!    force is the sum over all its zones, because each view carries half of it.
-//! 3. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
+//! 3. Sites nearer to each other on both strands than the law tells are fragments of one (`fragments`).
+//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
 use crate::contact::arc::{self, ascending, near};
 use crate::contact::chain::{ChainPiece, TOL_FOOT, chains};
@@ -16,8 +17,11 @@ use crate::math::Vec3;
 use super::report::{SiteKind, SiteReport};
 
 mod by_place;
+mod fragments;
+mod lines;
 
 use by_place::ByPlace;
+pub(super) use lines::lines;
 
 /// A zone that goes round a closed strand but for this part of it goes all round.
 const TOL_ARC: f64 = 1e-6;
@@ -83,6 +87,11 @@ pub(super) struct Layer {
 }
 
 impl Layer {
+    /// Width (B/κ)^¼ over which the law spreads pressure along a line, of the softer strand \[L\].
+    fn width(&self, a: usize, b: usize) -> f64 {
+        (self.bending[a].min(self.bending[b]) / self.stiffness).powf(0.25)
+    }
+
     fn shortest_line(&self, a: usize, b: usize) -> f64 {
         shortest_line(self.stiffness, [self.bending[a], self.bending[b]])
     }
@@ -92,12 +101,19 @@ impl Layer {
 pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
     let zones = zones(set, terms);
     let mut sites: Vec<SiteReport> =
-        views(set, &zones).iter().map(|members| site(set, &zones, members, rods, layer)).collect();
-    sites.sort_by(|x, y| {
-        let key = |s: &SiteReport| (s.rod_a, s.rod_b);
-        key(x).cmp(&key(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
-    });
+        contacts(set, &zones, layer).iter().map(|members| site(set, &zones, members, rods, layer).0).collect();
+    sites.sort_by(by_arcs);
     sites
+}
+
+/// Groups of zones that are one contact each, fragments of lines together.
+fn contacts(set: &CurveSet, zones: &[SiteZone], layer: &Layer) -> Vec<Vec<(usize, bool)>> {
+    fragments::joined(set, zones, views(set, zones), layer)
+}
+
+fn by_arcs(x: &SiteReport, y: &SiteReport) -> std::cmp::Ordering {
+    let key = |s: &SiteReport| (s.rod_a, s.rod_b);
+    key(x).cmp(&key(y)).then(x.arc_a[0].total_cmp(&y.arc_a[0])).then(x.arc_b[0].total_cmp(&y.arc_b[0]))
 }
 
 fn contact_distance(set: &CurveSet, zone: &SiteZone) -> f64 {
@@ -234,7 +250,14 @@ fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2],
     }
 }
 
-fn site(set: &CurveSet, zones: &[SiteZone], members: &[(usize, bool)], rods: &[usize], layer: &Layer) -> SiteReport {
+/// The site of some zones, and whether its strand b is the first zone's own.
+fn site(
+    set: &CurveSet,
+    zones: &[SiteZone],
+    members: &[(usize, bool)],
+    rods: &[usize],
+    layer: &Layer,
+) -> (SiteReport, bool) {
     let seen_from = |flipped: bool| members.iter().filter(move |m| m.1 == flipped).map(|m| zones[m.0]);
     let first = &zones[members[0].0];
     let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), set.period(first.curve_a));
@@ -268,7 +291,7 @@ fn site(set: &CurveSet, zones: &[SiteZone], members: &[(usize, bool)], rods: &[u
     let swapped = (b.0, b.1[0]) < (a.0, a.1[0]);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let (push, feet) = if swapped { (-push, [feet[1], feet[0]]) } else { (push, feet) };
-    SiteReport {
+    let report = SiteReport {
         rod_a: a.0,
         arc_a: a.1,
         rod_b: b.0,
@@ -281,7 +304,8 @@ fn site(set: &CurveSet, zones: &[SiteZone], members: &[(usize, bool)], rods: &[u
         angle: nearest.angle,
         force_on_a: push.into(),
         feet: feet.map(Into::into),
-    }
+    };
+    (report, swapped)
 }
 
 #[cfg(test)]

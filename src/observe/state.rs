@@ -5,13 +5,17 @@ use std::f64::consts::TAU;
 
 use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
-use crate::math::link::link_numbers;
+use crate::math::Vec3;
+use crate::math::link::{link_numbers, ribbon_twist, writhe};
+use crate::rod::Rod;
 use crate::scene::NodeRef;
 use crate::solve::assembly::{Potential, Residual};
+use crate::solve::contact_side::ContactSide;
 use crate::solve::{Engine, Progress, Status};
 
-use super::report::{Energies, GapReport, Observation, Reaction, RodLink, SiteReport};
-use super::sites::{Layer, sites};
+use super::knots;
+use super::report::{Energies, GapReport, LineSample, Observation, Reaction, RodEnds, RodLink, RodSize, SiteReport};
+use super::sites::{Layer, lines, sites};
 
 /// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -22,6 +26,9 @@ const UNRESISTED: f64 = 1e-2;
 /// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
 const TOL_GAP: f64 = 1e-10;
 
+/// [`Observation::status`] of a state at rest in which tubes are inside each other where contact does not resist it.
+pub const OVERLAP: &str = "overlap";
+
 /// Everything there is to report about the state that a solver has just accepted.
 ///
 /// Takes about as long as one evaluation of the residual, plus link and the certified clearance. The same numbers for
@@ -31,17 +38,24 @@ pub fn observe(progress: &Progress) -> Observation {
     let residual = engine.residual(engine.state());
     let sites = sites_of(engine, &residual);
     let min_gap = min_gap(engine);
+    let (at_end, overlaps) = overlaps(progress, min_gap.as_ref());
+    let status = if overlaps.is_empty() { progress.report.status.to_string() } else { OVERLAP.to_owned() };
     Observation {
         stage: progress.stage,
         step: progress.step,
         fraction: progress.fraction,
-        status: progress.report.status.to_string(),
+        status,
         links: links(engine, &residual),
         energies: energies(&residual.potential),
-        notes: notes(progress, min_gap.as_ref()),
+        notes: notes(progress).into_iter().chain(at_end).chain(overlaps).collect(),
+        sizes: engine.model().rods.iter().map(size).collect(),
+        ends: ends(engine),
+        linking: knots::linking(engine),
+        knots: knots::knots(engine, min_gap.as_ref()),
         min_gap,
         num_sites: sites.len(),
         total_contact_force: sites.iter().fold(0.0, |sum, site| sum + site.force),
+        contact_resultants: sites.iter().fold(0.0, |sum, site| sum + Vec3::from(site.force_on_a).norm()),
         sites,
         reactions: reactions(engine, &residual),
         num_unstable: progress.report.num_unstable,
@@ -57,16 +71,29 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
     sites_of(engine, &engine.residual(engine.state()))
 }
 
+/// Contact along the lines of the engine's state: pressure and gap at places a half of the contact law's width apart.
+pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
+    let residual = engine.residual(engine.state());
+    engine
+        .contact
+        .as_ref()
+        .map_or_else(Vec::new, |side| lines(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
+}
+
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
-    engine.contact.as_ref().map_or_else(Vec::new, |side| {
-        let softer = |rod: &usize| engine.model().rods[*rod].section.smaller_bending();
-        let stiffness = match side.law {
-            Law::Linear { stiffness } => stiffness,
-            Law::Core { .. } => engine.contact_stiffness(),
-        };
-        let layer = Layer { stiffness, bending: side.rods.iter().map(softer).collect() };
-        sites(&side.set, &residual.contact_pairs, &side.rods, &layer)
-    })
+    engine
+        .contact
+        .as_ref()
+        .map_or_else(Vec::new, |side| sites(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
+}
+
+fn layer(engine: &Engine, side: &ContactSide) -> Layer {
+    let softer = |rod: &usize| engine.model().rods[*rod].section.smaller_bending();
+    let stiffness = match side.law {
+        Law::Linear { stiffness } => stiffness,
+        Law::Core { .. } => engine.contact_stiffness(),
+    };
+    Layer { stiffness, bending: side.rods.iter().map(softer).collect() }
 }
 
 fn energies(potential: &Potential) -> Energies {
@@ -90,17 +117,71 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
     (0..rods.len()).filter(|&rod| rods[rod].closed).map(link_of).collect()
 }
 
-/// What a reader of the numbers should know of a state at rest: a snap on the way to it, overlaps that contact does not
-/// resist, a law softer than asked for.
-fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
-    let engine = progress.engine;
+fn size(rod: &Rod) -> RodSize {
+    RodSize { length: rod.length, contact_radius: rod.section.contact_radius }
+}
+
+/// Angle between the tangents at both ends, rad, up to which they count as parallel.
+const PARALLEL: f64 = 1e-3;
+/// Length of the straight pieces that continue an open rod for its writhe, over the rod's: what lies beyond adds less
+/// than 1e-6 turns.
+const CONTINUED: f64 = 1e4;
+/// Open rods of more nodes have no writhe told: time grows with the square of the nodes, and is .1 s here.
+const MOST_NODES: usize = 1000;
+
+fn ends(engine: &Engine) -> Vec<RodEnds> {
+    let rods = &engine.model().rods;
+    let of = |rod: usize| {
+        let positions = engine.positions(rod);
+        let (twist, excess_twist) = engine.twist(rod);
+        let link = open_link(engine, rod);
+        let (start, end) = (positions[0].into(), positions[positions.len() - 1].into());
+        RodEnds { rod, start, end, twist, excess_twist, link, writhe: link.map(|link| link - twist) }
+    };
+    (0..rods.len()).filter(|&rod| !rods[rod].closed).map(of).collect()
+}
+
+/// Link of an open rod continued straight on, turns: of a polygon, where Tw + Wr is exact.
+fn open_link(engine: &Engine, rod: usize) -> Option<f64> {
+    let (positions, frames) = (engine.positions(rod), engine.frames(rod));
+    let last = positions.len() - 1;
+    let tangents = [frames[0] * Vec3::z(), frames[last] * Vec3::z()];
+    if tangents[0].angle(&tangents[1]) > PARALLEL || last >= MOST_NODES {
+        return None;
+    }
+    let (mut points, mut directions) = engine.centerline(rod, 2);
+    let far = CONTINUED * engine.model().rods[rod].length;
+    points.insert(0, positions[0] - tangents[0] * far);
+    points.push(positions[last] + tangents[1] * far);
+    directions.insert(0, frames[0] * Vec3::x());
+    directions.push(frames[last] * Vec3::x());
+    Some(ribbon_twist(&points, &directions, false) + writhe(&points, false))
+}
+
+/// What a reader of the numbers should know of a state at rest: a snap on the way to it, a law softer than asked for.
+fn notes(progress: &Progress) -> Vec<String> {
     if progress.report.status != Status::Converged {
         return Vec::new();
     }
-    let released = progress.report.energy_released;
+    let (released, softening) = (progress.report.energy_released, progress.report.softening);
     let snap =
         (released > 0.0).then(|| format!("snap: the path was no longer stable; it set {released:.4} of energy free"));
-    let Some(side) = &engine.contact else { return snap.into_iter().collect() };
+    let softer = (softening > 1.0).then(|| {
+        format!(
+            "the mesh does not carry the contact law asked for: one {softening:.0} times softer is in force, which widens \
+             points of contact; gaps are closed all the same"
+        )
+    });
+    snap.into_iter().chain(softer).collect()
+}
+
+/// Overlaps of a state at rest that contact does not resist: it acts between strands, not between neighbours along one.
+/// Apart from the others, that of a rod's rounded end with what follows along the rod, which is none of the tube.
+fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>, Vec<String>) {
+    let engine = progress.engine;
+    let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
+        return (None, Vec::new());
+    };
     let rods = &engine.model().rods;
     let too_tight = side.rods.iter().filter_map(|&rod| {
         let (name, radius) = (&rods[rod].name, rods[rod].section.contact_radius);
@@ -113,27 +194,31 @@ fn notes(progress: &Progress, min_gap: Option<&GapReport>) -> Vec<String> {
             )
         })
     });
-    let mut notes: Vec<String> = snap.into_iter().chain(too_tight).collect();
-    let softening = progress.report.softening;
-    if softening > 1.0 {
-        notes.push(format!(
-            "the mesh does not carry the contact law asked for: one {softening:.0} times softer is in force, which widens \
-             points of contact; gaps are closed all the same"
-        ));
-    }
     let resisted = (UNRESISTED + 2.0 * progress.report.penetration) * side.min_radius;
-    if let Some(gap) = min_gap.filter(|gap| -gap.upper > resisted) {
+    let inside = min_gap.filter(|gap| -gap.upper > resisted).map(|gap| {
         let (a, b) = (&rods[gap.rod_a].name, &rods[gap.rod_b].name);
-        notes.push(format!(
+        format!(
             "rod \"{a}\" at arc {:.4} and rod \"{b}\" at arc {:.4} overlap by {:.4}, {:.2} contact radii, which contact does \
              not resist there",
             gap.arc_a,
             gap.arc_b,
             -gap.upper,
             -gap.upper / side.min_radius
-        ));
-    }
-    notes
+        )
+    });
+    let of_end = min_gap.is_some_and(|gap| is_of_end(&rods[gap.rod_a], gap));
+    let (at_end, inside) = if of_end { (inside, None) } else { (None, inside) };
+    (at_end, too_tight.chain(inside).collect())
+}
+
+/// Whether a gap is that of an open rod's end to a place nearer along the rod than half a turn about its own radius.
+fn is_of_end(rod: &Rod, gap: &GapReport) -> bool {
+    let is_end = |arc: f64| arc <= 0.0 || arc >= rod.length;
+    let along = (gap.arc_a - gap.arc_b).abs();
+    gap.rod_a == gap.rod_b
+        && !rod.closed
+        && (is_end(gap.arc_a) || is_end(gap.arc_b))
+        && along < std::f64::consts::PI * rod.section.contact_radius
 }
 
 fn min_gap(engine: &Engine) -> Option<GapReport> {

@@ -6,6 +6,7 @@ mod check;
 pub(crate) mod element;
 mod link;
 mod natural;
+mod number;
 mod refine;
 #[allow(clippy::module_inception)] // the rod itself
 mod rod;
@@ -16,6 +17,7 @@ mod stiffness;
 pub use along::{Along, Values};
 pub(crate) use natural::STRAINS;
 pub use natural::{Natural, NaturalStrains};
+pub use number::RodNumber;
 #[cfg(feature = "scenes")]
 pub(crate) use rod::within;
 pub use rod::{MAX_TURN, Rod};

@@ -1,5 +1,6 @@
 //! Scene files: a problem, its stages and its outputs as TOML text. See [`Scene`] for the format.
 
+mod advice;
 mod build;
 mod dna;
 mod frames;
@@ -74,10 +75,14 @@ pub struct Scene {
     pub model: Model,
     /// The path.
     pub stages: Vec<Stage>,
+    /// The last stage is a path to be followed like this.
+    pub follow: Option<FollowChoice>,
     /// Solver settings that differ from the defaults.
     pub solver: SolverChoice,
     /// What to write.
     pub output: OutputChoice,
+    /// How pictures are drawn.
+    pub picture: PictureChoice,
     /// The file it was read from, absolute; none if it came from text.
     pub path: Option<PathBuf>,
     /// The text it was read from, before any value was replaced; empty if there was none.
@@ -127,6 +132,127 @@ pub struct OutputChoice {
     pub error_estimate: bool,
     /// Folder, relative to the working directory; the command line's `--out` goes before it.
     pub dir: Option<PathBuf>,
+}
+
+/// How the path of the last stage is followed, see `solve::FollowOptions`: through limit points, where steps would jump.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FollowChoice {
+    /// Where to go first.
+    pub start: FollowStart,
+    /// First step, arc length. Legal: > 0.
+    pub step: f64,
+    /// Longest step, arc length. Legal: ≥ `step`.
+    pub max_step: f64,
+    /// Points after which the path ends. Legal: ≥ 1.
+    pub max_points: usize,
+}
+
+/// Where a path is begun.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FollowStart {
+    /// Towards the ramp's target.
+    #[default]
+    Towards,
+    /// Away from it.
+    Away,
+    /// At a branch point: onto the branch, along the critical direction.
+    Branch,
+    /// At a branch point: onto the branch, against the critical direction.
+    OtherBranch,
+}
+
+impl Default for FollowChoice {
+    fn default() -> Self {
+        Self { start: FollowStart::Towards, step: 0.05, max_step: 0.2, max_points: 500 }
+    }
+}
+
+impl FollowChoice {
+    fn check(&self) -> Result<(), InputError> {
+        InputError::positive("follow.step", self.step)?;
+        InputError::check("follow.max_step", self.max_step, self.max_step >= self.step, "at least step")?;
+        if self.max_points == 0 {
+            return Err(InputError::Count { field: "follow.max_points".into(), value: 0, allowed: "at least 1" });
+        }
+        Ok(())
+    }
+}
+
+/// How pictures are drawn.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PictureChoice {
+    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000.
+    pub size: [usize; 2],
+    /// Direction from the rods to the eye; none: that in which the final state spreads least. Not zero.
+    pub camera: Option<[f64; 3]>,
+    /// What appears upwards; none: what makes the final state as wide as it can be, with a `camera` z, or y. Not along
+    /// `camera`.
+    pub up: Option<[f64; 3]>,
+    /// By which rods are coloured.
+    pub color_by: ColorBy,
+    /// No background in `picture.png`.
+    pub transparent: bool,
+    /// A bar that shows a length.
+    pub scale_bar: bool,
+}
+
+/// By which rods are coloured.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorBy {
+    /// A colour for each rod.
+    #[default]
+    Strand,
+    /// Contact force per length.
+    Pressure,
+    /// Curvature.
+    Curvature,
+    /// Twist.
+    Twist,
+}
+
+impl Default for PictureChoice {
+    fn default() -> Self {
+        let (camera, up, color_by) = (None, None, ColorBy::Strand);
+        Self { size: [1600, 1200], camera, up, color_by, transparent: false, scale_bar: false }
+    }
+}
+
+impl PictureChoice {
+    fn check(&self) -> Result<(), InputError> {
+        let fits = |pixels: &usize| (16..=8000).contains(pixels);
+        if let Some(&value) = self.size.iter().find(|pixels| !fits(pixels)) {
+            return Err(InputError::Count {
+                field: "picture.size".into(),
+                value,
+                allowed: "between 16 and 8000 pixels",
+            });
+        }
+        for (field, vector) in [("picture.camera", self.camera), ("picture.up", self.up)] {
+            let ok = |v: [f64; 3]| v.iter().all(|x| x.is_finite()) && v != [0.0; 3];
+            if let Some(value) = vector.filter(|v| !ok(*v)) {
+                return Err(InputError::Vector { field: field.to_owned(), value, allowed: "finite and not zero" });
+            }
+        }
+        match (self.camera, self.up) {
+            (None, Some(value)) => {
+                Err(InputError::Vector { field: "picture.up".into(), value, allowed: "with a camera only" })
+            }
+            (Some(camera), Some(up)) if aligned(camera, up) => {
+                Err(InputError::Vector { field: "picture.up".into(), value: up, allowed: "not along camera" })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether two directions are one, or opposite.
+fn aligned(a: [f64; 3], b: [f64; 3]) -> bool {
+    let [a, b] = [a, b].map(|v| crate::scene::model::unit(&v.into()));
+    a.cross(&b).norm() < 1e-6
 }
 
 impl Default for OutputChoice {
@@ -208,6 +334,7 @@ impl Scene {
         build::name_rods(&mut text.rods)?;
         check_words(&text)?;
         check_choices(&text.solver, &text.output)?;
+        text.picture.check()?;
         let units = dna::units(&text)?;
         let model = build::model(&text, base_dir)?;
         let charged = text.contact.electrostatics.is_some();
@@ -215,7 +342,8 @@ impl Scene {
         let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;
-        let SceneText { title, temperature, fidelity, mut solver, output, .. } = text;
+        let follow = build::follow(&text.stages, &stages)?;
+        let SceneText { title, temperature, fidelity, mut solver, output, picture, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
         Ok(Self {
             title,
@@ -225,8 +353,10 @@ impl Scene {
             fidelity,
             model,
             stages,
+            follow,
             solver,
             output,
+            picture,
             ..Self::default()
         })
     }

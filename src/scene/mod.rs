@@ -7,6 +7,8 @@ mod fidelity;
 pub mod file;
 pub mod model;
 mod points;
+#[cfg(feature = "tables")]
+pub(crate) mod ramped;
 mod tables;
 mod units;
 

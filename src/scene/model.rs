@@ -5,7 +5,7 @@ mod check;
 mod pose;
 
 use crate::math::Vec3;
-use crate::rod::Rod;
+use crate::rod::{Rod, RodNumber};
 
 #[cfg(feature = "solver")]
 pub(crate) use pose::Way;
@@ -273,6 +273,20 @@ pub enum Ramp {
         /// Factor at the end of the stage.
         to: f64,
     },
+    /// A number of a rod: contact radius, length, stiffness, natural curvature or twist. Where length or natural twist
+    /// change, the link of a closed rod stays, so that its excess link changes.
+    Number {
+        /// The rod.
+        rod: usize,
+        /// The number.
+        which: RodNumber,
+        /// Value at the end of the stage, in the unit of the number.
+        to: f64,
+    },
+    /// Holds a node, from the beginning of the stage on, where it then is.
+    Hold(Support),
+    /// Lets components of a node go, from the beginning of the stage on, whichever supports hold them.
+    Release(Support),
     /// Pressure on a planar closed rod: force per *current* length, along the inward normal in the x-y plane \[F/L\].
     Pressure {
         /// The closed rod.
@@ -336,6 +350,28 @@ impl Model {
             let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
             (either(position, support.position), either(rotation, support.rotation))
         })
+    }
+
+    /// Sets and takes away supports as the ramps of a stage say; whether there was anything to do.
+    pub(crate) fn change_supports(&mut self, ramps: &[Ramp]) -> bool {
+        let before = self.supports.clone();
+        for ramp in ramps {
+            match ramp {
+                Ramp::Release(gone) => {
+                    for support in self.supports.iter_mut().filter(|support| support.node == gone.node) {
+                        for k in 0..3 {
+                            support.position[k] &= !gone.position[k];
+                            support.rotation[k] &= !gone.rotation[k];
+                        }
+                    }
+                    self.supports
+                        .retain(|support| support.position.contains(&true) || support.rotation.contains(&true));
+                }
+                Ramp::Hold(support) if !self.supports.contains(support) => self.supports.push(*support),
+                _ => {}
+            }
+        }
+        self.supports != before
     }
 
     /// The node and all nodes that joints connect it to.

@@ -1,6 +1,7 @@
 //! The assembled problem: elements, contact, supports and state. Built once from a model.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -62,6 +63,8 @@ pub struct Engine {
     pub(crate) master: Vec<usize>,
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
+    /// The contact law as it was asked for: by the mesh, its stiffness follows the numbers of the rods.
+    pub(crate) law_asked: ContactLaw,
     pub(crate) scales: Scales,
     /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times the square of a length for rotations.
     pub(crate) masses: Vec<f64>,
@@ -138,7 +141,8 @@ impl Engine {
     /// Whatever [`Model::check`] refuses; threads that cannot be started.
     pub fn new(mut model: Model, threads: Option<usize>) -> Result<Self, InputError> {
         model.check()?;
-        model.contact.law = model.contact.law.on_mesh(&model.rods);
+        let law_asked = model.contact.law;
+        model.contact.law = law_asked.on_mesh(&model.rods);
         let mut first_node = vec![0];
         for rod in &model.rods {
             first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
@@ -156,6 +160,7 @@ impl Engine {
             seams: model.rods.iter().map(|r| TAU * r.start_link()).collect(),
             load_factor: 0.0,
             pressures: vec![0.0; model.rods.len()],
+            numbers: BTreeMap::new(),
         };
         let elements = build_elements(&model, &first_node);
         let scales = scales(&model);
@@ -167,6 +172,7 @@ impl Engine {
             reference: Vec::new(),
             planes: planes(&model),
             contact: None,
+            law_asked,
             model,
             first_node,
             elements,
@@ -212,6 +218,7 @@ impl Engine {
     /// # Errors
     /// A law out of range; a change from or to no contact, which needs a new engine.
     pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        let asked = law;
         let law = law.on_mesh(&self.model.rods);
         let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
             let reason = "contact cannot be switched on or off in a running engine".to_owned();
@@ -226,6 +233,7 @@ impl Engine {
         };
         side.change_law(Law::Linear { stiffness: raised }, offsets);
         self.model.contact.law = law;
+        self.law_asked = asked;
         Ok(())
     }
 
@@ -319,7 +327,23 @@ impl Engine {
             return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
         }
         self.state = state;
-        Ok(())
+        self.take_numbers()
+    }
+
+    /// Scales, materials and masses of rods whose numbers have changed.
+    pub(crate) fn measure_again(&mut self) {
+        self.scales = scales(&self.model);
+        self.material = materials(&self.model);
+        self.masses = masses(&self.model, &self.scales, &self.master);
+        self.planes = planes(&self.model);
+    }
+
+    /// Unknowns of a model whose supports have changed.
+    pub(crate) fn hold_again(&mut self) {
+        self.equations = free_unknowns(&self.model, &self.first_node, &self.master);
+        self.swivels = Swivel::all(&self.model, &self.equations, &self.master);
+        self.free.clone_from(&self.equations);
+        self.swivels.iter().for_each(|swivel| self.free[swivel.nodes[0]][3 + swivel.axis] = true);
     }
 
     /// Node positions of a rod \[L\].

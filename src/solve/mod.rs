@@ -12,13 +12,15 @@
 //! | `surprise`, `step_bound`, `turning` | what a step's linear prediction missed; no strand passes another; no frame takes the other way round |
 //! | `neutral` | motions that nothing resists |
 //! | `assembly`, `engine`, `contact_side`, `state` | gradient and tangent; the problem assembled; contact in it; the configuration and how it moves |
+//! | `changes` | numbers of rods that are ramped, supports that are set and taken away |
 //! | `failure` | why a run went no further |
 //! | `fields`, `footprint`, `timing`, `refine` | what a state looks like along the rods; what it takes; the same on a finer mesh or under a harder law |
 
 pub(crate) mod assembly;
 mod balance;
+mod changes;
 mod coarse_first;
-mod contact_side;
+pub(crate) mod contact_side;
 mod continuation;
 pub(crate) mod engine;
 mod failure;
@@ -51,6 +53,7 @@ mod turning;
 use crate::error::InputError;
 use crate::scene::Fidelity;
 
+pub use changes::Numbers;
 pub use continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use engine::Engine;
 pub use failure::{Failure, Overlap, Spot};

@@ -122,6 +122,12 @@ pub fn run_from(
         None => solver.run_start(observer)?,
         Some(restart) => {
             let place = restart.place;
+            for stage in stages.iter().take(place.stage) {
+                solver.change_supports(&stage.ramps)?;
+            }
+            if let Some(stage) = stages.get(place.stage).filter(|_| place.fraction > 0.0) {
+                solver.change_supports(&stage.ramps)?;
+            }
             if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan()
             {
                 let reason =
@@ -227,6 +233,9 @@ impl Solver {
         if !ramps.is_empty() {
             self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
         }
+        self.change_supports(ramps)
+            .map_err(|error| InputError::Inconsistent { field: "ramp".to_owned(), reason: error.to_string() })?;
+        self.note_numbers(ramps);
         let round = self.largest_round(ramps);
         let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
         InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
@@ -281,19 +290,26 @@ impl Solver {
         let rounds = self.largest_round(&stage.ramps) / (1.0 - place.fraction) / Ramp::MAX_ROUND;
         let full = 1.0 / (stage.steps as f64).max((rounds - 1e-6).ceil());
         let mut size = place.step_size.min(full);
+        self.change_supports(&stage.ramps)?;
+        self.note_numbers(&stage.ramps);
         let mut started = Instant::now();
+        let mut failed_iterations = 0;
         while place.fraction < 1.0 - 1e-12 {
             let done = place.fraction;
             // of the rest: ramps are measured from where they are
-            let take = (size / (1.0 - done)).min(1.0);
-            let take = if 1.0 - done - size < 1e-9 { 1.0 } else { take };
+            // after a step that was halved the next ends where it would have ended
+            let planned = ((done / full + 1e-6).floor() + 1.0) * full - done;
+            let here = size.min(planned);
+            let take = (here / (1.0 - done)).min(1.0);
+            let take = if 1.0 - done - here < 1e-9 { 1.0 } else { take };
             let snapshot = self.snapshot();
             let target = self.target(&stage.ramps, take);
             let advance = take * (1.0 - done);
-            let report = self.attempt(&target);
+            let mut report = self.attempt(&target);
             place.iterations += report.iterations;
             if report.status != Status::Converged {
-                size *= 0.5;
+                failed_iterations += report.iterations;
+                size = 0.5 * here;
                 let gives_up = size < full * self.options.min_step;
                 if gives_up && report.status != Status::Stopped {
                     let failure = Failure::of(&self.engine, &report, &self.options.newton);
@@ -315,6 +331,7 @@ impl Solver {
             place.fraction += advance;
             place.step_size = size;
             place.num_steps += 1;
+            report.iterations += std::mem::take(&mut failed_iterations);
             self.remember(&report);
             self.forget_the_way()?;
             let progress = Progress {
@@ -423,6 +440,12 @@ impl Solver {
                     let now = self.engine.state.pressures[*rod];
                     target.pressures.push((*rod, now + (to - now) * take));
                 }
+                Ramp::Number { rod, which, to } => {
+                    let now = self.engine.model.rods[*rod].number(*which);
+                    target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { now + (to - now) * take });
+                }
+                // done before the stage's first step
+                Ramp::Hold(_) | Ramp::Release(_) => {}
             }
         }
         target
@@ -452,8 +475,11 @@ impl Solver {
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &spun) {
             return StepReport::refused(error);
         }
-        let predicted = self.history.predict(&self.engine, target);
+        let predicted = self.history.predict(&self.engine, target).or_else(|| self.unforeseen(target));
         target.load(&mut self.engine.state);
+        if let Err(error) = self.engine.take_numbers() {
+            return StepReport::refused(SolveError::Symbolic { reason: error.to_string() });
+        }
         let mut report = self.in_own_pool(|solver| solver.settle_along(&target.drive, predicted));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {

@@ -158,6 +158,10 @@ impl History {
         moved.go_on(target, &spun);
         let mut state = State { seams: present.seams.clone(), ..last.state.clone() };
         target.load(&mut state);
+        // forces of other numbers say nothing
+        if self.visited.iter().any(|visited| visited.state.numbers != state.numbers) {
+            return None;
+        }
         let target = Visited { state, moved };
         let (place, line) = self.line(&target)?;
         let (predicted, forces) = extrapolated(engine, &present, &target, place, &line);

@@ -382,6 +382,8 @@ impl Solver {
     /// Goes back to a snapshot, contact geometry included.
     pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), SolveError> {
         self.engine.state = snapshot.state;
+        // numbers that were in force before are
+        self.engine.take_numbers().map_err(|error| SolveError::Symbolic { reason: error.to_string() })?;
         if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
             side.law = law;
             side.offsets = offsets;

@@ -7,6 +7,7 @@ use nalgebra::Unit;
 use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
+use crate::solve::changes::Numbers;
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,9 @@ pub struct State {
     pub load_factor: f64,
     /// Per rod: pressure \[F/L\].
     pub pressures: Vec<f64>,
+    /// Numbers of rods that ramps have changed.
+    #[cfg_attr(feature = "serde", serde(with = "crate::solve::changes::as_list"))]
+    pub numbers: Numbers,
 }
 
 /// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps,
@@ -44,6 +48,8 @@ pub(crate) struct Target {
     pub(crate) load_factor: Option<f64>,
     /// By rod \[F/L\].
     pub(crate) pressures: Vec<(usize, f64)>,
+    /// Numbers of rods.
+    pub(crate) numbers: Numbers,
     /// Turns that supports make, by node.
     pub(crate) turned: Vec<(usize, f64)>,
     /// Displacements that supports make, by node \[L\].
@@ -53,7 +59,7 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    /// Puts loads and pressures in force.
+    /// Puts loads, pressures and numbers of rods in force.
     pub(crate) fn load(&self, state: &mut State) {
         if let Some(factor) = self.load_factor {
             state.load_factor = factor;
@@ -61,6 +67,7 @@ impl Target {
         for &(rod, pressure) in &self.pressures {
             state.pressures[rod] = pressure;
         }
+        state.numbers.extend(&self.numbers);
     }
 }
 

@@ -82,7 +82,9 @@ fn fields() -> Vec<Field> {
             | Ramp::Rotation { to, .. }
             | Ramp::RotationAbout { to, .. }
             | Ramp::ExcessLink { to, .. }
+            | Ramp::Number { to, .. }
             | Ramp::Pressure { to, .. } => to,
+            Ramp::Hold(_) | Ramp::Release(_) => unreachable!(),
             Ramp::Displacement { to, .. } => &mut to.x,
             Ramp::Pose { pose, .. } => pose.turns.get_or_insert(0.0),
         }

@@ -33,5 +33,7 @@ mod pictures;
 mod scene_files;
 mod scene_help;
 mod scene_tables;
+mod stage_changes;
 mod survive;
+mod told;
 mod view;

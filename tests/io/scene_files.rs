@@ -207,7 +207,7 @@ fn ill_posed_scenes_are_refused_with_a_reason() {
         &["contact.tol_penetration: has no meaning with law = \"penalty\""],
     );
     refused(RING, "title", "planar = true\ntitle", &["\"dna\" is in a planar scene"]);
-    refused(BEAM, "position = [\"y\"]", "position = false", &["supports[1]: fixes nothing"]);
+    refused(BEAM, "position = [\"y\"]", "position = false", &["supports[1]: names no component"]);
     let again = "[[rods]]\nname = \"dna\"\nshape = { kind = \"line\", length = 1 }\nsection = { young = 1, poisson = 0, circle = 1 }\nelements = 1\n[contact]";
     refused(RING, "[contact]", again, &["rods[1].name = \"dna\": must be a name that no other rod has"]);
 }

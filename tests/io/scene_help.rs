@@ -71,8 +71,12 @@ fn the_reference_has_all_keys_and_no_more() {
         ("stages.ramp", ramp("zzz = 1")),
         ("stages.ramp.rotation", ramp("rotation = { zzz = 1 }")),
         ("stages.ramp.pose", ramp("pose = { zzz = 1 }")),
+        ("stages.ramp.section", ramp("section = { zzz = 1 }")),
+        ("stages.ramp.natural", ramp("natural = { zzz = 1 }")),
+        ("stages.follow", accepted("[[stages]]\nfollow = { zzz = 1 }")),
         ("solver", accepted("[solver]\nzzz = 1")),
         ("output", accepted("[output]\nzzz = 1")),
+        ("picture", accepted("[picture]\nzzz = 1")),
     ];
     let mut told: Vec<String> = keys().into_iter().map(|key| key.table).collect();
     told.dedup();

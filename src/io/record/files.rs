@@ -7,8 +7,10 @@ use crate::io::folder::SCENE;
 
 pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
+pub(super) const LEGEND: &str = "table_columns.csv";
 pub(super) const FINAL_STATE: &str = "final_state.csv";
 pub(super) const SITES: &str = "sites.csv";
+pub(super) const LINES: &str = "lines.csv";
 pub(in crate::io) const SUMMARY: &str = "summary.json";
 pub(super) const PICTURE: &str = "picture.png";
 pub(super) const FILM_STRIP: &str = "filmstrip.png";
@@ -16,7 +18,8 @@ pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 
 /// All but those of single steps.
-const ALL: [&str; 10] = [COLLECTION, TABLE, FINAL_STATE, SITES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
+const ALL: [&str; 12] =
+    [COLLECTION, TABLE, LEGEND, FINAL_STATE, SITES, LINES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
 const STEP: [&str; 2] = ["step_", ".vtp"];
 
 /// Name of the VTK file of a step.

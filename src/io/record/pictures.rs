@@ -1,11 +1,15 @@
 //! Pictures of a run: final shape, film strip, writhe against excess link.
 
 use crate::error::InputError;
+use crate::io::picture::legend::round_below;
 use crate::io::picture::{
-    PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, film_strip, plot_lines,
+    Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
+    film_strip, plot_lines,
 };
+use crate::io::plot_run::with_jumps;
 use crate::io::table::fixed;
 use crate::math::{Mat3, Vec3};
+use crate::scene::file::ColorBy;
 
 use super::still::{Still, StillRod};
 use super::{Frame, Record, RodHead, files};
@@ -15,16 +19,24 @@ const STRIP: usize = 6;
 
 impl Record {
     pub(super) fn write_pictures(&self, last: &Frame) -> Result<(), InputError> {
-        let picture = TubePicture { width: 1600, height: 1200, ..self.picture(&self.still(last, false)) };
-        picture.render()?.save_png(&self.dir.join(files::PICTURE))?;
+        let final_state = self.still(last, false);
+        let axes = self.axes(&final_state);
+        let [width, height] = self.choice.size;
+        let visible_width = Some(self.visible_width(&final_state, &axes, width as f64 / height as f64));
+        let range = self.range(std::iter::once(&final_state));
+        let picture = TubePicture { width, height, visible_width, ..self.picture(&final_state, &axes, range) };
+        self.write_picture(picture, range)?;
         let mut stills = Vec::new();
         let last = self.still(last, true);
         let frames = self.strip(&last);
-        let visible_width = frames.iter().map(|frame| self.visible_width(frame)).reduce(f64::max);
+        let visible_width = frames.iter().map(|frame| self.visible_width(frame, &axes, 4.0 / 3.0)).reduce(f64::max);
+        let range = self.range(frames.iter().copied());
         for frame in frames {
-            let picture =
-                TubePicture { width: 560, height: 420, supersampling: 2, visible_width, ..self.picture(frame) };
-            stills.push((picture.render()?, self.caption(frame.step)));
+            let picture = self.picture(frame, &axes, range);
+            let picture = TubePicture { width: 560, height: 420, supersampling: 2, visible_width, ..picture };
+            let mut drawn = picture.render()?;
+            self.add_legends(&mut drawn, visible_width, None);
+            stills.push((drawn, self.caption(frame.step)));
         }
         film_strip(&stills, 3, [255; 3])?.save_png(&self.dir.join(files::FILM_STRIP))?;
         self.write_plot()
@@ -43,17 +55,81 @@ impl Record {
         chosen
     }
 
-    /// Width that shows the whole frame in a picture of 4:3 as it is viewed.
-    fn visible_width(&self, frame: &Still) -> f64 {
+    /// Writes the large picture with its legends.
+    fn write_picture(&self, picture: TubePicture, range: Option<[f64; 2]>) -> Result<(), InputError> {
+        let path = self.dir.join(files::PICTURE);
+        let mut drawn = picture.render()?;
+        self.add_legends(&mut drawn, picture.visible_width, range);
+        if !self.choice.transparent {
+            return drawn.save_png(&path);
+        }
+        // the same before black: what differs is background
+        let mut on_black = TubePicture { background: [0; 3], ..picture.clone() }.render()?;
+        self.add_legends(&mut on_black, picture.visible_width, range);
+        drawn.save_transparent_png(&on_black, &path)
+    }
+
+    /// Scale and colours, as far as they are asked for.
+    fn add_legends(&self, picture: &mut Picture, visible_width: Option<f64>, range: Option<[f64; 2]>) {
+        if let (true, Some(visible)) = (self.choice.scale_bar, visible_width) {
+            let length = round_below(0.25 * visible);
+            let pixels = length / visible * picture.width() as f64;
+            picture.scale_bar(pixels, &format!("{length} {}", self.units.length));
+        }
+        let (length, force) = (&self.units.length, &self.units.force);
+        let title = match self.choice.color_by {
+            ColorBy::Strand => return,
+            ColorBy::Pressure => format!("contact force, {force}/{length}"),
+            ColorBy::Curvature => format!("curvature, 1/{length}"),
+            ColorBy::Twist => format!("twist, rad/{length}"),
+        };
+        if let Some(range) = range {
+            picture.color_bar(self.palette(), range, &title);
+        }
+    }
+
+    fn palette(&self) -> Palette {
+        if self.choice.color_by == ColorBy::Twist { Palette::CoolWarm } else { Palette::Viridis }
+    }
+
+    /// Values that colours span in all these states: from zero, for twist as far below it as above.
+    fn range<'a>(&self, frames: impl Iterator<Item = &'a Still>) -> Option<[f64; 2]> {
+        let values = frames.flat_map(|frame| &frame.rods).flat_map(|rod| &rod.values);
+        let largest = values.map(|value| value.abs()).fold(0.0, f64::max);
+        let low = if self.choice.color_by == ColorBy::Twist { -largest } else { 0.0 };
+        (largest > 0.0).then_some([low, largest])
+    }
+
+    /// Directions to the right and upwards in all pictures of the run: as the scene says, or those along which the final
+    /// state spreads most.
+    fn axes(&self, frame: &Still) -> [Vec3; 2] {
+        if let Some(camera) = self.choice.camera.map(Vec3::from) {
+            let camera = camera / camera.amax();
+            let along_z = camera.xy().norm() < 1e-6 * camera.norm();
+            let up = self.choice.up.map_or(if along_z { Vec3::y() } else { Vec3::z() }, Vec3::from);
+            let right = up.cross(&camera).normalize();
+            return [right, camera.cross(&right).normalize()];
+        }
+        if self.planar {
+            return [Vec3::x(), Vec3::y()];
+        }
         let points = || frame.rods.iter().flat_map(|rod| &rod.points);
         let center = points().sum::<Vec3>() / points().count() as f64;
-        let axes = if self.planar { [Vec3::x(), Vec3::y()] } else { widest_axes(points(), &center) };
-        let radius = self.rods.iter().map(|rod| rod.contact_radius).fold(0.0, f64::max);
+        widest_axes(points(), &center)
+    }
+
+    /// Width that shows the whole frame in a picture of that ratio of width to height.
+    fn visible_width(&self, frame: &Still, axes: &[Vec3; 2], ratio: f64) -> f64 {
+        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
+        let radius = (0..self.rods.len()).map(|rod| self.head(rod, frame.step).radius()).fold(0.0, f64::max);
         let extent = |axis: usize| {
-            let along = |point: &Vec3| axes[axis].dot(&(point - center)).abs();
-            2.0 * (points().map(along).fold(0.0, f64::max) + radius)
+            let (low, high) = (points().map(|point| axes[axis].dot(point)))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+            high - low + 2.0 * radius
         };
-        1.06 * extent(0).max(extent(1) * 4.0 / 3.0)
+        // a colour bar has its room on the right
+        let room = if self.choice.color_by == ColorBy::Strand { 1.06 } else { 1.3 };
+        (room * extent(0)).max(1.06 * extent(1) * ratio)
     }
 
     fn caption(&self, step: usize) -> String {
@@ -71,7 +147,7 @@ impl Record {
         self.steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0)
     }
 
-    fn picture(&self, frame: &Still) -> TubePicture {
+    fn picture(&self, frame: &Still, axes: &[Vec3; 2], range: Option<[f64; 2]>) -> TubePicture {
         const COLORS: [[u8; 3]; 4] = [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170]];
         let observation = &self.steps[frame.step];
         let tube = |(index, (head, rod)): (usize, (&RodHead, &StillRod))| {
@@ -79,19 +155,26 @@ impl Record {
             let seam_turns = link.map_or(0.0, |link| link.link);
             let stripe =
                 (!rod.directions.is_empty()).then(|| Stripe { seam_turns, ..Stripe::along(rod.directions.clone()) });
-            let radius = head.radius();
-            let colors = vec![COLORS[index % COLORS.len()]];
+            let radius = self.head(index, frame.step).radius();
+            let colors = match range {
+                Some([low, high]) if !rod.values.is_empty() => {
+                    colors_by_value(&rod.values, self.palette(), Some((low, high)))
+                }
+                _ => vec![COLORS[index % COLORS.len()]],
+            };
             Tube { points: rod.points.clone(), radius, closed: head.closed, colors, stripe }
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
-        let from_above = View::Along { forward: -Vec3::z(), up: Vec3::y() };
-        let view = if self.planar { from_above } else { View::Auto };
+        let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
         TubePicture { tubes, view, spots: self.spots(frame), ..TubePicture::default() }
     }
 
-    /// A glow at every contact site.
+    /// A glow at every contact site, unless colours show its pressure.
     fn spots(&self, frame: &Still) -> Vec<Spot> {
-        let radius = |rod: usize| 0.8 * self.rods[rod].contact_radius;
+        if self.choice.color_by == ColorBy::Pressure {
+            return Vec::new();
+        }
+        let radius = |rod: usize| 0.8 * self.head(rod, frame.step).radius();
         let spot = |&(center, rod): &(Vec3, usize)| Spot { center, radius: radius(rod), color: [235, 64, 52] };
         frame.spots.iter().map(spot).collect()
     }
@@ -103,8 +186,11 @@ impl Record {
         let rod =
             self.steps.iter().flat_map(|step| &step.links).find(|link| link.excess_link != 0.0).map(|link| link.rod);
         let links = || self.steps.iter().flat_map(|step| &step.links).filter(|link| Some(link.rod) == rod);
-        let writhe = links().map(|link| (link.excess_link, link.writhe)).collect();
-        let twist = links().map(|link| (link.excess_link, link.twist)).collect();
+        let writhe: Vec<(f64, f64)> = links().map(|link| (link.excess_link, link.writhe)).collect();
+        let twist: Vec<(f64, f64)> = links().map(|link| (link.excess_link, link.twist)).collect();
+        let snapped: Vec<bool> = self.steps.iter().map(|step| step.energy_released > 0.0).collect();
+        let ((writhe, mut jumps), (twist, more)) = (with_jumps(&writhe, &snapped), with_jumps(&twist, &snapped));
+        jumps.extend(more);
         let series = |name: &str, points: Vec<(f64, f64)>, style| Series { name: name.to_owned(), points, style };
         let plot = PlotSpec {
             title: self.title.clone(),
@@ -116,6 +202,8 @@ impl Record {
             ],
             ..PlotSpec::default()
         };
+        let snaps = (!jumps.is_empty()).then(|| series("snap", jumps, SeriesStyle::Dashed));
+        let plot = PlotSpec { series: plot.series.into_iter().chain(snaps).collect(), ..plot };
         plot_lines(&self.dir.join(files::WRITHE), &plot)
     }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::io::detail::within;
 use crate::math::Vec3;
 use crate::observe::report::SiteReport;
+use crate::scene::file::ColorBy;
 
 use super::{Frame, Record, RodHead};
 
@@ -28,27 +29,42 @@ pub(super) struct StillRod {
     pub points: Vec<Vec3>,
     /// d1 at each point; none where too many points were left out to follow it.
     pub directions: Vec<Vec3>,
+    /// Quantity at each point that it is coloured by; none where it is coloured by strand.
+    pub values: Vec<f64>,
 }
 
 impl Record {
     /// A frame as it is drawn; `thin` for small pictures.
     pub(super) fn still(&self, frame: &Frame, thin: bool) -> Still {
         let rod = |rod: &super::RodSnapshot| {
+            let values = self.values(rod);
             if thin && rod.positions.len() > MAX_POINTS {
                 let kept = few(&rod.positions);
-                return StillRod { points: kept.iter().map(|&i| rod.positions[i]).collect(), directions: Vec::new() };
+                let values = kept.iter().filter_map(|&i| values.get(i).copied()).collect();
+                let points = kept.iter().map(|&i| rod.positions[i]).collect();
+                return StillRod { points, directions: Vec::new(), values };
             }
             let directions = rod.frames.iter().map(|q| q * Vec3::x()).collect();
-            StillRod { points: rod.positions.clone(), directions }
+            StillRod { points: rod.positions.clone(), directions, values }
         };
         let sites = &self.steps[frame.step].sites;
         let spots = sites.iter().map(|site| (self.place(site, frame), site.rod_a)).collect();
         Still { step: frame.step, rods: frame.rods.iter().map(rod).collect(), spots }
     }
 
+    /// Quantity that pictures are coloured by, at the nodes of a rod.
+    fn values(&self, rod: &super::RodSnapshot) -> Vec<f64> {
+        match self.choice.color_by {
+            ColorBy::Strand => Vec::new(),
+            ColorBy::Pressure => rod.contact_force.iter().map(Vec3::norm).collect(),
+            ColorBy::Curvature => rod.curvature.clone(),
+            ColorBy::Twist => rod.twist.clone(),
+        }
+    }
+
     /// Middle between the strands of a contact site.
     fn place(&self, site: &SiteReport, frame: &Frame) -> Vec3 {
-        let at = |rod: usize, arcs: [f64; 2]| point_at(&self.rods[rod], &frame.rods[rod].positions, arcs);
+        let at = |rod: usize, arcs: [f64; 2]| point_at(&self.head(rod, frame.step), &frame.rods[rod].positions, arcs);
         0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b))
     }
 }

@@ -56,6 +56,48 @@ pub(super) fn link(a: &[Vec3], b: &[Vec3]) -> Option<f64> {
     })
 }
 
+/// A crossing of a closed polygon's picture with itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Crossing {
+    /// Where the upper strand passes: edge and fraction of it, as one number.
+    pub over: f64,
+    /// Where the lower strand passes.
+    pub under: f64,
+    /// +1 right-handed, −1 left-handed.
+    pub sign: i64,
+}
+
+/// All crossings of a closed polygon of extent about 1 along the viewing direction in which they are fewest of those that
+/// show them clearly.
+pub(super) fn list(points: &[Vec3]) -> Option<Vec<Crossing>> {
+    let along = |d: &[f64; 3]| {
+        let edges = project(points, Vec3::from(*d).normalize());
+        let mut found = Vec::new();
+        for i in 0..edges.len() {
+            for j in i + 2..edges.len() - usize::from(i == 0) {
+                let sign = crossing(&edges[i], &edges[j])?;
+                if sign != 0 {
+                    found.push(placed(&edges, i, j, sign));
+                }
+            }
+        }
+        Some(found)
+    };
+    DIRECTIONS.iter().filter_map(along).min_by_key(Vec::len)
+}
+
+/// The crossing of edges i and j.
+fn placed(edges: &[Edge], i: usize, j: usize, sign: i64) -> Crossing {
+    let ([a, b], [c, d]) = (&edges[i], &edges[j]);
+    let (u, v, w) = (b - a, d - c, c - a);
+    let across = u.x * v.y - u.y * v.x;
+    let (s, t) = ((w.x * v.y - w.y * v.x) / across, (w.x * u.y - w.y * u.x) / across);
+    let (first, second) = (i as f64 + s, j as f64 + t);
+    let above = a.z + s * u.z > c.z + t * v.z;
+    let (over, under) = if above { (first, second) } else { (second, first) };
+    Crossing { over, under, sign }
+}
+
 /// An edge as seen along the viewing direction: two picture coordinates and the height towards the eye.
 type Edge = [Vec3; 2];
 

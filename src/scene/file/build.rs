@@ -8,15 +8,18 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, Natural, Rod, Section, Stiffness};
+use crate::rod::{Along, Natural, Rod, RodNumber, Section, Stiffness};
 use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
+use super::FollowChoice;
 use super::dna::{Dna, electrostatics};
 use super::refuse::inconsistent;
 use super::section::section;
 use super::shapes::{Wound, shape};
-use super::text::{ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText};
+use super::text::{
+    ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
+};
 use super::values::{At, Names, NaturalText};
 use super::{frames, memory, mesh, poses, state};
 
@@ -56,14 +59,8 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     let electrostatics = text.contact.electrostatics.map(electrostatics).transpose()?;
     let mut model = Model { rods, contact, electrostatics, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
-        let field = format!("supports[{i}]");
-        let (position, rotation) = (support.position.0, support.rotation.0);
-        if (position, rotation) == ([false; 3], [false; 3]) {
-            return Err(inconsistent(field, "fixes nothing: set position or rotation to true or a list of axes"));
-        }
-        for node in nodes(&model.rods, &field, &support.rod, support.at)? {
-            model.supports.push(Support { node, position, rotation });
-        }
+        let supports = supports(&format!("supports[{i}]"), support, &model.rods)?;
+        model.supports.extend(supports);
     }
     for (i, joint) in text.joints.iter().enumerate() {
         let end = |name: &str, end: &EndText| {
@@ -83,6 +80,16 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
     }
     model.check().map(|()| model)
+}
+
+fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support>, InputError> {
+    let (position, rotation) = (text.position.0, text.rotation.0);
+    if (position, rotation) == ([false; 3], [false; 3]) {
+        let reason = "names no component: set position or rotation to true or a list of axes";
+        return Err(inconsistent(field.to_owned(), reason));
+    }
+    let nodes = nodes(rods, field, &text.rod, text.at)?;
+    Ok(nodes.into_iter().map(|node| Support { node, position, rotation }).collect())
 }
 
 pub(super) fn stages(
@@ -106,12 +113,46 @@ pub(super) fn further_stages(
     relaxed_links: &[Option<f64>],
 ) -> Result<Vec<Stage>, InputError> {
     let stage = |(i, stage): (usize, &StageText)| {
-        ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)
-            .map(|ramps| Stage { ramps, steps: stage.steps })
+        let mut all = Vec::new();
+        for (k, gone) in stage.release.iter().enumerate() {
+            let supports = supports(&format!("stages[{i}].release[{k}]"), gone, &model.rods)?;
+            all.extend(supports.into_iter().map(Ramp::Release));
+        }
+        for (k, held) in stage.hold.iter().enumerate() {
+            let supports = supports(&format!("stages[{i}].hold[{k}]"), held, &model.rods)?;
+            all.extend(supports.into_iter().map(Ramp::Hold));
+        }
+        all.extend(ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)?);
+        Ok(Stage { ramps: all, steps: stage.steps })
     };
     let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
     model.check_stages(&stages)?;
     Ok(stages)
+}
+
+/// How the last stage is followed, if it is.
+pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
+    let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
+    let field = format!("stages[{place}].follow");
+    if place + 1 < text.len() {
+        return Err(inconsistent(field, "is only for the last stage: a path may end anywhere"));
+    }
+    let steady = |ramp: &Ramp| {
+        matches!(
+            ramp,
+            Ramp::ExcessLink { .. }
+                | Ramp::Rotation { .. }
+                | Ramp::Displacement { .. }
+                | Ramp::Load { .. }
+                | Ramp::Pressure { .. }
+        )
+    };
+    if !matches!(stages[place].ramps.as_slice(), [only] if steady(only)) {
+        let reason =
+            "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or pressure";
+        return Err(inconsistent(field, reason));
+    }
+    text[place].follow.map(|choice| choice.check().map(|()| choice)).transpose()
 }
 
 fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f64>]) -> Result<Vec<Ramp>, InputError> {
@@ -155,6 +196,44 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
     for ramp in &text.pressure.0 {
         let rod = find_rod(rods, &format!("{field}.pressure"), ramp.rod.as_deref())?;
         ramps.push(Ramp::Pressure { rod, to: ramp.to });
+    }
+    numbers(field, text, rods).map(|numbers| ramps.into_iter().chain(numbers).collect())
+}
+
+/// Ramps of the numbers of rods.
+fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, InputError> {
+    let mut ramps = Vec::new();
+    let mut add = |field: String, name: Option<&str>, numbers: &[(RodNumber, Option<f64>)]| {
+        let rod = find_rod(rods, &field, name)?;
+        let given = numbers.iter().filter_map(|&(which, to)| to.map(|to| Ramp::Number { rod, which, to }));
+        let before = ramps.len();
+        ramps.extend(given);
+        if ramps.len() == before { Err(inconsistent(field, "names no number to ramp")) } else { Ok(()) }
+    };
+    for ramp in &text.section.0 {
+        let (bending, shearing) = (ramp.bending.map(|pair| pair.0), ramp.shearing.map(|pair| pair.0));
+        let numbers = [
+            (RodNumber::ContactRadius, ramp.contact_radius),
+            (RodNumber::Bending1, bending.map(|pair| pair[0])),
+            (RodNumber::Bending2, bending.map(|pair| pair[1])),
+            (RodNumber::Twisting, ramp.twisting),
+            (RodNumber::Stretching, ramp.stretching),
+            (RodNumber::Shearing1, shearing.map(|pair| pair[0])),
+            (RodNumber::Shearing2, shearing.map(|pair| pair[1])),
+        ];
+        add(format!("{field}.section"), ramp.rod.as_deref(), &numbers)?;
+    }
+    for ramp in &text.length.0 {
+        add(format!("{field}.length"), ramp.rod.as_deref(), &[(RodNumber::Length, Some(ramp.to))])?;
+    }
+    for ramp in &text.natural.0 {
+        let curvature = ramp.curvature.map(|pair| pair.0);
+        let numbers = [
+            (RodNumber::Curvature1, curvature.map(|pair| pair[0])),
+            (RodNumber::Curvature2, curvature.map(|pair| pair[1])),
+            (RodNumber::Twist, ramp.twist),
+        ];
+        add(format!("{field}.natural"), ramp.rod.as_deref(), &numbers)?;
     }
     Ok(ramps)
 }

@@ -9,9 +9,14 @@ use super::refuse::inconsistent;
 const BYTES_A_NODE: [f64; 2] = [7000.0, 4000.0];
 const GIB: f64 = (1u64 << 30) as f64;
 
+/// Least memory of a run, bytes.
+pub(super) fn least(nodes: usize, planar: bool) -> f64 {
+    nodes as f64 * BYTES_A_NODE[usize::from(planar)]
+}
+
 /// Refuses a rod with which the scene, of so many nodes up to it, takes more memory than there is.
 pub(super) fn check(field: String, elements: usize, nodes: usize, planar: bool) -> Result<(), InputError> {
-    let needed = nodes as f64 * BYTES_A_NODE[usize::from(planar)];
+    let needed = least(nodes, planar);
     match available() {
         Some(available) if needed > available => {
             let (needed, available) = (needed / GIB, available / GIB);

@@ -9,7 +9,7 @@ use crate::dna::salt::Charge;
 use crate::scene::{Fidelity, Units};
 
 use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
-use super::{OutputChoice, SolverChoice};
+use super::{FollowChoice, OutputChoice, PictureChoice, SolverChoice};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -40,6 +40,8 @@ pub(super) struct SceneText {
     pub solver: SolverChoice,
     #[serde(default, deserialize_with = "table")]
     pub output: OutputChoice,
+    #[serde(default, deserialize_with = "table")]
+    pub picture: PictureChoice,
 }
 
 fn default_order() -> usize {
@@ -306,12 +308,19 @@ pub(super) struct StagesText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StageText {
-    #[serde(deserialize_with = "table")]
+    #[serde(default, deserialize_with = "table")]
     pub ramp: RampText,
+    #[serde(default, deserialize_with = "tables")]
+    pub hold: Vec<SupportText>,
+    #[serde(default, deserialize_with = "tables")]
+    pub release: Vec<SupportText>,
+    #[serde(default, deserialize_with = "some_table")]
+    pub follow: Option<FollowChoice>,
+    #[serde(default = "one")]
     pub steps: usize,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RampText {
     #[serde(default)]
@@ -329,6 +338,31 @@ pub(super) struct RampText {
     pub load: Option<f64>,
     #[serde(default)]
     pub pressure: OneOrMany<ScalarText>,
+    #[serde(default)]
+    pub section: OneOrMany<SectionRampText>,
+    #[serde(default)]
+    pub length: OneOrMany<ScalarText>,
+    #[serde(default)]
+    pub natural: OneOrMany<NaturalRampText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectionRampText {
+    pub rod: Option<String>,
+    pub contact_radius: Option<f64>,
+    pub bending: Option<Pair>,
+    pub twisting: Option<f64>,
+    pub stretching: Option<f64>,
+    pub shearing: Option<Pair>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NaturalRampText {
+    pub rod: Option<String>,
+    pub curvature: Option<List<f64, 2>>,
+    pub twist: Option<f64>,
 }
 
 #[derive(Deserialize)]

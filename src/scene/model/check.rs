@@ -2,7 +2,7 @@
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::rod::Rod;
+use crate::rod::{Rod, RodNumber};
 
 use super::{ContactLaw, Electrostatics, Model, NodeRef, Pose, Ramp, Stage};
 
@@ -83,6 +83,7 @@ impl Model {
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // ramps are judged by what supports and rods allow, which must be sound for that
         self.check()?;
+        let mut model = std::borrow::Cow::Borrowed(self);
         for (i, stage) in stages.iter().enumerate() {
             if stage.steps == 0 {
                 return Err(InputError::Count { field: format!("stages[{i}].steps"), value: 0, allowed: "at least 1" });
@@ -92,12 +93,15 @@ impl Model {
                 return Err(InputError::Count { field, value: stage.steps, allowed });
             }
             if stage.ramps.is_empty() {
-                let reason =
-                    "nothing to ramp: give at least one of excess_link, rotation, displacement, pose, load, pressure";
+                let reason = "nothing to do: ramp at least one of excess_link, rotation, displacement, pose, load, pressure, section, length, \
+                     natural, or hold or release something";
                 return Err(inconsistent(&format!("stages[{i}].ramp"), reason));
             }
+            if stage.ramps.iter().any(|ramp| matches!(ramp, Ramp::Hold(_) | Ramp::Release(_))) {
+                model.to_mut().check_supports_changed(&format!("stages[{i}]"), &stage.ramps)?;
+            }
             for (k, ramp) in stage.ramps.iter().enumerate() {
-                self.check_ramp(&format!("stages[{i}].ramp"), ramp)?;
+                model.check_ramp(&format!("stages[{i}].ramp"), ramp, &stage.ramps)?;
                 if stage.ramps[..k].iter().any(|other| same_quantity(other, ramp)) {
                     return Err(inconsistent(&format!("stages[{i}].ramp"), "the same quantity is ramped twice"));
                 }
@@ -106,7 +110,33 @@ impl Model {
         Ok(())
     }
 
-    fn check_ramp(&self, stage: &str, ramp: &Ramp) -> Result<(), InputError> {
+    /// Changes the supports as a stage does, and refuses rods that it leaves free.
+    fn check_supports_changed(&mut self, stage: &str, ramps: &[Ramp]) -> Result<(), InputError> {
+        for ramp in ramps {
+            let (Ramp::Hold(support) | Ramp::Release(support)) = ramp else { continue };
+            let field = format!("{stage}.{}", if matches!(ramp, Ramp::Hold(_)) { "hold" } else { "release" });
+            self.check_node(&field, support.node)?;
+            let before = self.fixed(support.node);
+            self.change_supports(std::slice::from_ref(ramp));
+            let after = self.fixed(support.node);
+            if after == before {
+                let reason = "changes nothing: what is to be held is held already, or what is to be let go is free";
+                return Err(inconsistent(&field, reason));
+            }
+            let held = |rotation: [bool; 3]| rotation.iter().filter(|held| **held).count();
+            if !self.planar && held(after.1) == 1 && after.1 != before.1 {
+                let reason = "leaves rotation about one axis held, a joint of constant velocity, which is only for whole runs: \
+                              hold all rotations or none, or two";
+                return Err(inconsistent(&field, reason));
+            }
+        }
+        (0..self.rods.len()).try_for_each(|rod| match self.pushed_by(rod) {
+            Some(cause) => self.check_supported(rod, &format!("{stage}: {cause}")),
+            None => Ok(()),
+        })
+    }
+
+    fn check_ramp(&self, stage: &str, ramp: &Ramp, ramps: &[Ramp]) -> Result<(), InputError> {
         match *ramp {
             Ramp::ExcessLink { rod, to } => {
                 let field = format!("{stage}.excess_link");
@@ -138,6 +168,16 @@ impl Model {
                 self.check_position_held(&field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
                 self.check_moved(&field, node.rod)
             }
+            Ramp::Number { rod, which, to } => {
+                let field = format!("{stage}.{}", which.name());
+                self.check_rod(&field, rod)?;
+                self.rods[rod].check_number(&field, which, to)?;
+                let moves_nature = matches!(which, RodNumber::Length | RodNumber::Twist);
+                let winds = ramps.iter().any(|other| matches!(other, Ramp::ExcessLink { rod: it, .. } if *it == rod));
+                let reason = "has its excess link ramped in the same stage, which length and natural twist change, too";
+                self.require(!(moves_nature && winds), &field, rod, reason)
+            }
+            Ramp::Hold(_) | Ramp::Release(_) => Ok(()),
             Ramp::Pose { node, ref pose } => self.check_pose(&format!("{stage}.pose"), node, pose),
             Ramp::Load { to } => {
                 let field = format!("{stage}.load");
@@ -442,6 +482,7 @@ fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
             Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
         ) => a == b,
         (Ramp::Load { .. }, Ramp::Load { .. }) => true,
+        (Ramp::Number { rod: a, which: x, .. }, Ramp::Number { rod: b, which: y, .. }) => (a, x) == (b, y),
         _ => false,
     }
 }

@@ -56,6 +56,10 @@ impl Parameter {
                     "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
             }
+            Ramp::Number { .. } | Ramp::Hold(_) | Ramp::Release(_) => {
+                let reason = "numbers of rods and supports change in steps only (`step_to`, `run`)".to_owned();
+                return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
+            }
             Ramp::Pose { .. } => {
                 let reason = "leads along a way of its own, which cannot be followed: go in steps (`step_to`, `run`)";
                 return Err(InputError::Inconsistent { field: "ramp.pose".to_owned(), reason: reason.to_owned() });

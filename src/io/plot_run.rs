@@ -1,0 +1,107 @@
+//! A plot of columns of a run's table.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::error::InputError;
+
+use super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
+
+/// The table that a run has left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunTable {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Units of the columns that have one.
+    pub units: BTreeMap<String, String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl RunTable {
+    /// Reads `table.csv` and `table_columns.csv` in the folder of a run.
+    ///
+    /// # Errors
+    /// [`InputError::Parse`] for files that are missing or no tables.
+    pub fn read(dir: &Path) -> Result<Self, InputError> {
+        let (columns, rows) = read(&dir.join("table.csv"))?;
+        let (_, legend) = read(&dir.join("table_columns.csv"))?;
+        let unit = |row: &Vec<String>| Some((row.first()?.clone(), row.get(1)?.clone()));
+        let units = legend.iter().filter_map(unit).filter(|(_, unit)| !unit.is_empty()).collect();
+        Ok(Self { columns, units, rows })
+    }
+
+    /// Numbers of a column; blank cells are NaN.
+    ///
+    /// # Errors
+    /// [`InputError::Name`] if there is none of that name, or it holds no numbers.
+    pub fn numbers(&self, column: &str) -> Result<Vec<f64>, InputError> {
+        let refuse =
+            |allowed: String| InputError::Name { field: "column".to_owned(), name: column.to_owned(), allowed };
+        let index = self.columns.iter().position(|name| name == column);
+        let index = index.ok_or_else(|| refuse(format!("one of {}", self.columns.join(", "))))?;
+        let cells = || self.rows.iter().map(|row| row.get(index).map_or("", String::as_str));
+        if cells().any(|cell| !cell.is_empty() && cell.parse::<f64>().is_err()) {
+            return Err(refuse("a column of numbers".to_owned()));
+        }
+        Ok(cells().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect())
+    }
+
+    /// Plots columns against another one as SVG; steps in which the rods snapped are joined by a dashed line.
+    ///
+    /// # Errors
+    /// As [`RunTable::numbers`] and [`plot_lines`].
+    pub fn plot(&self, x: &str, columns: &[String], file: &Path) -> Result<(), InputError> {
+        let places = self.numbers(x)?;
+        let snapped = self.numbers("energy_released").map_or_else(
+            |_| vec![false; places.len()],
+            |released| released.into_iter().map(|energy| energy > 0.0).collect(),
+        );
+        let mut series = Vec::new();
+        let mut snaps = Vec::new();
+        for column in columns {
+            let points: Vec<(f64, f64)> = places.iter().copied().zip(self.numbers(column)?).collect();
+            let (line, jumps) = with_jumps(&points, &snapped);
+            snaps.extend(jumps);
+            series.push(Series { name: column.clone(), points: line, style: SeriesStyle::LinePoints });
+        }
+        if !snaps.is_empty() {
+            series.push(Series { name: "snap".to_owned(), points: snaps, style: SeriesStyle::Dashed });
+        }
+        let label = |name: &str| match self.units.get(name) {
+            Some(unit) => format!("{name}, {unit}"),
+            None => name.to_owned(),
+        };
+        let y_label = match columns {
+            [only] => label(only),
+            [first, ..] => self.units.get(first).cloned().unwrap_or_default(),
+            [] => String::new(),
+        };
+        plot_lines(file, &PlotSpec { x_label: label(x), y_label, series, ..PlotSpec::default() })
+    }
+}
+
+/// A curve that is interrupted where the rods snapped, and the pieces across.
+pub(super) fn with_jumps(points: &[Point], snapped: &[bool]) -> (Vec<Point>, Vec<Point>) {
+    let gap = (f64::NAN, f64::NAN);
+    let (mut line, mut jumps) = (Vec::new(), Vec::new());
+    for (k, &point) in points.iter().enumerate() {
+        if k > 0 && snapped.get(k) == Some(&true) {
+            line.push(gap);
+            jumps.extend([points[k - 1], point, gap]);
+        }
+        line.push(point);
+    }
+    (line, jumps)
+}
+
+type Point = (f64, f64);
+type Rows = (Vec<String>, Vec<Vec<String>>);
+
+fn read(path: &Path) -> Result<Rows, InputError> {
+    let refuse = |e: ::csv::Error| InputError::Parse { file: path.display().to_string(), reason: e.to_string() };
+    let mut reader = ::csv::Reader::from_path(path).map_err(refuse)?;
+    let words = |record: &::csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
+    let columns = words(reader.headers().map_err(refuse)?);
+    let rows = reader.records().map(|record| record.map(|record| words(&record)).map_err(refuse));
+    Ok((columns, rows.collect::<Result<_, _>>()?))
+}

@@ -1,0 +1,318 @@
+//! The columns of `table.csv`: name, unit, meaning and value of each, in one place.
+
+use std::fmt;
+use std::path::Path;
+
+use crate::error::InputError;
+use crate::io::csv::{Cell, write_table};
+use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
+use crate::scene::ramped::{axis_of, place_name, prescribed};
+use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
+
+type Value = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
+
+struct Column {
+    name: String,
+    unit: String,
+    meaning: &'static str,
+    value: Value,
+}
+
+/// The columns of a run's table; those that a scene does not have are left out.
+pub struct Columns(Vec<Column>);
+
+impl fmt::Debug for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.0.iter().map(|column| &column.name)).finish()
+    }
+}
+
+/// Names of the units of what is in a table.
+struct Names {
+    length: String,
+    force: String,
+    moment: String,
+    pressure: String,
+}
+
+impl Columns {
+    /// Of a model, its stages and units; `relaxed_links` is the link of relaxed DNA by rod, turns, `thermal` kT in the
+    /// scene's unit of energy where it has one.
+    pub fn new(
+        model: &Model,
+        stages: &[Stage],
+        units: &Units,
+        relaxed_links: &[Option<f64>],
+        thermal: Option<f64>,
+    ) -> Self {
+        let (length, force) = (units.length.clone(), units.force.clone());
+        let names = Names { moment: format!("{force} {length}"), pressure: format!("{force}/{length}"), length, force };
+        let mut all = Self(Vec::new());
+        all.add("step", "", "accepted step, 0 the start", |step| step.step.into());
+        all.add("stage", "", "stage, from 0", |step| step.stage.into());
+        all.add("fraction", "", "part of the stage done", |step| step.fraction.into());
+        all.prescribed(model, stages, &names);
+        all.links(model, relaxed_links, &names);
+        all.ends(model, &names);
+        all.energies(&names, thermal);
+        all.contact(&names);
+        all.reactions(model, stages, &names);
+        all.knots(model);
+        all.add("num_unstable", "", "unstable directions of the state", |step| step.num_unstable.into());
+        all.add("energy_released", &names.moment, "set free by a snap in this step; 0: none", |step| {
+            step.energy_released.into()
+        });
+        all.add("iterations", "", "Newton iterations of the step, failed tries included", |step| {
+            step.iterations.into()
+        });
+        all.add("iterations_elsewhere", "", "those on a shorter rod or coarser mesh", |step| {
+            step.iterations_elsewhere.into()
+        });
+        all.add("seconds", "s", "wall time of the step", |step| step.seconds.into());
+        all.add("status", "", "converged, overlap, or why not", |step| step.status.as_str().into());
+        all.add("notes", "", "to be known before the numbers are believed", |step| step.notes.join("; ").into());
+        all
+    }
+
+    fn add(
+        &mut self,
+        name: &str,
+        unit: &str,
+        meaning: &'static str,
+        value: impl Fn(&Observation) -> Cell + Send + Sync + 'static,
+    ) {
+        self.0.push(Column { name: name.to_owned(), unit: unit.to_owned(), meaning, value: Box::new(value) });
+    }
+
+    fn prescribed(&mut self, model: &Model, stages: &[Stage], names: &Names) {
+        for quantity in prescribed(model, stages) {
+            let unit = match quantity.unit {
+                "L" => names.length.clone(),
+                "F/L" => names.pressure.clone(),
+                "F L^2" => format!("{} {}", names.moment, names.length),
+                "1/L" => format!("1/{}", names.length),
+                "F" => names.force.clone(),
+                other => other.to_owned(),
+            };
+            let name = quantity.name.clone();
+            self.add(&name, &unit, "prescribed by the stages", move |step| {
+                quantity.at(step.stage, step.fraction).into()
+            });
+        }
+    }
+
+    fn links(&mut self, model: &Model, relaxed_links: &[Option<f64>], names: &Names) {
+        for rod in (0..model.rods.len()).filter(|&rod| model.rods[rod].closed) {
+            let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodLink) -> f64| {
+                self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
+                    step.links.iter().find(|link| link.rod == rod).map_or_else(blank, |link| number(of(link)))
+                });
+            };
+            add("excess_link", "turns", "link beyond that of the relaxed rod", |link| link.excess_link);
+            add("link", "turns", "the whole link, natural twist included: twist + writhe", |link| link.link);
+            add("twist", "turns", "of the material line about the centreline", |link| link.twist);
+            add("excess_twist", "turns", "twist beyond the natural one", |link| link.excess_twist);
+            add("writhe", "turns", "of the centreline", |link| link.writhe);
+            add("seam_moment", &names.moment, "twisting moment at s = 0, positive if overtwisted", |l| l.seam_moment);
+            if let Some(relaxed) = relaxed_links.get(rod).copied().flatten() {
+                let sigma = move |step: &Observation| {
+                    let link = step.links.iter().find(|link| link.rod == rod);
+                    link.map_or_else(blank, |link| number(link.excess_link / relaxed))
+                };
+                self.add(&of_rod(model, rod, "sigma"), "", "supercoiling density", sigma);
+            }
+        }
+    }
+
+    fn ends(&mut self, model: &Model, names: &Names) {
+        for rod in (0..model.rods.len()).filter(|&rod| !model.rods[rod].closed) {
+            let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodEnds) -> Option<f64>| {
+                self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
+                    step.ends.iter().find(|ends| ends.rod == rod).and_then(of).map_or_else(blank, number)
+                });
+            };
+            let length = &names.length;
+            add("start_x", length, "position of the start", |ends| Some(ends.start[0]));
+            add("start_y", length, "position of the start", |ends| Some(ends.start[1]));
+            add("start_z", length, "position of the start", |ends| Some(ends.start[2]));
+            add("end_x", length, "position of the end", |ends| Some(ends.end[0]));
+            add("end_y", length, "position of the end", |ends| Some(ends.end[1]));
+            add("end_z", length, "position of the end", |ends| Some(ends.end[2]));
+            add("extension", length, "distance from start to end", |ends| {
+                Some((0..3).map(|k| (ends.end[k] - ends.start[k]).powi(2)).sum::<f64>().sqrt())
+            });
+            add("twist", "turns", "of the material line about the centreline", |ends| Some(ends.twist));
+            add("excess_twist", "turns", "twist beyond the natural one", |ends| Some(ends.excess_twist));
+            add("link", "turns", "turns of the end against the start, continued straight on; parallel ends", |e| {
+                e.link
+            });
+            add("writhe", "turns", "of the rod continued straight on; parallel ends", |ends| ends.writhe);
+        }
+    }
+
+    fn energies(&mut self, names: &Names, thermal: Option<f64>) {
+        let unit = &names.moment;
+        self.add("stretching_energy", unit, "½∫EA (Γ3 − 1)²", |step| number(step.energies.stretch));
+        self.add("shearing_energy", unit, "½∫GA Γ²", |step| number(step.energies.shear));
+        self.add("bending_energy", unit, "½∫EI K²", |step| number(step.energies.bend));
+        self.add("twisting_energy", unit, "½∫GJ K3²", |step| number(step.energies.twist));
+        self.add("contact_energy", unit, "stored in the contact law", |step| number(step.energies.contact));
+        self.add("total_energy", unit, "sum of these; work of loads not included", |step| number(step.energies.total));
+        if let Some(thermal) = thermal {
+            self.add("total_energy_kT", "kT", "the same at the scene's temperature", move |step| {
+                number(step.energies.total / thermal)
+            });
+        }
+    }
+
+    fn contact(&mut self, names: &Names) {
+        self.add(
+            "min_gap",
+            &names.length,
+            "certified lower bound of the smallest gap; blank beyond two diameters",
+            |step| step.min_gap.map_or_else(blank, |gap| number(gap.lower)),
+        );
+        self.add("penetration", &names.length, "worst penetration", |step| {
+            number(step.min_gap.map_or(0.0, |gap| (-gap.lower).max(0.0)))
+        });
+        self.add("num_sites", "", "contact sites", |step| step.num_sites.into());
+        self.add("contact_force", &names.force, "∫p ds over all sites", |step| number(step.total_contact_force));
+        self.add("contact_resultants", &names.force, "Σ|∫p n ds|, a vector a site: more exact at points", |step| {
+            number(step.contact_resultants)
+        });
+    }
+
+    fn reactions(&mut self, model: &Model, stages: &[Stage], names: &Names) {
+        for node in supported(model, stages) {
+            let (position, rotation) = held(model, stages, node);
+            let place = place_name(model, node);
+            let mut add =
+                |name: String, unit: &str, meaning: &'static str, of: Box<dyn Fn(&Reaction) -> f64 + Send + Sync>| {
+                    self.add(&name, unit, meaning, move |step| {
+                        let found = step.reactions.iter().find(|r| (r.rod, r.node) == (node.rod, node.node));
+                        found.map_or_else(blank, |reaction| number(of(reaction)))
+                    });
+                };
+            for k in 0..3 {
+                let axis = ["x", "y", "z"][k];
+                if position[k] {
+                    let of = Box::new(move |r: &Reaction| r.force[k]);
+                    add(format!("{place}_force_{axis}"), &names.force, "of the support on the rod", of);
+                }
+            }
+            for k in 0..3 {
+                let axis = ["x", "y", "z"][k];
+                if rotation[k] {
+                    let of = Box::new(move |r: &Reaction| r.moment[k]);
+                    add(format!("{place}_moment_{axis}"), &names.moment, "of the support on the rod", of);
+                }
+            }
+            if let Some(axis) = axis_of(stages, node) {
+                let of = Box::new(move |r: &Reaction| (0..3).map(|k| r.moment[k] * axis[k]).sum());
+                let meaning = "moment of the support on the rod about the axis it turns it about";
+                add(format!("{place}_torque"), &names.moment, meaning, of);
+            }
+        }
+    }
+
+    fn knots(&mut self, model: &Model) {
+        if model.planar {
+            return;
+        }
+        let closed = || (0..model.rods.len()).filter(|&rod| model.rods[rod].closed);
+        for rod in (0..model.rods.len()).filter(|&rod| model.rods[rod].section.contact_radius > 0.0) {
+            let knot = move |step: &Observation| step.knots.iter().find(|knot| knot.rod == rod).cloned();
+            self.add(
+                &of_rod(model, rod, "knot"),
+                "",
+                "simplest knot with its Alexander polynomial; 0_1: none",
+                move |step| knot(step).map_or_else(blank, |knot| knot.name.into()),
+            );
+            if model.rods.len() == 1 && model.rods[rod].closed {
+                let meaning = "length over the diameter of the thickest tube; blank where nothing is near";
+                self.add("ropelength", "", meaning, move |step| {
+                    knot(step).and_then(|knot| knot.ropelength).map_or_else(blank, number)
+                });
+            }
+        }
+        for a in closed() {
+            for b in closed().filter(|&b| b > a) {
+                let name = format!("linking_{}_{}", model.rods[a].name, model.rods[b].name);
+                self.add(&name, "", "linking number of two rods", move |step| {
+                    let found = step.linking.iter().find(|pair| (pair.rod_a, pair.rod_b) == (a, b));
+                    found.map_or_else(blank, |pair| number(pair.link))
+                });
+            }
+        }
+    }
+
+    /// Names of the columns.
+    pub fn names(&self) -> Vec<&str> {
+        self.0.iter().map(|column| column.name.as_str()).collect()
+    }
+
+    /// Cells of one step.
+    pub fn cells(&self, step: &Observation) -> Vec<Cell> {
+        self.0.iter().map(|column| (column.value)(step)).collect()
+    }
+
+    /// Writes the steps as CSV, one a line.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] if the file cannot be written.
+    pub fn write(&self, path: &Path, steps: &[Observation]) -> Result<(), InputError> {
+        write_table(path, &self.names(), steps.iter().map(|step| self.cells(step)))
+    }
+
+    /// Writes name, unit and meaning of each column as CSV.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] if the file cannot be written.
+    pub fn write_legend(&self, path: &Path) -> Result<(), InputError> {
+        let row = |column: &Column| [column.name.as_str(), column.unit.as_str(), column.meaning].map(Cell::from);
+        write_table(path, &["column", "unit", "meaning"], self.0.iter().map(row))
+    }
+}
+
+fn of_rod(model: &Model, rod: usize, name: &str) -> String {
+    let alike = model.rods.iter().filter(|other| other.closed == model.rods[rod].closed).count();
+    if alike > 1 || (model.rods.len() > 1 && !model.rods[rod].closed) {
+        format!("{}_{name}", model.rods[rod].name)
+    } else {
+        name.to_owned()
+    }
+}
+
+fn blank() -> Cell {
+    Cell::from("")
+}
+
+fn number(x: f64) -> Cell {
+    // + 0.0 turns −0 into 0
+    Cell::Number(x + 0.0)
+}
+
+/// Nodes that supports hold at some time of the run.
+fn supported(model: &Model, stages: &[Stage]) -> Vec<NodeRef> {
+    let mut all: Vec<NodeRef> = model.supports.iter().chain(set_later(stages)).map(|support| support.node).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Components of position and rotation that are held there at some time.
+fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]) {
+    let later = set_later(stages).filter(|support| support.node == node);
+    later.fold(model.fixed(node), |(position, rotation), support| {
+        let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
+        (either(position, support.position), either(rotation, support.rotation))
+    })
+}
+
+/// Supports that stages set.
+fn set_later(stages: &[Stage]) -> impl Iterator<Item = &Support> {
+    stages.iter().flat_map(|stage| &stage.ramps).filter_map(|ramp| match ramp {
+        Ramp::Hold(support) => Some(support),
+        _ => None,
+    })
+}

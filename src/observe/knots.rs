@@ -1,0 +1,75 @@
+//! Knots of rods, how tight they are, and which rods are linked.
+
+use crate::math::Vec3;
+use crate::math::link::{alexander, linking_number};
+use crate::solve::Engine;
+
+use super::report::{GapReport, Knot, Linking};
+
+/// Rods of more nodes are not looked at: time grows with the square of the nodes, and is a twentieth of a second here.
+pub(super) const MOST_NODES: usize = 2000;
+/// Points per node segment: chords leave the centreline by less than strands are apart.
+const POINTS_PER_SEGMENT: usize = 2;
+/// Points per node segment for lengths.
+const POINTS_FOR_LENGTH: usize = 8;
+/// Where the ends of open rods are joined, over their extent: far beyond all strands.
+const FAR: f64 = 10.0;
+
+/// Linking numbers of all pairs of closed rods that are few and short enough.
+pub(super) fn linking(engine: &Engine) -> Vec<Linking> {
+    let rods = &engine.model().rods;
+    let closed: Vec<usize> = (0..rods.len()).filter(|&rod| rods[rod].closed).collect();
+    if closed.iter().map(|&rod| rods[rod].num_nodes()).sum::<usize>() > MOST_NODES {
+        return Vec::new();
+    }
+    let curves: Vec<Vec<Vec3>> = closed.iter().map(|&rod| engine.centerline(rod, POINTS_PER_SEGMENT).0).collect();
+    let pairs = (0..closed.len()).flat_map(|a| (a + 1..closed.len()).map(move |b| (a, b)));
+    // + 0.0 turns −0 into 0
+    let link = |(a, b): (usize, usize)| linking_number(&curves[a], &curves[b]).round() + 0.0;
+    pairs.map(|(a, b)| Linking { rod_a: closed[a], rod_b: closed[b], link: link((a, b)) }).collect()
+}
+
+/// Knots of the rods that take part in contact.
+pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
+    let rods = &engine.model().rods;
+    let is_looked_at = |&rod: &usize| rods[rod].section.contact_radius > 0.0 && rods[rod].num_nodes() <= MOST_NODES;
+    let looked_at: Vec<usize> = (0..rods.len()).filter(is_looked_at).collect();
+    if engine.model().planar || looked_at.iter().map(|&rod| rods[rod].num_nodes()).sum::<usize>() > MOST_NODES {
+        return Vec::new();
+    }
+    let of = |rod: usize| {
+        let (mut points, _) = engine.centerline(rod, POINTS_PER_SEGMENT);
+        if !rods[rod].closed {
+            close(&mut points);
+        }
+        let found = alexander(&points)?;
+        let ropelength = gap.filter(|_| rods[rod].closed && rods.len() == 1).map(|gap| ropelength(engine, rod, gap));
+        let name = found.name().to_owned();
+        Some(Knot { rod, name, determinant: found.determinant.round(), at_third: found.at_third.round(), ropelength })
+    };
+    looked_at.into_iter().filter_map(of).collect()
+}
+
+/// Joins the ends far away from all strands.
+fn close(points: &mut Vec<Vec3>) {
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return };
+    let middle = points.iter().sum::<Vec3>() / points.len() as f64;
+    let extent = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max);
+    let outwards = |end: Vec3| (end - middle).try_normalize(0.0).unwrap_or(Vec3::x());
+    let (before, after) = (outwards(first), outwards(last));
+    // a way round, for the straight one may lead through the rod
+    let across = (before - after).cross(&Vec3::ith((before - after).iamin(), 1.0));
+    let aside = across.try_normalize(0.0).unwrap_or(Vec3::z());
+    let far = FAR * extent;
+    points.extend([last + after * far, middle + aside * (2.0 * far), first + before * far]);
+}
+
+/// Length of a closed rod over the diameter of the thickest tube about it: strands may come as near as the gap leaves,
+/// and bends be as tight as the tube's radius.
+fn ropelength(engine: &Engine, rod: usize, gap: &GapReport) -> f64 {
+    let (points, _) = engine.centerline(rod, POINTS_FOR_LENGTH);
+    let length: f64 = (0..points.len()).map(|k| (points[(k + 1) % points.len()] - points[k]).norm()).sum();
+    let by_strands = 2.0 * engine.model().rods[rod].section.contact_radius + gap.lower;
+    let by_bends = 2.0 / engine.largest_curvature(rod)[0];
+    length / by_strands.min(by_bends)
+}

@@ -1,0 +1,105 @@
+//! One site of the fragments of a line.
+//!
+//! A law whose layer is half as long as nodes are apart lets pressure vanish between nodes, so a line shows as a fragment a
+//! node. Contacts of two strands that are nearer to each other on both than such a mesh can tell are one site.
+
+use crate::contact::arc::{self, ascending};
+use crate::contact::curve::CurveSet;
+
+use super::{Layer, SiteZone};
+
+/// Distance of two contacts on either strand, in layers (B/κ)^¼, up to which they are fragments of one: that of
+/// neighbouring nodes where the mesh gives the law its stiffness.
+const NEAR: f64 = 2.0;
+
+/// Largest ratio of the mean pressures of two fragments of one line. Between the point at the end of a twisted ring's line
+/// and the line, where exact strands do not touch, a mesh has fragments of a tenth of the point's pressure.
+const ALIKE: f64 = 4.0;
+
+/// Indices of zones, true for those that see the contact the other way round than the first.
+type Members = Vec<(usize, bool)>;
+
+/// A contact seen from one of its strands.
+struct Side {
+    group: usize,
+    flipped: bool,
+    curves: [usize; 2],
+    /// Ascending, on both strands.
+    arcs: [[f64; 2]; 2],
+    /// Mean pressure \[F/L\].
+    pressure: f64,
+}
+
+/// Whether two contacts press about as hard as each other.
+fn is_alike(x: &Side, y: &Side) -> bool {
+    x.pressure.max(y.pressure) <= ALIKE * x.pressure.min(y.pressure)
+}
+
+/// Groups of zones with the fragments of each line in one.
+pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, layer: &Layer) -> Vec<Members> {
+    let mut sides: Vec<Side> =
+        groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
+    sides.sort_by(|x, y| x.curves.cmp(&y.curves).then(x.arcs[0][0].total_cmp(&y.arcs[0][0])));
+    let mut next: Vec<Members> = vec![Vec::new(); groups.len()];
+    for class in sides.chunk_by(|x, y| x.curves == y.curves) {
+        let curves = class[0].curves;
+        let reach = NEAR * layer.width(curves[0], curves[1]);
+        let is_near = |x: &Side, y: &Side, k: usize| arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach;
+        for (i, side) in class.iter().enumerate() {
+            let after = (1..class.len()).map(|offset| &class[(i + offset) % class.len()]);
+            for other in after
+                .take_while(|other| is_near(side, other, 0))
+                .filter(|other| is_near(side, other, 1) && is_alike(side, other))
+            {
+                if side.group != other.group {
+                    let turned = side.flipped != other.flipped;
+                    next[side.group].push((other.group, turned));
+                    next[other.group].push((side.group, turned));
+                }
+            }
+        }
+    }
+    let mut used = vec![false; groups.len()];
+    let mut all = Vec::new();
+    for start in 0..groups.len() {
+        if std::mem::replace(&mut used[start], true) {
+            continue;
+        }
+        let (mut found, mut visited) = (vec![(start, false)], 0);
+        while let Some(&(group, turned)) = found.get(visited) {
+            for &(other, turn) in &next[group] {
+                if !std::mem::replace(&mut used[other], true) {
+                    found.push((other, turned != turn));
+                }
+            }
+            visited += 1;
+        }
+        let members = |&(group, turned): &(usize, bool)| {
+            groups[group].iter().map(move |&(zone, flipped)| (zone, flipped != turned)).collect::<Vec<_>>()
+        };
+        all.push(found.iter().flat_map(members).collect());
+    }
+    all
+}
+
+/// A group from its first strand and, where both are of one curve, from its second.
+fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<Side> {
+    let first = &zones[members[0].0];
+    let curves = [first.curve_a, first.curve_b];
+    let hull = |k: usize| {
+        let arcs = members.iter().map(|&(zone, flipped)| {
+            let zone = &zones[zone];
+            ascending(if (k == 0) != flipped { zone.arc_a } else { zone.arc_b })
+        });
+        arcs.reduce(|all, arc| arc::joined(all, arc, set.period(curves[k]))).unwrap_or_default()
+    };
+    let arcs = [hull(0), hull(1)];
+    let force: f64 = members.iter().map(|&(zone, _)| zones[zone].load.force).sum();
+    let length = 0.5 * (arcs[0][1] - arcs[0][0] + arcs[1][1] - arcs[1][0]);
+    let pressure = if length > 0.0 { force / length } else { 0.0 };
+    let mut sides = vec![Side { group, flipped: false, curves, arcs, pressure }];
+    if curves[0] == curves[1] {
+        sides.push(Side { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], pressure });
+    }
+    sides
+}

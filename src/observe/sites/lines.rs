@@ -1,0 +1,145 @@
+//! Contact along lines: the pressure of each site that is a line, as a curve over arc length.
+//!
+//! The law spreads pressure over a width (B/κ)^¼; what varies faster along the line is the mesh. So each piece of a zone
+//! gives its force to the samples within that width, in parts that add up to it: the curve is smooth, and its integral is
+//! the force of the site to rounding.
+
+use crate::contact::arc::near;
+use crate::contact::chain::chains;
+use crate::contact::curve::CurveSet;
+use crate::contact::potential::ContactPair;
+use crate::observe::report::{LineSample, SiteKind};
+
+use super::{Layer, SiteZone, contacts, order, piece, site, zone};
+
+/// Samples of the law's width.
+const A_WIDTH: f64 = 2.0;
+/// Most samples of a line.
+const MOST_SAMPLES: usize = 2000;
+/// Widths beyond which a piece gives nothing.
+const REACH: f64 = 4.0;
+
+/// A piece of a zone: arc lengths on strands a and b, half a force, the smallest gap.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source {
+    pub(super) arcs: [f64; 2],
+    pub(super) force: f64,
+    pub(super) gap: f64,
+}
+
+/// Samples of all lines; `site` counts as in [`sites`](super::sites).
+pub(in crate::observe) fn lines(
+    set: &CurveSet,
+    terms: &[ContactPair],
+    rods: &[usize],
+    layer: &Layer,
+) -> Vec<LineSample> {
+    let chains = chains(set, terms);
+    let mut zoned: Vec<(SiteZone, usize)> = chains.iter().enumerate().map(|(k, chain)| (zone(set, chain), k)).collect();
+    zoned.sort_by(|x, y| order(&x.0, &y.0));
+    let zones: Vec<SiteZone> = zoned.iter().map(|(zone, _)| *zone).collect();
+    let mut found: Vec<_> = contacts(set, &zones, layer)
+        .into_iter()
+        .map(|members| (site(set, &zones, &members, rods, layer), members))
+        .collect();
+    found.sort_by(|(x, _), (y, _)| super::by_arcs(&x.0, &y.0));
+    let mut samples = Vec::new();
+    for (index, ((report, swapped), members)) in found.iter().enumerate() {
+        if report.kind != SiteKind::Line {
+            continue;
+        }
+        let first = &zones[members[0].0];
+        let curves = if *swapped { [first.curve_b, first.curve_a] } else { [first.curve_a, first.curve_b] };
+        let starts = [report.arc_a[0], report.arc_b[0]];
+        let source = |zone: SiteZone, flipped: bool| {
+            let [own, other] = [zone.arc_a, zone.arc_b];
+            let share = if own[1] > own[0] { (zone.load.center - own[0]) / (own[1] - own[0]) } else { 0.5 };
+            let places = [zone.load.center, other[0] + share * (other[1] - other[0])];
+            let places = if flipped != *swapped { [places[1], places[0]] } else { places };
+            // measured from the start of the line, over the seam
+            let arcs = [0, 1].map(|k| along(places[k], starts[k], set.period(curves[k])));
+            Source { arcs, force: zone.load.force, gap: zone.gap }
+        };
+        let sources = members.iter().flat_map(|&(member, flipped)| {
+            chains[zoned[member].1].iter().map(move |link| source(piece(set, link), flipped))
+        });
+        let length = |arc: [f64; 2], period: Option<f64>| {
+            if arc[1] >= arc[0] { arc[1] - arc[0] } else { arc[1] - arc[0] + period.unwrap_or(0.0) }
+        };
+        let width = layer.width(curves[0], curves[1]);
+        for (arcs, pressure, gap) in smoothed(sources.collect(), length(report.arc_a, set.period(curves[0])), width) {
+            let at =
+                |k: usize| set.period(curves[k]).map_or(arcs[k] + starts[k], |p| (arcs[k] + starts[k]).rem_euclid(p));
+            let (rod_a, rod_b) = (report.rod_a, report.rod_b);
+            samples.push(LineSample { site: index, rod_a, arc_a: at(0), rod_b, arc_b: at(1), pressure, gap });
+        }
+    }
+    samples
+}
+
+/// How far a place is along from the start of an interval that it lies in or near.
+fn along(place: f64, start: f64, period: Option<f64>) -> f64 {
+    let ahead = near(place, start, period) - start;
+    match period {
+        // nearer to the start from behind than from the front: it is far along
+        Some(period) if ahead < -0.01 * period => ahead + period,
+        _ => ahead,
+    }
+}
+
+/// Arc lengths from the starts, pressure and gap at evenly spaced samples of a line; ∫pressure is the sum of the forces.
+pub(super) fn smoothed(mut sources: Vec<Source>, length: f64, width: f64) -> Vec<([f64; 2], f64, f64)> {
+    sources.sort_by(|x, y| x.arcs[0].total_cmp(&y.arcs[0]));
+    if sources.is_empty() || !(length > 0.0 && width > 0.0) {
+        return Vec::new();
+    }
+    let count = ((A_WIDTH * length / width).ceil() as usize).clamp(2, MOST_SAMPLES);
+    let spacing = length / count as f64;
+    let place = |k: usize| (k as f64 + 0.5) * spacing;
+    let mut pressure = vec![0.0; count];
+    for source in &sources {
+        let middle = source.arcs[0].clamp(place(0), place(count - 1));
+        let reach = REACH * width.max(spacing);
+        let low = ((middle - reach) / spacing).floor().max(0.0) as usize;
+        let high = (((middle + reach) / spacing).ceil() as usize).min(count);
+        let weight = |k: usize| (-0.5 * ((place(k) - middle) / width.max(spacing)).powi(2)).exp();
+        let sum: f64 = (low..high).map(weight).sum();
+        (low..high).for_each(|k| pressure[k] += source.force * weight(k) / (sum * spacing));
+    }
+    let nearest = |s: f64| {
+        let after = sources.partition_point(|source| source.arcs[0] < s);
+        let candidates = [after.saturating_sub(1), after.min(sources.len() - 1)];
+        let [before, after] = candidates.map(|k| sources[k]);
+        let gap = after.arcs[0] - before.arcs[0];
+        let share = if gap > 0.0 { ((s - before.arcs[0]) / gap).clamp(0.0, 1.0) } else { 0.0 };
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        (mix(before.arcs[1], after.arcs[1]), mix(before.gap, after.gap))
+    };
+    let sample = |k: usize| {
+        let (arc_b, gap) = nearest(place(k));
+        ([place(k), arc_b], pressure[k], gap)
+    };
+    (0..count).map(sample).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sawtooth of the mesh goes, the resultant stays, also at the ends.
+    #[test]
+    fn pressure_is_smoothed_and_its_resultant_kept() {
+        let source = |k: usize| Source {
+            arcs: [0.05 + 0.1 * k as f64, 7.0 - 0.1 * k as f64],
+            force: if k.is_multiple_of(2) { 1.2 } else { 0.8 },
+            gap: -1e-9,
+        };
+        let found = smoothed((0..100).map(source).collect(), 10.0, 0.5);
+        let total: f64 = found.iter().map(|(_, pressure, _)| pressure * 10.0 / found.len() as f64).sum();
+        assert!((total - 100.0).abs() < 1e-9, "{total}");
+        let inner = &found[found.len() / 4..found.len() * 3 / 4];
+        assert!(inner.iter().all(|(_, pressure, _)| (pressure - 10.0).abs() < 0.02), "{inner:?}");
+        assert!(found.iter().all(|(arcs, ..)| (arcs[0] + arcs[1] - 7.05).abs() < 0.1));
+        assert!(smoothed(Vec::new(), 1.0, 1.0).is_empty());
+    }
+}

@@ -1,0 +1,135 @@
+//! Numbers of a rod that may change on the way: those of its section, its length, its natural curvature and twist.
+
+use crate::error::InputError;
+use crate::rod::{Natural, Rod};
+
+/// A number of a rod that stages may ramp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum RodNumber {
+    /// Contact radius \[L\].
+    ContactRadius,
+    /// Reference length \[L\]: the rod grows or shrinks evenly along itself.
+    Length,
+    /// EI1, about d1 \[F·L²\].
+    Bending1,
+    /// EI2, about d2 \[F·L²\].
+    Bending2,
+    /// GJ \[F·L²\].
+    Twisting,
+    /// EA \[F\].
+    Stretching,
+    /// GA1 \[F\].
+    Shearing1,
+    /// GA2 \[F\].
+    Shearing2,
+    /// Natural curvature about d1 \[1/L\].
+    Curvature1,
+    /// Natural curvature about d2 \[1/L\].
+    Curvature2,
+    /// Natural twist \[rad/L\].
+    Twist,
+}
+
+impl RodNumber {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ContactRadius => "contact_radius",
+            Self::Length => "length",
+            Self::Bending1 => "bending_1",
+            Self::Bending2 => "bending_2",
+            Self::Twisting => "twisting",
+            Self::Stretching => "stretching",
+            Self::Shearing1 => "shearing_1",
+            Self::Shearing2 => "shearing_2",
+            Self::Curvature1 => "natural_curvature_1",
+            Self::Curvature2 => "natural_curvature_2",
+            Self::Twist => "natural_twist",
+        }
+    }
+
+    fn is_natural(self) -> bool {
+        matches!(self, Self::Curvature1 | Self::Curvature2 | Self::Twist)
+    }
+
+    fn is_stiffness(self) -> bool {
+        !self.is_natural() && !matches!(self, Self::ContactRadius | Self::Length)
+    }
+}
+
+impl Rod {
+    /// A number of this rod.
+    pub fn number(&self, which: RodNumber) -> f64 {
+        let (section, kappa) = (&self.section, self.uniform_kappa());
+        match which {
+            RodNumber::ContactRadius => section.contact_radius,
+            RodNumber::Length => self.length,
+            RodNumber::Bending1 => section.bending[0],
+            RodNumber::Bending2 => section.bending[1],
+            RodNumber::Twisting => section.twisting,
+            RodNumber::Stretching => section.stretching,
+            RodNumber::Shearing1 => section.shearing[0],
+            RodNumber::Shearing2 => section.shearing[1],
+            RodNumber::Curvature1 => kappa[0],
+            RodNumber::Curvature2 => kappa[1],
+            RodNumber::Twist => kappa[2],
+        }
+    }
+
+    /// Changes a number, which [`Rod::check_number`] allows, and nothing else: nodes stay where they are.
+    #[cfg(feature = "solver")]
+    pub(crate) fn set_number(&mut self, which: RodNumber, value: f64) {
+        let mut kappa = self.uniform_kappa();
+        let section = &mut self.section;
+        match which {
+            RodNumber::ContactRadius => section.contact_radius = value,
+            RodNumber::Length => self.length = value,
+            RodNumber::Bending1 => section.bending[0] = value,
+            RodNumber::Bending2 => section.bending[1] = value,
+            RodNumber::Twisting => section.twisting = value,
+            RodNumber::Stretching => section.stretching = value,
+            RodNumber::Shearing1 => section.shearing[0] = value,
+            RodNumber::Shearing2 => section.shearing[1] = value,
+            RodNumber::Curvature1 => kappa[0] = value,
+            RodNumber::Curvature2 => kappa[1] = value,
+            RodNumber::Twist => kappa[2] = value,
+        }
+        if which.is_natural() {
+            self.natural = Natural::Uniform { kappa };
+        }
+    }
+
+    /// Refuses a value that the number cannot have, and numbers that this rod does not have as one.
+    ///
+    /// # Errors
+    /// A stiffness, length or contact radius that is not positive; the contact radius of a rod that takes no part in
+    /// contact; stiffnesses of a rod with a full stiffness; length and natural strains of rods whose natural strains
+    /// vary along them.
+    pub fn check_number(&self, field: &str, which: RodNumber, to: f64) -> Result<(), InputError> {
+        let refuse = |reason: &str| {
+            let reason = format!("rod \"{}\" {reason}", self.name);
+            Err(InputError::Inconsistent { field: field.to_owned(), reason })
+        };
+        let is_uniform = matches!(self.natural, Natural::Straight | Natural::Uniform { .. });
+        if which.is_stiffness() && self.stiffness.is_some() {
+            return refuse("has a full stiffness: its single numbers cannot be ramped");
+        }
+        if !is_uniform && (which.is_natural() || which == RodNumber::Length) {
+            return refuse(
+                "has natural strains that vary along it: ramps of natural strains and of length need uniform ones",
+            );
+        }
+        if which == RodNumber::ContactRadius && self.section.contact_radius <= 0.0 {
+            return refuse("takes no part in contact: a contact radius cannot be ramped from 0");
+        }
+        if which.is_natural() {
+            return InputError::check(field, to, true, "a finite number");
+        }
+        InputError::positive(field, to)
+    }
+
+    fn uniform_kappa(&self) -> [f64; 3] {
+        if let Natural::Uniform { kappa } = self.natural { kappa } else { [0.0; 3] }
+    }
+}

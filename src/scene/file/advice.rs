@@ -1,0 +1,141 @@
+//! What is allowed in a scene, but hardly meant, or beyond what its mesh carries.
+
+use std::f64::consts::TAU;
+
+use crate::rod::Rod;
+use crate::scene::{Ramp, Scene};
+
+use super::memory;
+
+/// Largest natural twist from node to node, turns: at 80° results are off by 1 %, and the error falls with the sixth
+/// power.
+const MOST_NATURAL: f64 = 1.0 / 12.0;
+/// Fewest nodes a turn of link: a turn of a plectoneme is bent all the way round.
+const FEWEST_A_TURN: f64 = 12.0;
+/// Contact radius over length below which it is likely in another unit: DNA of E. coli's length has 2e-6.
+const THINNEST: f64 = 1e-7;
+/// Excess link this near to the natural link, over it, is likely to be the link.
+const ALIKE: f64 = 0.25;
+/// Nodes a contact diameter that lines of contact need.
+const NODES_A_DIAMETER: f64 = 3.0;
+/// Newton iterations of an ordinary step, and time of one for a node in contact, s, on one core: plasmids take 10 to 40,
+/// and 25 µs.
+const ITERATIONS_A_STEP: f64 = 20.0;
+const SECONDS_A_NODE: f64 = 25e-6;
+const MIB: f64 = (1u64 << 20) as f64;
+
+impl Scene {
+    /// What is allowed but hardly meant: a radius in another unit than the length, link that the mesh does not carry,
+    /// natural twist that turns too far from node to node, excess link that looks like the whole link.
+    pub fn warnings(&self) -> Vec<String> {
+        let rods = self.model.rods.iter().enumerate();
+        rods.flat_map(|(index, rod)| {
+            let [least, most] = self.links(index, rod);
+            [thin(rod), natural(rod), link(rod, least.abs().max(most.abs())), is_link(rod, least), is_link(rod, most)]
+        })
+        .flatten()
+        .fold(Vec::new(), |mut all, warning| {
+            if !all.contains(&warning) {
+                all.push(warning);
+            }
+            all
+        })
+    }
+
+    /// What a run is about to take, in words: mesh by rod, memory, time.
+    pub fn expectations(&self) -> Vec<String> {
+        let unit = &self.units.length;
+        let mesh = |rod: &Rod| {
+            let (spacing, diameter) = (rod.spacing(), 2.0 * rod.section.contact_radius);
+            let touches = diameter > 0.0 && self.model.contact.law.is_on();
+            let by_contact = if touches {
+                let needed = if diameter / spacing < NODES_A_DIAMETER { ": too few for lines of contact" } else { "" };
+                format!(", {:.1} a contact diameter{needed}", diameter / spacing)
+            } else {
+                String::new()
+            };
+            let twist = rod.natural.mean_twist(rod.length).abs() / TAU;
+            let by_twist = if twist > 0.0 {
+                format!(", {:.0} a turn of natural twist", 1.0 / (twist * spacing))
+            } else {
+                String::new()
+            };
+            format!("rod {}: nodes {spacing:.4} {unit} apart{by_contact}{by_twist}", rod.name)
+        };
+        let nodes: usize = self.model.rods.iter().map(Rod::num_nodes).sum();
+        let steps: usize = self.stages.iter().map(|stage| stage.steps).sum::<usize>().max(1);
+        let bytes = memory::least(nodes, self.model.planar);
+        let seconds = steps as f64 * ITERATIONS_A_STEP * nodes as f64 * SECONDS_A_NODE;
+        let time = match seconds {
+            ..1.0 => "about a second".to_owned(),
+            ..90.0 => format!("about {seconds:.0} s"),
+            ..5400.0 => format!("about {:.0} min", seconds / 60.0),
+            _ => format!("about {:.0} h", seconds / 3600.0),
+        };
+        let all = format!(
+            "{nodes} nodes take {:.0} MiB or more, {steps} steps {time} on one core, several times more where rods snap",
+            (bytes / MIB).max(1.0)
+        );
+        self.model.rods.iter().map(mesh).chain([all]).collect()
+    }
+
+    /// Least and largest excess link of a rod, turns, at the start and after stages.
+    fn links(&self, index: usize, rod: &Rod) -> [f64; 2] {
+        let ramps = self.stages.iter().flat_map(|stage| &stage.ramps);
+        let targets = ramps.filter_map(|ramp| match ramp {
+            Ramp::ExcessLink { rod, to } if *rod == index => Some(*to),
+            Ramp::Rotation { node, to, .. } if node.rod == index => Some(*to),
+            _ => None,
+        });
+        targets.fold([rod.start_excess_link; 2], |[least, most], to| [least.min(to), most.max(to)])
+    }
+}
+
+fn thin(rod: &Rod) -> Option<String> {
+    let (radius, length) = (rod.section.contact_radius, rod.length);
+    let slender = radius > 0.0 && radius < THINNEST * length;
+    slender.then(|| {
+        let part = radius / length;
+        format!(
+            "rod \"{}\" is {length} long and has a contact radius of {radius}, {part:.0e} of it: are both in one unit?",
+            rod.name
+        )
+    })
+}
+
+fn natural(rod: &Rod) -> Option<String> {
+    let turns = rod.natural.mean_twist(rod.length).abs() * rod.spacing() / TAU;
+    (turns > MOST_NATURAL).then(|| {
+        let needed = (turns / MOST_NATURAL * rod.num_elements as f64).ceil();
+        format!(
+            "rod \"{}\" turns by {:.0}° of natural twist from node to node, which costs accuracy above {:.0}°: {needed} \
+             elements would do",
+            rod.name,
+            360.0 * turns,
+            360.0 * MOST_NATURAL
+        )
+    })
+}
+
+fn link(rod: &Rod, turns: f64) -> Option<String> {
+    let nodes = rod.num_segments() as f64 / turns;
+    (nodes < FEWEST_A_TURN).then(|| {
+        let needed = (FEWEST_A_TURN * turns / rod.order as f64).ceil();
+        format!(
+            "rod \"{}\" is to take {turns} turns on {} elements, {nodes:.1} nodes a turn: {needed} elements would give \
+             {FEWEST_A_TURN}",
+            rod.name, rod.num_elements
+        )
+    })
+}
+
+fn is_link(rod: &Rod, excess: f64) -> Option<String> {
+    let natural = if rod.closed { rod.natural_link() } else { 0.0 };
+    let alike = natural.abs() >= 1.0 && (excess.abs() - natural.abs()).abs() <= ALIKE * natural.abs();
+    alike.then(|| {
+        format!(
+            "rod \"{}\" has an excess_link of {excess}, which counts beyond its natural {natural:.2} turns: is link meant?",
+            rod.name
+        )
+    })
+}

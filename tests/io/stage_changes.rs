@@ -1,0 +1,170 @@
+//! Stages that change the problem: numbers of rods ramped, supports set and taken away.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use supercoil::math::Vec3;
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
+use supercoil::scene::Scene;
+use supercoil::solve::{Options, Restart, Solution, Status, run_from};
+
+const BEAM: &str = r#"
+[[rods]]
+name = "beam"
+shape = { kind = "line", length = 2.0 }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }
+elements = 8
+[[supports]]
+at = "start"
+position = true
+rotation = true
+"#;
+
+fn run(text: &str) -> (Solution, Vec<Observation>) {
+    let scene = Scene::from_toml(text, Path::new("")).unwrap();
+    let mut seen = Vec::new();
+    let solution = run_from(scene.model, &scene.stages, &Options::default(), None, &mut |progress, _| {
+        seen.push(observe(progress));
+        ControlFlow::Continue(())
+    });
+    let solution = solution.unwrap();
+    assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure);
+    (solution, seen)
+}
+
+fn end(seen: &[Observation], step: usize) -> Vec3 {
+    seen[step].ends[0].end.into()
+}
+
+/// A cantilever whose natural curvature grows is an arc of it, free of stress.
+#[test]
+fn a_rod_bends_by_nature() {
+    let curvature = 1.2;
+    let stage = format!("[[stages]]\nramp = {{ natural = {{ curvature = [{curvature}, 0.0] }} }}\nsteps = 4\n");
+    let (_, seen) = run(&format!("{BEAM}{stage}"));
+    let angle = 2.0 * curvature;
+    let out = end(&seen, 4);
+    let across = (out.y.hypot(out.z), out.x);
+    assert!((across.0 - (1.0 - f64::cos(angle)) / curvature).abs() < 1e-6, "{out}");
+    assert!((across.1 - f64::sin(angle) / curvature).abs() < 1e-6, "{out}");
+    assert!(seen[4].energies.total < 1e-12, "{}", seen[4].energies.total);
+    assert_eq!(seen.len(), 5);
+}
+
+/// Clamped ends keep their distance while the rod between them shrinks: tension EA (l/L − 1).
+#[test]
+fn a_rod_that_shrinks_is_stretched() {
+    let held = "[[supports]]\nat = \"end\"\nposition = true\nrotation = true\n";
+    let (_, seen) = run(&format!("{BEAM}{held}[[stages]]\nramp = {{ length = {{ to = 1.9 }} }}\nsteps = 2\n"));
+    let tension = seen[2].reactions[1].force[0];
+    assert!((tension - 1e4 * (2.0 / 1.9 - 1.0)).abs() < 1e-6 * tension, "{tension}");
+}
+
+/// However stiffness came about, the deflection is that of a beam that had it from the start.
+#[test]
+fn a_beam_that_softens_is_a_soft_beam() {
+    let load = "[[loads]]\nat = \"end\"\nforce = [0.0, 0.0, -0.3]\n[[stages]]\nramp = { load = 1.0 }\nsteps = 2\n";
+    let softens = "[[stages]]\nramp = { section = { bending = 0.25, contact_radius = 0.02 } }\nsteps = 3\n";
+    let (_, softened) = run(&format!("{BEAM}{load}{softens}"));
+    let (_, soft) = run(&format!("{}{load}", BEAM.replace("bending = 1.0", "bending = 0.25")));
+    let apart = end(&softened, 5) - end(&soft, 2);
+    assert!(apart.norm() < 1e-9, "{apart}");
+    assert!((end(&softened, 2) - end(&softened, 5)).norm() > 0.1);
+}
+
+const HELD: &str = r#"
+[[loads]]
+at = "end"
+force = [0.0, 0.0, -0.3]
+[[stages]]
+ramp = { load = 1.0 }
+steps = 2
+[[stages]]
+hold = [{ at = "end", position = true }]
+ramp = { load = 0.0 }
+steps = 2
+[[stages]]
+ramp = { displacement = { at = "end", to = [0.0, 0.0, 0.1] } }
+steps = 1
+[[stages]]
+release = [{ at = "end", position = true }]
+steps = 1
+"#;
+
+/// An end held where a load has taken it bears that load when it is gone; let go, the beam is straight again.
+#[test]
+fn ends_are_held_and_let_go() {
+    let (_, seen) = run(&format!("{BEAM}{HELD}"));
+    let force = |step: usize| seen[step].reactions.iter().find(|r| r.node > 0).map(|r| Vec3::from(r.force));
+    assert_eq!(force(2), None);
+    assert!((force(4).unwrap() - Vec3::new(0.0, 0.0, -0.3)).norm() < 1e-8, "{:?}", force(4));
+    assert!((end(&seen, 4) - end(&seen, 2)).norm() < 1e-12);
+    assert!((end(&seen, 5) - end(&seen, 4) - Vec3::z() * 0.1).norm() < 1e-12);
+    assert_eq!(force(6), None);
+    assert!((end(&seen, 6) - Vec3::x() * 2.0).norm() < 1e-9, "{}", end(&seen, 6));
+}
+
+/// A run taken up in the middle of it ends with the same bits.
+#[test]
+fn changes_survive_a_restart() {
+    let text = format!(
+        "{BEAM}{HELD}[[stages]]\nramp = {{ section = {{ bending = 0.5 }}, length = {{ to = 2.2 }} }}\nsteps = 4\n"
+    );
+    let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+    let mut kept: Vec<Restart> = Vec::new();
+    let go = |from: Option<Restart>, kept: &mut Vec<Restart>| {
+        let done = run_from(scene.model.clone(), &scene.stages, &Options::default(), from, &mut |_, waypoint| {
+            kept.extend(waypoint.restart());
+            ControlFlow::Continue(())
+        });
+        done.unwrap().solver.engine().state().clone()
+    };
+    let last = go(None, &mut kept);
+    assert_eq!(last.numbers.len(), 3);
+    for restart in kept {
+        let place = restart.place;
+        assert_eq!(go(Some(restart), &mut Vec::new()), last, "{place:?}");
+    }
+}
+
+/// A trefoil whose rod grows thicker is pulled tight, and stays a trefoil.
+#[test]
+fn a_knot_is_pulled_tight() {
+    let scene = Scene::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/tight_knot.toml")).unwrap();
+    let mut last = None;
+    let solution = run_from(scene.model, &scene.stages, &Options::default(), None, &mut |progress, _| {
+        last = Some(observe(progress));
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure);
+    let knot = &last.unwrap().knots[0];
+    assert_eq!(knot.name, "3_1");
+    let ropelength = knot.ropelength.unwrap();
+    assert!((16.3715..20.0).contains(&ropelength), "{ropelength}");
+}
+
+/// What cannot be ramped, held or let go is refused in words.
+#[test]
+fn changes_without_sense_are_refused() {
+    let refusal =
+        |stage: &str| match Scene::from_toml(&format!("{BEAM}[[stages]]\n{stage}\nsteps = 1\n"), Path::new("")) {
+            Ok(_) => format!("accepted: {stage}"),
+            Err(error) => error.to_string(),
+        };
+    for (stage, reason) in [
+        ("ramp = { section = { contact_radius = 0.0 } }", "contact_radius = 0"),
+        ("ramp = { section = { bending = -1.0 } }", "bending_1 = -1"),
+        ("ramp = { section = { rod = \"beam\" } }", "names no number to ramp"),
+        ("release = [{ at = \"end\", position = true }]", "changes nothing"),
+        ("hold = [{ at = \"start\", position = [\"x\"] }]", "changes nothing"),
+        ("hold = [{ at = \"end\", rotation = [\"x\"] }]", "joint of constant velocity"),
+        ("ramp = {}", "nothing to do"),
+    ] {
+        let message = refusal(stage);
+        assert!(message.contains(reason), "{stage}: {message}");
+    }
+}

@@ -1,0 +1,303 @@
+//! What a run tells and what a check warns of, as a user with nothing but scene files and the command line meets it.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn supercoil(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_supercoil")).args(arguments).output().unwrap()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("supercoil_told_{}_{name}", std::process::id()));
+    std::fs::remove_dir_all(&dir).ok();
+    std::fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+/// Runs a scene; exit code, standard output, standard error.
+fn run(dir: &Path, scene: &str) -> (i32, String, String) {
+    let file = dir.join("scene.toml");
+    std::fs::write(&file, scene).unwrap();
+    let out = supercoil(&["run", file.to_str().unwrap(), "--out", dir.join("out").to_str().unwrap()]);
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (out.status.code().unwrap(), text(&out.stdout), text(&out.stderr))
+}
+
+fn warnings(dir: &Path, scene: &str) -> String {
+    let file = dir.join("scene.toml");
+    std::fs::write(&file, scene).unwrap();
+    let out = supercoil(&["check", file.to_str().unwrap()]);
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    String::from_utf8_lossy(&out.stderr).into_owned()
+}
+
+type Table = (Vec<String>, Vec<BTreeMap<String, String>>);
+
+fn table(path: &Path) -> Table {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let columns: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| columns.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    let rows = reader.records().map(|record| row(record.unwrap())).collect();
+    (columns.clone(), rows)
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} = {:?}", row[column]))
+}
+
+const MINICIRCLE: &str = r#"
+[[rods]]
+name = "dna"
+closed = true
+shape = { kind = "circle" }
+dna = { base_pairs = 336 }
+elements = 24
+fasten = 1
+[[stages]]
+ramp = { sigma = { to = -0.07 } }
+steps = 8
+[picture]
+size = [320, 240]
+camera = [1.0, 0.5, 0.3]
+color_by = "curvature"
+scale_bar = true
+transparent = true
+"#;
+
+#[test]
+fn a_run_leaves_a_table_that_explains_itself() {
+    let dir = folder("minicircle");
+    let (code, _, error) = run(&dir, MINICIRCLE);
+    assert!(code == 2 && error.contains("fasten"), "{code} {error}");
+    let (code, printed, error) = run(&dir, &MINICIRCLE.replace("fasten = 1\n", ""));
+    assert_eq!(code, 0, "{error}");
+    let out = dir.join("out");
+    let (columns, rows) = table(&out.join("table.csv"));
+    let (_, legend) = table(&out.join("table_columns.csv"));
+    assert_eq!(legend.iter().map(|row| row["column"].clone()).collect::<Vec<_>>(), columns);
+    assert!(legend.iter().any(|row| row["column"] == "total_energy" && row["unit"] == "pN nm"));
+    let last = rows.last().unwrap();
+    assert!((number(last, "sigma") + 0.07).abs() < 1e-12 && (number(last, "excess_link") + 0.07 * 32.0).abs() < 1e-12);
+    assert!((number(last, "link") - number(last, "twist") - number(last, "writhe")).abs() < 1e-9);
+    let energies = ["stretching", "shearing", "bending", "twisting", "contact"];
+    let sum: f64 = energies.iter().map(|kind| number(last, &format!("{kind}_energy"))).sum();
+    assert!((sum - number(last, "total_energy")).abs() < 1e-9 * sum);
+    assert_eq!((last["knot"].as_str(), last["status"].as_str()), ("0_1", "converged"));
+    // the snap is noted in the table, below the printed one, and drawn as a jump
+    let snapped = rows.iter().find(|row| number(row, "energy_released") > 0.0).unwrap();
+    assert!(snapped["notes"].starts_with("snap"), "{}", snapped["notes"]);
+    assert!(printed.contains(&format!("* step {}: snap", snapped["step"])), "{printed}");
+    let plot = supercoil(&["plot", out.to_str().unwrap(), "--x", "excess_link", "--y", "writhe,twist"]);
+    assert!(plot.status.success(), "{}", String::from_utf8_lossy(&plot.stderr));
+    let drawn = std::fs::read_to_string(out.join("writhe_twist.svg")).unwrap();
+    assert!(drawn.contains("snap") && drawn.contains("excess_link, turns"));
+    let slip = supercoil(&["plot", out.to_str().unwrap(), "--x", "excess_lnk", "--y", "writhe"]);
+    assert!(String::from_utf8_lossy(&slip.stderr).contains("one of step, stage"));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Wires as of examples/strand.toml: each line of contact between neighbours is one site, its pressure adds up to its
+/// force, and wires laid alike bear one torque.
+#[test]
+fn lines_of_contact_have_their_pressure() {
+    let dir = folder("strand");
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/strand.toml")).unwrap();
+    let (code, _, error) = run(&dir, &text.replace("turns = 0.5", "turns = 0.25").replace("steps = 6", "steps = 3"));
+    assert_eq!(code, 0, "{error}");
+    let (_, sites) = table(&dir.join("out/sites.csv"));
+    let (_, lines) = table(&dir.join("out/lines.csv"));
+    let (_, rows) = table(&dir.join("out/table.csv"));
+    let is_of = |site: &&BTreeMap<String, String>, a: &str, b: &str| {
+        site["rod_a"] == a && site["rod_b"] == b && site["kind"] == "line"
+    };
+    let between = |a: &str, b: &str| sites.iter().filter(|site| is_of(site, a, b)).count();
+    assert_eq!([between("w1", "w2"), between("w1", "w6"), between("w3", "w5")], [1, 1, 0]);
+    let mut found = 0;
+    for (index, site) in sites.iter().enumerate().filter(|(_, site)| site["kind"] == "line") {
+        let own: Vec<_> = lines.iter().filter(|row| row["site"] == index.to_string()).collect();
+        let sum: f64 = own.iter().map(|row| number(row, "pressure")).sum();
+        let spacing = number(site, "length") / own.len() as f64;
+        let force = number(site, "force");
+        assert!((sum * spacing - force).abs() < 1e-6 * force, "{} {force}", sum * spacing);
+        assert!((number(site, "pressure") * number(site, "length") - force).abs() < 1e-9 * force);
+        assert!(own.windows(2).all(|pair| number(pair[0], "arc_a") < number(pair[1], "arc_a")));
+        found += 1;
+    }
+    assert!(found >= 6, "{found} of {}", sites.len());
+    let last = rows.last().unwrap();
+    assert!((number(last, "w1_end_turned") - 0.25).abs() < 1e-12);
+    let torques = ["w1", "w2", "w3", "w4", "w5", "w6"].map(|wire| number(last, &format!("{wire}_end_torque")));
+    assert!(torques.iter().all(|torque| *torque > 0.0 && (torque / torques[0] - 1.0).abs() < 1e-3), "{torques:?}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+const ARC: &str = r#"
+[[rods]]
+shape = { kind = "line", length = 1.0 }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.2 }
+elements = 8
+[[supports]]
+at = "start"
+position = true
+rotation = true
+[[stages]]
+ramp = { natural = { curvature = [4.0, 0.0] } }
+steps = 4
+[output]
+vtk = false
+"#;
+
+/// Symptom: a rod bent more tightly than its tube allows was "converged", exit code 0. Now it has a status of its own.
+#[test]
+fn tubes_inside_each_other_have_a_status() {
+    let dir = folder("overlap");
+    let (code, _, error) = run(&dir, ARC);
+    assert_eq!(code, 0, "{error}");
+    let (code, again, error) = run(&dir, &ARC.replace("[4.0, 0.0]", "[5.5, 0.0]"));
+    assert_eq!(code, 4, "{again}{error}");
+    assert!(
+        again.contains("overlap after") && error.contains("as tightly as its contact radius allows"),
+        "{again}{error}"
+    );
+    let summary = std::fs::read_to_string(dir.join("out/summary.json")).unwrap();
+    assert!(summary.contains("\"converged\": false") && summary.contains("\"status\": \"overlap\""));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn slips_are_warned_of() {
+    let dir = folder("warnings");
+    let ring = |keys: &str, to: f64| {
+        format!(
+            "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = 100.0 }}\n\
+             section = {{ bending = 200.0, twisting = 300.0, stretching = 1e3, shearing = 1e3, contact_radius = 1.0 }}\n\
+             elements = 48\n{keys}\n[[stages]]\nramp = {{ excess_link = {{ to = {to:?} }} }}\nsteps = 30\n"
+        )
+    };
+    assert_eq!(warnings(&dir, &ring("", -3.0)), "");
+    let told = warnings(&dir, &ring("", -30.0));
+    assert!(told.contains("-30 turns") || told.contains("30 turns on 48 elements, 4.8 nodes a turn"), "{told}");
+    let wound = "natural = { curvature = [0.0, 0.0], twist = 2.0106192982974678 }"; // 32 turns
+    let told = warnings(&dir, &ring(wound, -32.0));
+    assert!(told.contains("is link meant?"), "{told}");
+    assert!(told.contains("80° of natural twist from node to node"), "{told}");
+    let told = warnings(&dir, &ring("", -3.0).replace("contact_radius = 1.0", "contact_radius = 1e-6"));
+    assert!(told.contains("are both in one unit?"), "{told}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// The schema knows the keys of every example and of every scene to begin with, and the type of each value.
+#[test]
+fn the_schema_fits_the_examples() {
+    let out = supercoil(&["help", "schema"]);
+    let schema: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut count = 0;
+    for folder in ["examples", "assets/scenes"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|ending| ending == "toml") {
+                let scene: toml::Table = toml::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+                let scene = serde_json::to_value(scene).unwrap();
+                fits(&schema, &schema, &scene).unwrap_or_else(|place| panic!("{}: {place}", path.display()));
+                count += 1;
+            }
+        }
+    }
+    assert!(count >= 16, "{count}");
+    let bad = serde_json::json!({ "rods": [{ "elements": "many" }] });
+    assert_eq!(fits(&schema, &schema, &bad), Err(".rods[].elements".to_owned()));
+    let unknown = serde_json::json!({ "stages": [{ "ramp": { "excess_lnk": {} } }] });
+    assert!(fits(&schema, &schema, &unknown).is_err());
+    assert!(schema["$defs"]["rods"]["properties"]["excess_link"]["description"].as_str().unwrap().contains("turns"));
+}
+
+/// As much of JSON Schema as the schema of scenes uses; the place that does not fit.
+fn fits(root: &serde_json::Value, schema: &serde_json::Value, value: &serde_json::Value) -> Result<(), String> {
+    use serde_json::Value;
+    if let Some(name) = schema["$ref"].as_str() {
+        return fits(root, &root["$defs"][name.rsplit('/').next().unwrap()], value);
+    }
+    if let Some(ways) = schema["anyOf"].as_array() {
+        let tried: Vec<_> = ways.iter().map(|way| fits(root, way, value)).collect();
+        return tried.iter().find(|way| way.is_ok()).unwrap_or(&tried[0]).clone();
+    }
+    if let Some(words) = schema["enum"].as_array() {
+        return if words.contains(value) { Ok(()) } else { Err(String::new()) };
+    }
+    let kinds: Vec<&str> = match &schema["type"] {
+        Value::String(kind) => vec![kind],
+        Value::Array(kinds) => kinds.iter().filter_map(Value::as_str).collect(),
+        _ => return Ok(()),
+    };
+    let is = |kind: &&str| match *kind {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_i64() || value.is_u64(),
+        _ => value.is_number(),
+    };
+    if !kinds.iter().any(is) {
+        return Err(String::new());
+    }
+    if let (Some(items), Some(list)) = (schema.get("items"), value.as_array()) {
+        list.iter().try_for_each(|item| fits(root, items, item)).map_err(|place| format!("[]{place}"))?;
+    }
+    if let (Some(known), Some(table)) = (schema["properties"].as_object(), value.as_object()) {
+        for (key, value) in table {
+            let inner = known.get(key).ok_or_else(|| format!(".{key} (unknown)"))?;
+            fits(root, inner, value).map_err(|place| format!(".{key}{place}"))?;
+        }
+    }
+    Ok(())
+}
+
+const ARCH: &str = r#"
+planar = true
+[[rods]]
+shape = { kind = "arc", radius = 1.0, turns = 0.2, tangent = [0.8090169943749475, 0.5877852522924731, 0.0], towards = [0.5877852522924731, -0.8090169943749475, 0.0] }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 }
+natural = "as-shaped"
+elements = 16
+[[supports]]
+at = "start"
+position = true
+[[supports]]
+at = "end"
+position = true
+[[loads]]
+at = 24
+force = [0.0, -30.0, 0.0]
+[[stages]]
+ramp = { load = 1.0 }
+follow = { max_step = 0.1, max_points = 60 }
+[output]
+vtk = false
+picture = false
+"#;
+
+/// An arch that snaps under its load is followed through the limit point: the load falls while the crown goes on down.
+#[test]
+fn paths_are_followed_through_limit_points() {
+    let dir = folder("arch");
+    let (code, printed, error) = run(&dir, ARCH);
+    assert_eq!(code, 0, "{error}");
+    assert!(printed.contains("limit point: what is ramped turns back at"), "{printed}");
+    let (_, rows) = table(&dir.join("out/table.csv"));
+    let loads: Vec<f64> = rows.iter().map(|row| number(row, "load")).collect();
+    let top = loads.iter().take_while(|load| **load < 1.0).copied().fold(0.0, f64::max);
+    let falls = loads.windows(2).any(|pair| pair[1] < pair[0] - 1e-3);
+    assert!(falls && top > 0.05, "{loads:?}");
+    // both supports bear the load at every point of the path
+    for row in &rows {
+        let held = number(row, "start_force_y") + number(row, "end_force_y");
+        assert!((held - 30.0 * number(row, "load")).abs() < 1e-6, "{held} {row:?}");
+    }
+    let (code, _, error) = run(&dir, &ARCH.replace("[output]", "[[stages]]\nramp = { load = 0.0 }\n[output]"));
+    assert!(code == 2 && error.contains("only for the last stage"), "{error}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
