@@ -2,7 +2,7 @@
 //! states; feature `tables`), `picture` (shaded tubes, plots; feature `pictures`), `view` (a page to turn and to step
 //! through, glTF; `view`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run that
 //! survives), `record` (all that a run leaves behind), `run` (a scene from start to files), `export` (the base pairs of
-//! a run).
+//! a run), and with `sweeps` `sweep` (thousands of runs).
 
 pub mod base_pairs;
 #[cfg(feature = "runs")]
@@ -20,6 +20,8 @@ pub mod picture;
 pub mod record;
 #[cfg(feature = "runs")]
 pub mod run;
+#[cfg(feature = "sweeps")]
+pub mod sweep;
 #[cfg(feature = "tables")]
 pub mod table;
 #[cfg(feature = "view")]

@@ -107,6 +107,13 @@ impl fmt::Display for StepTable<'_> {
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
 pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Result<(), InputError> {
+    let header = names(rods, steps)?;
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    write_table(path, &header, steps.iter().map(cells))
+}
+
+/// Names of the columns of [`write_steps`].
+pub(super) fn names(rods: &[String], steps: &[Observation]) -> Result<Vec<String>, InputError> {
     let closed: Vec<usize> =
         steps.first().map_or_else(Vec::new, |step| step.links.iter().map(|link| link.rod).collect());
     let mut header: Vec<String> = ["step", "stage", "fraction"].map(str::to_owned).to_vec();
@@ -121,11 +128,11 @@ pub fn write_steps(path: &Path, rods: &[String], steps: &[Observation]) -> Resul
     header.extend(rest.map(str::to_owned));
     header.extend(["total_contact_force", "num_unstable", "energy_released", "iterations"].map(str::to_owned));
     header.extend(["iterations_elsewhere", "seconds", "status"].map(str::to_owned));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    write_table(path, &header, steps.iter().map(cells))
+    Ok(header)
 }
 
-fn cells(step: &Observation) -> Vec<Cell> {
+/// Values of the columns of [`write_steps`].
+pub(super) fn cells(step: &Observation) -> Vec<Cell> {
     let e = &step.energies;
     let mut cells = vec![step.step.into(), step.stage.into(), step.fraction.into()];
     for link in &step.links {

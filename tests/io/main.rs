@@ -30,4 +30,5 @@ mod scene_files;
 mod scene_help;
 mod scene_tables;
 mod survive;
+mod sweep;
 mod view;
