@@ -1,6 +1,6 @@
 //! What the parts of a sweep hold: how much is done, and all of it as one table.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -19,15 +19,15 @@ const TABLE: &str = "table.parquet";
 const MOST_FAILURES: usize = 5;
 
 /// Cases that have rows in the parts.
-pub(super) struct Finished {
+struct Finished {
     /// Status and message by id.
-    pub cases: HashMap<String, (String, String)>,
+    cases: HashMap<String, (String, String)>,
     /// Parts that are refused.
-    pub damaged: Vec<String>,
+    damaged: Vec<String>,
 }
 
 /// Looks through the parts in the folder of a sweep. Damaged ones are passed over: their cases count as missing.
-pub(super) fn finished(dir: &Path) -> Result<Finished, InputError> {
+fn finished(dir: &Path) -> Result<Finished, InputError> {
     let mut found = Finished { cases: HashMap::new(), damaged: Vec::new() };
     for path in parts(dir)? {
         match read_part(&path, &|name| [ID, STATUS, MESSAGE].contains(&name)) {
@@ -44,6 +44,14 @@ pub(super) fn finished(dir: &Path) -> Result<Finished, InputError> {
         }
     }
     Ok(found)
+}
+
+/// Ids of the cases that have rows in the folder of a sweep, of whatever plan.
+///
+/// # Errors
+/// Parts that cannot be read.
+pub fn finished_ids(dir: &Path) -> Result<HashSet<String>, InputError> {
+    Ok(finished(dir)?.cases.into_keys().collect())
 }
 
 /// How far a sweep has come.

@@ -50,7 +50,7 @@ mod plot;
 mod random;
 mod run;
 
-pub use collect::{Collected, SweepStatus, collect, merge, ranges, status};
+pub use collect::{Collected, SweepStatus, collect, finished_ids, merge, ranges, status};
 pub use columns::{Column, Table, Values};
 pub use file::Rows;
 pub use parquet::{from_bytes, to_bytes};

@@ -1,6 +1,5 @@
 //! Cases side by side, each on a thread of its own; rows are written every so many seconds.
 
-use std::collections::HashSet;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -10,7 +9,7 @@ use crate::error::InputError;
 use crate::solve::Interrupt;
 
 use super::case::{CONVERGED, STATUS};
-use super::collect::finished;
+use super::collect::finished_ids;
 use super::columns::Table;
 use super::parts::write_part;
 use super::plan::{Case, Plan};
@@ -101,7 +100,7 @@ impl SweepRun {
     /// A plan or parts that cannot be read, [`InputError::Write`] if rows cannot be written.
     pub fn go(&self, dir: &Path, watch: &mut dyn FnMut(&Tally)) -> Result<Tally, InputError> {
         let plan = Plan::read(dir)?;
-        let there: HashSet<String> = finished(dir)?.cases.into_keys().collect();
+        let there = finished_ids(dir)?;
         let shard: Vec<&Case> =
             plan.cases().iter().enumerate().filter(|(k, _)| self.shard.has(*k)).map(|(_, c)| c).collect();
         let left: Vec<&Case> = shard.iter().copied().filter(|case| !there.contains(&case.id)).collect();
