@@ -89,8 +89,10 @@ fn rows(case: &Case, end: &End, rods: &[String], steps: &[Observation]) -> Table
     // names of rods fail only where there are none, and then there are no steps
     let names = names(rods, steps).unwrap_or_default();
     for step in steps {
+        let notes = step.notes.join("; ");
         let step = names.iter().map(String::as_str).zip(cells(step)).filter(|(name, _)| *name != STATUS);
-        table.push(head().chain(step.filter(is_there)));
+        let notes = [("notes", Cell::from(notes))];
+        table.push(head().chain(step.chain(notes).filter(is_there)));
     }
     if steps.is_empty() {
         table.push(head());

@@ -37,7 +37,8 @@
 //!
 //! The id of a case is the hash of its scene in canonical form (values replaced, keys in order; title, outputs and
 //! threads left out), of the files that it names, and of the version of this format. A sweep that is planned again with
-//! more values keeps what was computed. A case that fails is a row with status and message.
+//! more values keeps what was computed. A case that fails is a row with status and message; what to know of a state before
+//! believing it is in the column `notes`.
 
 mod case;
 mod collect;
