@@ -84,9 +84,8 @@ class SweepResult:
     def table(self) -> dict[str, NDArray[Any]]:
         """A dict of arrays, one entry a row: ``case``, the keys of the axes, ``status``, ``message``, and the columns of
         a run's table. Numbers that are not there are NaN, words None."""
-        columns = _supercoil.table_columns(self.parquet)
-        return {name: np.array(column, dtype=object) if isinstance(column, list) else column
-                for name, column in columns.items()}  # fmt: skip
+        columns = _supercoil.table_columns(self.parquet).items()
+        return {name: np.array(c, dtype=object) if isinstance(c, list) else c for name, c in columns}
 
     def to_pandas(self) -> Any:
         """The table as a pandas data frame."""
@@ -138,9 +137,11 @@ def sweep(
         todo = list(range(len(plan))) if directory is None else plan._native.missing(directory)
         rows = list(_on_dask(plan, todo, client, batch, directory))
         if directory is None:
-            return SweepResult(plan, *reversed(plan._native.merge(rows)))
+            table, missing = plan._native.merge(rows)
+            return SweepResult(plan, missing, table)
     assert directory is not None
-    return SweepResult(plan, *reversed(_supercoil.Plan.collect(directory)))
+    table, missing = _supercoil.Plan.collect(directory)
+    return SweepResult(plan, missing, table)
 
 
 def _run(text: str) -> bytes:

@@ -310,6 +310,15 @@ fn the_command_line_says_how_it_went() {
     std::fs::remove_dir_all(dir).unwrap();
 }
 
+#[test]
+fn the_example_is_ten_thousand_cases() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sweeps/minicircles.toml");
+    let plan = Plan::of_file(&file).unwrap();
+    assert_eq!(plan.cases().len(), 10_000);
+    let shapes = [0, 9_999].map(|case| plan.scene(&plan.cases()[case]).unwrap().model.rods[0].section.contact_radius);
+    assert!(shapes[0] > shapes[1], "{shapes:?}"); // at 20 and 500 mmol/l
+}
+
 /// Equal tables are equal files, so that a part's name says what is in it.
 #[test]
 fn equal_rows_are_equal_bytes() {
