@@ -33,11 +33,11 @@ steps = 2
 
 
 def sweep_file(folder: Path, count: int) -> Path:
-    """So many cases, of which every third does not converge, and a few that are refused."""
+    """So many cases, of which every sixth does not converge."""
     (folder / "scene.toml").write_text(SCENE)
     file = folder / "sweep.toml"
-    loads = f"{{ from = 0.5, to = 2.5, count = {count // 3} }}"
-    linked = '"solver.tol_increment" = [1e-8, 1e-9, 1e-30]\n"stages.0.steps" = [2, 3, 1]\n'
+    loads = f"{{ from = 0.5, to = 2.5, count = {count // 6} }}"
+    linked = '"solver.tol_increment" = [1e-8, 1e-8, 1e-9, 1e-9, 1e-9, 1e-30]\n"stages.0.steps" = [2, 3, 1, 2, 3, 1]\n'
     file.write_text(f'scene = "scene.toml"\n[axes]\n"stages.0.ramp.load" = {loads}\n[[linked]]\n{linked}')
     return file
 
@@ -83,11 +83,11 @@ def test_the_command_line_shares_the_folder(tmp_path: Path) -> None:
 
 
 def test_bad_input_is_refused(tmp_path: Path) -> None:
-    file = sweep_file(tmp_path, 3)
+    file = sweep_file(tmp_path, 6)
     with pytest.raises(InputError, match="jobs = 0: must be at least 1"):
         supercoil.sweep(file, jobs=0)
-    with pytest.raises(InputError, match="case = 3: must be the number of a case"):
-        SweepPlan(file).only([3])
+    with pytest.raises(InputError, match="case = 6: must be the number of a case"):
+        SweepPlan(file).only([6])
     with pytest.raises(InputError, match="part: "):
         SweepPlan(file)._native.merge([b"PAR1"])
 
@@ -95,7 +95,7 @@ def test_bad_input_is_refused(tmp_path: Path) -> None:
 def test_workers_may_die(tmp_path: Path) -> None:
     """Four workers, one of them killed every two seconds: nothing is lost, nothing is there twice."""
     distributed = pytest.importorskip("distributed")
-    count = int(os.environ.get("SUPERCOIL_SWEEP_CASES", "1200"))
+    count = int(os.environ.get("SUPERCOIL_SWEEP_CASES", "1500"))
     plan = SweepPlan(sweep_file(tmp_path, count))
     killed = 0
     done = threading.Event()
@@ -108,8 +108,10 @@ def test_workers_may_die(tmp_path: Path) -> None:
             nonlocal killed
             choose = random.Random(1)
             while not done.wait(2.0):
-                pids = [nanny.pid for nanny in cluster.workers.values() if nanny.pid]
-                if pids:
+                alive = set(cluster.scheduler.workers)
+                pids = [nanny.pid for nanny in cluster.workers.values() if nanny.worker_address in alive and nanny.pid]
+                # on a machine so busy that none comes back in time there would be no end
+                if len(pids) > 1:
                     try:
                         os.kill(choose.choice(pids), signal.SIGKILL)
                         killed += 1
