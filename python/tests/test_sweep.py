@@ -95,7 +95,7 @@ def test_bad_input_is_refused(tmp_path: Path) -> None:
 def test_workers_may_die(tmp_path: Path) -> None:
     """Four workers, one of them killed every two seconds: nothing is lost, nothing is there twice."""
     distributed = pytest.importorskip("distributed")
-    count = int(os.environ.get("SUPERCOIL_SWEEP_CASES", "1500"))
+    count = int(os.environ.get("SUPERCOIL_SWEEP_CASES", "900"))
     plan = SweepPlan(sweep_file(tmp_path, count))
     killed = 0
     done = threading.Event()

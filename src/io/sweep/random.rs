@@ -26,7 +26,7 @@ impl Random {
 
     /// Uniform among 0 … count − 1; `count` > 0. Off uniform by less than count / 2⁶⁴.
     pub fn below(&mut self, count: u64) -> u64 {
-        (u128::from(self.bits()) * u128::from(count) >> 64) as u64
+        ((u128::from(self.bits()) * u128::from(count)) >> 64) as u64
     }
 
     /// Of mean 0 and standard deviation 1 (Box & Muller 1958).
