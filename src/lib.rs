@@ -93,7 +93,7 @@
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: numbers of a state
-//! * [`io`]: VTK, CSV, pictures, pages to turn and to step through, glTF, the record of a run
+//! * [`io`]: VTK, CSV, pictures, pages to turn and to step through, glTF, the record of a run, sweeps
 //! * [`dna`]: constants and molecules; natural strains and stiffness of a sequence
 //!
 //! # Features
@@ -112,7 +112,8 @@
 //! | `pictures` | pictures of tubes, plots | 22 |
 //! | `view` | films of rods as a page for the browser, as glTF; `pictures` | 34 |
 //! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 77 |
-//! | `cli` | the command line; `runs` | 96 |
+//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 88 |
+//! | `cli` | the command line; `sweeps` | 107 |
 //!
 //! Without `solver` there are no modules `sparse`, `solve` and `observe`. Without features and with
 //! `solver` it builds for `wasm32-unknown-unknown` and runs in the browser (`live/` is a page with the solver in it).

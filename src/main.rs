@@ -1,11 +1,12 @@
 //! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check FILE`,
-//! `supercoil view DIR`, `supercoil export DIR` and `supercoil help scene [KEY]`.
+//! `supercoil view DIR`, `supercoil export DIR`, `supercoil sweep …` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
 //! read-only, folder in use), 4 came to rest with tubes inside each other, 130 stopped by Ctrl-C or `--time-limit`.
 #![allow(clippy::print_stderr)] // a program talks to its user
 
 mod progress;
+mod sweep;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ use supercoil::io::view::{self, GlbOptions, Quantity};
 use supercoil::observe::{OVERLAP, StartOverlap, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
-use supercoil::solve::{Options, RunError, Solver, Status};
+use supercoil::solve::{Interrupt, Options, RunError, Solver, Status};
 
 use progress::Bar;
 
@@ -116,6 +117,11 @@ enum Command {
     },
     /// Write the base pairs of a run's final state for programs that simulate DNA. Its unit of length must be nm.
     Export(Export),
+    /// Run a scene many times with other values: `supercoil help sweep`.
+    Sweep {
+        #[command(subcommand)]
+        command: sweep::Command,
+    },
     /// Write a commented scene to begin with.
     New {
         /// Which.
@@ -219,6 +225,7 @@ fn main() -> ExitCode {
         Command::View { dir, glb, color } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
+        Command::Sweep { command } => command.go(),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
         Command::Plot { dir, x, y, out } => plot(&dir, &x, &y, out),
         Command::New { kind, file } => new(&kind, file),
@@ -404,16 +411,8 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let (units, thermal) = (scene.units.clone(), scene.thermal());
     let bar = Bar::new(&scene.stages, from, choices.quiet);
     let dir = run.dir.clone();
-    let (interrupt, shown) = (run.interrupt.clone(), bar.clone());
-    // without a handler Ctrl-C still ends the program, only less tidily
-    ctrlc::set_handler(move || {
-        if interrupt.is_raised() {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        interrupt.raise();
-        shown.note("stopping; once more to end at once");
-    })
-    .ok();
+    let shown = bar.clone();
+    stop_on_signal(run.interrupt.clone(), move |line| shown.note(line));
     let interrupt = run.interrupt.clone();
     // a limit too long for a Duration is none
     if let Some(limit) = choices.time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok()) {
@@ -435,6 +434,19 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
             Ok(NOT_CONVERGED)
         }
     }
+}
+
+/// Raises `interrupt` at Ctrl-C or a request to terminate; the second one ends the program at once.
+fn stop_on_signal(interrupt: Interrupt, note: impl Fn(&str) + Send + 'static) {
+    // without a handler Ctrl-C still ends the program, only less tidily
+    ctrlc::set_handler(move || {
+        if interrupt.is_raised() {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        interrupt.raise();
+        note("stopping; once more to end at once");
+    })
+    .ok();
 }
 
 fn report(

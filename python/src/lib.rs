@@ -7,6 +7,7 @@ mod scene;
 mod solver;
 mod state;
 mod supervise;
+mod sweep;
 
 use pyo3::prelude::*;
 
@@ -21,4 +22,6 @@ mod _supercoil {
     use super::solver::Solver;
     #[pymodule_export]
     use super::state::State;
+    #[pymodule_export]
+    use super::sweep::{Plan, table_columns};
 }

@@ -1,6 +1,7 @@
 """Equilibria of elastic rods that touch themselves and each other: DNA loops, plectonemes, knots, plies, cables."""
 
 from . import contact
+from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
 from .scene import LineLoad, Load, Result, Rod, Scene, Solver, Stage, StepReport, Support
 from .state import State
@@ -19,5 +20,8 @@ __all__ = [
     "StepReport",
     "SupercoilError",
     "Support",
+    "SweepPlan",
+    "SweepResult",
     "contact",
+    "sweep",
 ]

@@ -2,7 +2,8 @@
 //! states; feature `tables`), `picture` (shaded tubes, plots; feature `pictures`), `view` (a page to turn and to step
 //! through, glTF; `view`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run that
 //! survives), `record` (all that a run leaves behind), `run` (a scene from start to files), `export` (the base pairs of
-//! a run), `plot_run` (columns of its table), `schema` (scene files as editors know them).
+//! a run), `plot_run` (columns of its table), `schema` (scene files as editors know them), and with `sweeps` `sweep` (thousands
+//! of runs).
 
 #[cfg(feature = "runs")]
 pub mod checkpoint;
@@ -23,6 +24,8 @@ pub mod record;
 pub mod run;
 #[cfg(feature = "runs")]
 pub mod schema;
+#[cfg(feature = "sweeps")]
+pub mod sweep;
 #[cfg(feature = "tables")]
 pub mod table;
 #[cfg(feature = "view")]

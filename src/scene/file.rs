@@ -2,6 +2,8 @@
 
 mod advice;
 mod build;
+#[cfg(feature = "sweeps")]
+mod canonical;
 mod dna;
 mod frames;
 mod help;
@@ -29,7 +31,11 @@ use crate::text::read_text;
 
 use text::{SceneText, StagesText};
 
+#[cfg(feature = "sweeps")]
+pub(crate) use canonical::Canonical;
 pub use help::{Key, REFERENCE, help, keys};
+#[cfg(feature = "sweeps")]
+pub(crate) use set::value_of;
 pub use templates::{TEMPLATES, Template};
 
 /// A scene: what is to be computed and what is to be written.
@@ -308,7 +314,16 @@ impl Scene {
     /// [`InputError::Parse`] with line and column for text that is no TOML, keys that are unknown or missing, values of
     /// the wrong type; everything [`Model::check`] and [`Model::check_stages`] refuse.
     pub fn from_toml(text: &str, base_dir: &Path) -> Result<Self, InputError> {
-        Ok(Self { text: text.to_owned(), ..Self::parse(text, &[], "scene", base_dir)? })
+        Self::from_toml_with(text, &[], base_dir)
+    }
+
+    /// Reads a scene from text and replaces some of its values as [`Scene::read_with`] does.
+    ///
+    /// # Errors
+    /// As [`Scene::from_toml`] and [`Scene::read_with`].
+    pub fn from_toml_with(text: &str, set: &[String], base_dir: &Path) -> Result<Self, InputError> {
+        let scene = Self::parse(text, set, "scene", base_dir)?;
+        Ok(Self { text: text.to_owned(), set: set.to_vec(), ..scene })
     }
 
     /// Reads further stages for this scene's model from text: `[[stages]]` as in a scene file, nothing else.

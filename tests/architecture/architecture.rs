@@ -23,7 +23,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
 ];
 
 /// Foreign crates that a single file names.
-const NAMED_ONCE: [(&str, &str); 9] = [
+const NAMED_ONCE: [(&str, &str); 10] = [
     ("rayon", "math/parallel.rs"),
     ("parry3d", "contact/tree/leaves.rs"),
     ("faer", "sparse/factor.rs"),
@@ -33,6 +33,7 @@ const NAMED_ONCE: [(&str, &str); 9] = [
     ("postcard", "io/checkpoint.rs"),
     ("crc32fast", "io/checkpoint.rs"),
     ("ctrlc", "main.rs"),
+    ("parquet::file", "io/sweep/parquet.rs"),
 ];
 
 fn source() -> PathBuf {
@@ -108,7 +109,7 @@ fn offences(file: &str, text: &str) -> Vec<String> {
 fn lower_layers_know_nothing_of_higher_ones() {
     let broken: Vec<String> = sources()
         .iter()
-        .filter(|(file, _)| !["lib.rs", "internals.rs", "main.rs", "progress.rs"].contains(&file.as_str()))
+        .filter(|(file, _)| !["lib.rs", "internals.rs", "main.rs", "progress.rs", "sweep.rs"].contains(&file.as_str()))
         .flat_map(|(file, text)| offences(file, text))
         .collect();
     assert!(broken.is_empty(), "{broken:#?}");

@@ -35,5 +35,6 @@ mod scene_help;
 mod scene_tables;
 mod stage_changes;
 mod survive;
+mod sweep;
 mod told;
 mod view;

@@ -31,7 +31,7 @@ pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputErro
 }
 
 /// A value as TOML has it, or else a word.
-fn value_of(text: &str) -> Value {
+pub(crate) fn value_of(text: &str) -> Value {
     let read = toml::from_str::<Table>(&format!("value = {text}")).ok();
     read.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())
 }

@@ -1,0 +1,146 @@
+//! The folder of parts: files that are there whole or not at all.
+
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use twox_hash::XxHash3_128;
+
+use crate::error::InputError;
+
+use super::columns::Table;
+use super::parquet::{from_bytes, to_bytes};
+
+/// Folder of the parts in that of a sweep.
+const PARTS: &str = "parts";
+/// Ending of a part.
+const ENDING: &str = "parquet";
+/// Ending of a file that is being written.
+const TEMPORARY: &str = "tmp";
+
+/// Writes rows of finished cases as a part into the folder of a sweep. The same rows give the same file, whoever writes
+/// them.
+///
+/// # Errors
+/// [`InputError::Write`].
+pub fn write_part(dir: &Path, rows: &Table) -> Result<(), InputError> {
+    let parts = dir.join(PARTS);
+    let refuse = |reason: String| InputError::Write { path: parts.clone(), reason };
+    std::fs::create_dir_all(&parts).map_err(|e| refuse(e.to_string()))?;
+    let bytes = to_bytes(rows).map_err(refuse)?;
+    replace(&parts.join(name(&bytes)), &bytes).map_err(|e| refuse(e.to_string()))
+}
+
+/// The name of a part: the hash of its content.
+fn name(bytes: &[u8]) -> String {
+    format!("{:032x}.{ENDING}", XxHash3_128::oneshot(bytes))
+}
+
+/// All parts in the folder of a sweep, in the order of their names.
+pub(super) fn parts(dir: &Path) -> Result<Vec<PathBuf>, InputError> {
+    with_ending(dir, ENDING)
+}
+
+fn with_ending(dir: &Path, ending: &str) -> Result<Vec<PathBuf>, InputError> {
+    let parts = dir.join(PARTS);
+    let refuse = |e: std::io::Error| InputError::File { path: parts.clone(), reason: e.to_string() };
+    let entries = match std::fs::read_dir(&parts) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(refuse)?,
+    };
+    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(refuse)?;
+    let mut found: Vec<PathBuf> =
+        paths.into_iter().filter(|path| path.extension().is_some_and(|found| found == ending)).collect();
+    found.sort();
+    Ok(found)
+}
+
+/// The columns of a part that are wanted; refused if the content is not the one that the name tells.
+pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Table, InputError> {
+    let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+    let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+    if path.file_name().is_none_or(|found| found != name(&bytes).as_str()) {
+        return Err(refuse("is damaged or cut short: its content is not the one that its name tells".to_owned()));
+    }
+    from_bytes(bytes, wanted).map_err(refuse)
+}
+
+/// Removes files that writers who were killed have left; those of writers at work are locked and stay.
+pub(super) fn sweep_temporaries(dir: &Path) -> Result<usize, InputError> {
+    let left = |path: &PathBuf| {
+        let unlocked = File::options().append(true).open(path).and_then(|file| file.try_lock().map_err(Into::into));
+        unlocked.and_then(|()| std::fs::remove_file(path)).is_ok()
+    };
+    Ok(with_ending(dir, TEMPORARY)?.iter().filter(|path| left(path)).count())
+}
+
+/// Writes a file so that at every moment either the old or the new content is found under its name, whoever else writes
+/// it. The file being written is locked.
+pub(super) fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let (beside, mut file) = temporary(path)?;
+    // file systems that know no locks have temporaries that nobody sweeps
+    file.try_lock().ok();
+    let written = file.write_all(bytes).and_then(|()| file.sync_all()).and_then(|()| std::fs::rename(&beside, path));
+    if written.is_err() {
+        std::fs::remove_file(&beside).ok();
+        return written;
+    }
+    // the new name, too, has to reach the disk; where folders cannot be opened this is left to the system
+    if let Some(folder) = path.parent().and_then(|folder| File::open(folder).ok()) {
+        folder.sync_all().ok();
+    }
+    Ok(())
+}
+
+/// A new file beside `path`. Processes of several machines may have the same number: names are tried until one is free.
+fn temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
+    let process = std::process::id();
+    let mut attempt = 0u32;
+    loop {
+        let beside = path.with_extension(format!("{process}-{attempt}.{TEMPORARY}"));
+        match File::create_new(&beside) {
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && attempt < u32::MAX => attempt += 1,
+            made => return made.map(|file| (beside, file)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::csv::Cell;
+    use super::*;
+
+    fn rows(id: &str) -> Table {
+        let mut table = Table::default();
+        table.push([("case", Cell::from(id)), ("x", Cell::Number(0.1))]);
+        table
+    }
+
+    #[test]
+    fn parts_are_whole_or_refused_and_leftovers_are_swept() {
+        let dir = std::env::temp_dir().join(format!("supercoil_parts_{}", std::process::id()));
+        std::fs::remove_dir_all(&dir).ok();
+        assert_eq!(parts(&dir).unwrap().len(), 0);
+        write_part(&dir, &rows("a")).unwrap();
+        write_part(&dir, &rows("a")).unwrap();
+        write_part(&dir, &rows("b")).unwrap();
+        let found = parts(&dir).unwrap();
+        assert_eq!(found.len(), 2);
+        let bytes = std::fs::read(&found[0]).unwrap();
+        for content in [&bytes[..bytes.len() - 1], &bytes[..0], &[&bytes[..], b"x"].concat()] {
+            std::fs::write(&found[0], content).unwrap();
+            let error = read_part(&found[0], &|_| true).unwrap_err().to_string();
+            assert!(error.contains("is damaged or cut short"), "{error}");
+        }
+        std::fs::write(&found[0], &bytes).unwrap();
+        assert_eq!(read_part(&found[0], &|_| true).unwrap().num_rows(), 1);
+        // a writer at work keeps its file, a dead one does not
+        let (alive, file) = temporary(&found[0]).unwrap();
+        file.try_lock().unwrap();
+        let (dead, _) = temporary(&found[0]).unwrap();
+        assert_ne!(alive, dead);
+        assert_eq!(sweep_temporaries(&dir).unwrap(), 1);
+        assert!(alive.exists() && !dead.exists());
+        std::fs::remove_dir_all(&dir).unwrap();
+    }
+}

@@ -1,0 +1,180 @@
+//! `supercoil sweep`: plan, run, status, collect, plot.
+
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressStyle};
+use supercoil::InputError;
+use supercoil::io::csv::{Cell, write_table};
+use supercoil::io::sweep::{
+    Axes, Collected, Plan, Shard, SweepRun, Table, Tally, Values, collect, plot, ranges, status,
+};
+
+use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, say, seconds, stop_on_signal};
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Make the cases of a sweep file and write them, a line a case, into a folder. Planning again with more values keeps
+    /// what was computed.
+    Plan {
+        /// Sweep file (TOML): a base scene and its axes.
+        file: PathBuf,
+        /// Folder of the sweep [default: out/NAME].
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Run the cases that have no rows yet. Failed cases are rows, too. Exit code 0: no case of the shard is left; 130:
+    /// stopped before.
+    Run {
+        /// Folder of the sweep.
+        dir: PathBuf,
+        /// Only shard i of n, i from 0: case k belongs to shard k modulo n.
+        #[arg(long, value_name = "I/N", value_parser = Shard::parse, default_value = "0/1")]
+        shard: Shard,
+        /// Cases side by side, each on one thread [default: one a core].
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+        jobs: Option<u16>,
+        /// Stop after so many seconds; the cases at work are left for the next run.
+        #[arg(long, value_name = "T", value_parser = seconds)]
+        max_seconds: Option<f64>,
+        /// Write what is finished every so many seconds: as much is lost when the run is killed.
+        #[arg(long, value_name = "T", value_parser = seconds, default_value_t = SweepRun::default().part_seconds)]
+        part_seconds: f64,
+        /// Print nothing but errors.
+        #[arg(long)]
+        quiet: bool,
+    },
+    /// Tell how many cases are done, failed and missing. Exit code 0: none is missing; 1: some are.
+    Status {
+        /// Folder of the sweep.
+        dir: PathBuf,
+        /// Print nothing but what is missing, of so many shards, as `sbatch --array` takes it.
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+        missing_of: Option<u32>,
+    },
+    /// Put all rows together in DIR/table.parquet. Exit code 0: no case is missing; 1: some are.
+    Collect {
+        /// Folder of the sweep.
+        dir: PathBuf,
+        /// Write them as CSV, too.
+        #[arg(long, value_name = "FILE")]
+        csv: Option<PathBuf>,
+    },
+    /// Collect, and draw a column over another as SVG.
+    Plot {
+        /// Folder of the sweep.
+        dir: PathBuf,
+        /// Column along the horizontal axis: a key of the axes, or a column of a run's table.
+        #[arg(short, value_name = "COLUMN")]
+        x: String,
+        /// Column along the vertical axis.
+        #[arg(short, value_name = "COLUMN")]
+        y: String,
+        /// A curve for each value of this column.
+        #[arg(long, value_name = "COLUMN")]
+        by: Option<String>,
+        /// Draw all steps, not the last of each case alone.
+        #[arg(long)]
+        steps: bool,
+        /// File to write [default: DIR/Y.svg].
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+}
+
+impl Command {
+    pub fn go(self) -> Result<u8, InputError> {
+        match self {
+            Self::Plan { file, out } => plan(&file, out),
+            Self::Run { dir, shard, jobs, max_seconds, part_seconds, quiet } => {
+                let default = SweepRun::default();
+                let jobs = jobs.map_or(default.jobs, usize::from);
+                run(&dir, &SweepRun { shard, jobs, max_seconds, part_seconds, ..default }, quiet)
+            }
+            Self::Status { dir, missing_of } => tell(&dir, missing_of),
+            Self::Collect { dir, csv } => gather(&dir, csv.as_deref()),
+            Self::Plot { dir, x, y, by, steps, out } => {
+                let out = out.unwrap_or_else(|| dir.join(format!("{y}.svg")));
+                plot(&out, &collect(&dir)?.table, &Axes { x, y, by, steps })?;
+                say(format_args!("{}", out.display()));
+                Ok(CONVERGED)
+            }
+        }
+    }
+}
+
+fn plan(file: &Path, out: Option<PathBuf>) -> Result<u8, InputError> {
+    let dir = out.unwrap_or_else(|| Path::new("out").join(file.file_stem().unwrap_or_default()));
+    let plan = Plan::of_file(file)?;
+    // a slip in a key is told now, not ten thousand times
+    if let Some(case) = plan.cases().first() {
+        plan.scene(case)?;
+    }
+    plan.write(&dir)?;
+    say(format_args!("{} cases; to run them: supercoil sweep run {}", plan.cases().len(), dir.display()));
+    Ok(CONVERGED)
+}
+
+fn run(dir: &Path, run: &SweepRun, quiet: bool) -> Result<u8, InputError> {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} cases  {elapsed} spent, about {eta} left  {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let shown = bar.clone();
+    stop_on_signal(run.interrupt.clone(), move |line| shown.suspend(|| eprintln!("{line}")));
+    let started = std::time::Instant::now();
+    let tally = run.go(dir, &mut |tally: &Tally| {
+        bar.set_length((tally.cases - tally.before) as u64);
+        bar.set_position(tally.done as u64);
+        if tally.failed > 0 {
+            bar.set_message(format!("{} did not converge", tally.failed));
+        }
+    });
+    bar.finish_and_clear();
+    let tally = tally?;
+    let (done, seconds) = (tally.done, started.elapsed().as_secs_f64());
+    if !quiet {
+        let rate = done as f64 / seconds.max(1e-3);
+        let Tally { before, failed, .. } = tally;
+        let missing = tally.missing();
+        say(format_args!(
+            "{done} cases in {seconds:.1} s ({rate:.2} a second), {failed} of them did not converge; {before} were there, \
+             {missing} are left"
+        ));
+    }
+    Ok(if tally.missing() == 0 { CONVERGED } else { INTERRUPTED })
+}
+
+fn tell(dir: &Path, missing_of: Option<u32>) -> Result<u8, InputError> {
+    let status = status(dir)?;
+    match missing_of {
+        Some(count) => say(format_args!("{}", ranges(&status.missing_shards(count as usize)))),
+        None => {
+            say(format_args!("{status}"));
+            if !status.missing.is_empty() {
+                say(format_args!("missing cases: {}", ranges(&status.missing)));
+            }
+        }
+    }
+    Ok(if status.missing.is_empty() { CONVERGED } else { NOT_CONVERGED })
+}
+
+fn gather(dir: &Path, csv: Option<&Path>) -> Result<u8, InputError> {
+    let Collected { table, missing } = collect(dir)?;
+    if let Some(path) = csv {
+        write_csv(path, &table)?;
+    }
+    let (rows, columns) = (table.num_rows(), table.columns().len());
+    say(format_args!("{rows} rows of {columns} columns in {}", dir.join("table.parquet").display()));
+    if missing.is_empty() {
+        return Ok(CONVERGED);
+    }
+    eprintln!("{} cases are missing: supercoil sweep status {}", missing.len(), dir.display());
+    Ok(NOT_CONVERGED)
+}
+
+fn write_csv(path: &Path, table: &Table) -> Result<(), InputError> {
+    let names: Vec<&str> = table.columns().iter().map(|column| column.name.as_str()).collect();
+    let cell = |values: &Values, row: usize| Cell::Text(values.text(row).unwrap_or_default());
+    let row = |row: usize| table.columns().iter().map(|column| cell(&column.values, row)).collect::<Vec<_>>();
+    write_table(path, &names, (0..table.num_rows()).map(row))
+}
