@@ -109,7 +109,7 @@ fn main() {
             report.status,
             report.iterations,
             report.history.len(),
-            report.iterations_elsewhere,
+            report.iterations_on_other_meshes,
             report.penetration
         );
         assert_eq!(report.status, Status::Converged);

@@ -121,7 +121,7 @@ fn main() {
     let mut full = 0.0;
     for (case, (seconds, iterations, parts)) in cases.iter().zip(&best) {
         let mut solver = solver(case);
-        let size = solver.footprint().unwrap();
+        let size = solver.problem_size().unwrap();
         let per_node = |count: usize| count as f64 / size.nodes as f64;
         // tangent with row indices, the part of contact where strands are near each other, factor
         let entry = if size.candidates > 0 { 20.0 } else { 12.0 };

@@ -50,7 +50,7 @@ impl Solver {
     }
 
     /// Moves the ramps of `[[stages]]` in `text` to their targets in one step; without text, settles. Returns status,
-    /// error, iterations, augmentations, departures, unstable directions.
+    /// error, iterations, augmentations, escapes, unstable directions.
     #[allow(clippy::type_complexity)]
     fn step_to(
         &self,
@@ -67,7 +67,7 @@ impl Solver {
         driven.seconds = started.elapsed().as_secs_f64();
         driven.step += 1;
         let (status, error) = (report.status.to_string(), report.error.as_ref().map(ToString::to_string));
-        let counts = (report.iterations, report.augmentations, report.departures, report.num_unstable);
+        let counts = (report.iterations, report.augmentations, report.escapes, report.num_unstable);
         driven.report = Some(report);
         Ok((status, error, counts.0, counts.1, counts.2, counts.3))
     }

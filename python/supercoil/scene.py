@@ -376,7 +376,7 @@ class StepReport:
     #: Augmentations of the contact offsets.
     augmentations: int
     #: How many times an unstable equilibrium was left.
-    departures: int
+    escapes: int
     #: Unstable directions of the state.
     num_unstable: int = field(default=0)
 

@@ -67,7 +67,7 @@ impl StepTable<'_> {
         let energy = |x: f64| number(if x.abs() < ROUNDING * e.total.abs() { 0.0 } else { x });
         line += &[e.bend, e.twist, e.stretch, e.shear].map(energy).concat();
         line += &format!("{gap}{:>6} {}", step.num_sites, number(step.total_contact_force));
-        let iterations = match step.iterations_elsewhere {
+        let iterations = match step.iterations_on_other_meshes {
             0 => step.iterations.to_string(),
             elsewhere => format!("{}+{elsewhere}", step.iterations),
         };
@@ -247,7 +247,7 @@ pub(super) mod tests {
             num_unstable: 2,
             energy_released: 0.0,
             iterations: 7,
-            iterations_elsewhere: 12,
+            iterations_on_other_meshes: 12,
             seconds: 0.25,
         }
     }

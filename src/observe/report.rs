@@ -298,7 +298,7 @@ pub struct Observation {
     /// Newton iterations spent on this step (all outer loops).
     pub iterations: usize,
     /// Newton iterations on a shorter rod or a coarser mesh that prepared this step.
-    pub iterations_elsewhere: usize,
+    pub iterations_on_other_meshes: usize,
     /// Wall time spent on this step \[s\].
     pub seconds: f64,
 }

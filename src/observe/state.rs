@@ -9,8 +9,8 @@ use crate::math::Vec3;
 use crate::math::link::{link_numbers, ribbon_twist, writhe};
 use crate::rod::Rod;
 use crate::scene::NodeRef;
-use crate::solve::assembly::{Potential, Residual};
-use crate::solve::contact_side::ContactSide;
+use crate::solve::problem::assembly::{Potential, Residual};
+use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::{Engine, Progress, Status};
 
 use super::knots;
@@ -61,7 +61,7 @@ pub fn observe(progress: &Progress) -> Observation {
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
         energy_released: progress.report.energy_released,
-        iterations_elsewhere: progress.report.iterations_elsewhere,
+        iterations_on_other_meshes: progress.report.iterations_on_other_meshes,
         seconds: progress.seconds,
     }
 }
@@ -163,12 +163,12 @@ fn notes(progress: &Progress) -> Vec<String> {
     if progress.report.status != Status::Converged {
         return Vec::new();
     }
-    let (released, softening) = (progress.report.energy_released, progress.report.softening);
+    let (released, stiffness_reduction) = (progress.report.energy_released, progress.report.stiffness_reduction);
     let snap =
         (released > 0.0).then(|| format!("snap: the path was no longer stable; it set {released:.4} of energy free"));
-    let softer = (softening > 1.0).then(|| {
+    let softer = (stiffness_reduction > 1.0).then(|| {
         format!(
-            "the mesh does not carry the contact law asked for: one {softening:.0} times softer is in force, which widens \
+            "the mesh does not carry the contact law asked for: one {stiffness_reduction:.0} times softer is in force, which widens \
              points of contact; gaps are closed all the same"
         )
     });

@@ -27,7 +27,7 @@ const NAMED_ONCE: [(&str, &str); 10] = [
     ("rayon", "math/parallel.rs"),
     ("parry3d", "contact/tree/leaves.rs"),
     ("faer", "sparse/factor.rs"),
-    ("web_time", "solve/timing.rs"),
+    ("web_time", "solve/search/timing.rs"),
     ("gltf_json", "io/view/glb.rs"),
     ("base64", "io/view/page.rs"),
     ("postcard", "io/checkpoint.rs"),

@@ -215,7 +215,7 @@ impl Counter {
     }
 
     fn accepted(&mut self, progress: &Progress, iterations: usize) {
-        self.elsewhere += progress.report.iterations_elsewhere;
+        self.elsewhere += progress.report.iterations_on_other_meshes;
         if progress.step == 0 {
             self.start = iterations;
         } else {

@@ -97,7 +97,7 @@ pub fn go(start: Start, way: Way, options: &Options) -> Run {
     let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps: planned };
     let (mut link_error, mut gap, mut elsewhere, mut energy) = (0.0f64, f64::INFINITY, 0, 0.0);
     let solution = run(Model { rods: vec![rod], ..Model::default() }, &[stage], options, &mut |progress| {
-        elsewhere += progress.report.iterations_elsewhere;
+        elsewhere += progress.report.iterations_on_other_meshes;
         if progress.report.status == Status::Converged {
             let seen = observe(progress);
             energy = seen.energies.total - seen.energies.contact;

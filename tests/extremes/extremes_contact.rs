@@ -104,7 +104,7 @@ fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     [energies[0], energies[1], energies[2], seen.total_contact_force / force]
 }
 
-/// The same along a line of contact, where an augmented Lagrangian leaves some freedom (`StepReport::held_open`):
+/// The same along a line of contact, where an augmented Lagrangian leaves some freedom (`StepReport::complementarity`):
 /// decisions must not hang on rounding. (Windows as long as an element reached one segment farther in units in which
 /// 3·(h) < 3h: 8e-6 to 1e-4 apart, two states in all.)
 #[test]

@@ -61,7 +61,7 @@ fn problem() -> Problem {
             to: 0.01,
         },
     ];
-    let mut options = Options { max_augmentations: 10, max_departures: 1, ..Options::default() };
+    let mut options = Options { max_augmentations: 10, max_escapes: 1, ..Options::default() };
     options.newton.max_iterations = 40;
     Problem { model, ramps, options }
 }
@@ -95,7 +95,7 @@ fn fields() -> Vec<Field> {
     add("rods.ring.start_excess_link", Box::new(|p| &mut p.model.rods[1].start_excess_link));
     add("contact.stiffness", Box::new(|p| law(p).0));
     add("contact.tol_penetration", Box::new(|p| law(p).1));
-    add("options.departure", Box::new(|p| &mut p.options.departure));
+    add("options.departure", Box::new(|p| &mut p.options.escape_step));
     add("options.min_step", Box::new(|p| &mut p.options.min_step));
     add("options.newton.tol_increment", Box::new(|p| &mut p.options.newton.tol_increment));
     for (rod, name) in ["beam", "ring"].into_iter().enumerate() {

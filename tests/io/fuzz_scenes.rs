@@ -170,7 +170,7 @@ fn survive(text: &str) -> &'static str {
     if nodes > 400 {
         return "large";
     }
-    let mut options = Options { max_augmentations: 2, max_departures: 1, ..Options::default() };
+    let mut options = Options { max_augmentations: 2, max_escapes: 1, ..Options::default() };
     options.newton.max_iterations = 4;
     let Ok(mut solver) = Solver::new(scene.model, options) else { return "refused by the solver" };
     let Some(stage) = scene.stages.first() else { return "no stage" };

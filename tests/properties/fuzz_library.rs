@@ -219,7 +219,7 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
             let line_loads = line_loads.into_iter().map(|(rod, force)| LineLoad::of_force(rod, force)).collect();
             let model =
                 Model { rods, supports, loads, line_loads, contact: Contact { law }, planar, ..Model::default() };
-            let mut options = Options { max_augmentations: 3, max_departures: 1, min_step: 0.5, ..Options::default() };
+            let mut options = Options { max_augmentations: 3, max_escapes: 1, min_step: 0.5, ..Options::default() };
             options.newton.max_iterations = 15;
             let stages = if ramps.is_empty() { Vec::new() } else { vec![Stage { ramps, steps }] };
             let mut bad = None;

@@ -8,8 +8,8 @@ mod common;
 mod random;
 
 mod far_from_origin;
-mod footprint;
 mod fuzz_library;
 mod objectivity;
 mod observables;
+mod problem_size;
 mod topology;

@@ -64,7 +64,7 @@ fn decades(solver: &mut Solver, radius: f64, first: i32) -> (Vec<Resultants>, Ve
             0.5 * report.penetration,
             report.augmentations,
             report.iterations,
-            report.softening,
+            report.stiffness_reduction,
         );
         (found, sites)
     };

@@ -87,7 +87,7 @@ fn neighbours_do_not_hold_contacts_open() {
             println!(
                 "κ' = {stiffness}: energy {:.7}, {work:.1e} of it held, {:.1e} reported",
                 elastic(&seen),
-                report.held_open
+                report.complementarity
             );
             for site in &seen.sites {
                 println!(
@@ -99,8 +99,8 @@ fn neighbours_do_not_hold_contacts_open() {
                 seen.sites.iter().filter(|site| site.force > 0.0).map(|site| site.gap / RADIUS).fold(0.0, f64::max);
             println!("  widest {widest:.1e}");
             // the report's figure tells parts of a line apart that sites lump together
-            assert!(report.held_open < held, "{stiffness}: {}", report.held_open);
-            assert!(report.held_open > 0.99 * work - 1e-7, "{stiffness}: {work}, {}", report.held_open);
+            assert!(report.complementarity < held, "{stiffness}: {}", report.complementarity);
+            assert!(report.complementarity > 0.99 * work - 1e-7, "{stiffness}: {work}, {}", report.complementarity);
             elastic(&seen)
         });
         assert!((energies[0] / energies[1] - 1.0).abs() < WAYS_APART, "{stiffness}: {energies:?}");

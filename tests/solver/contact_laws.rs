@@ -176,7 +176,7 @@ fn augmented_over(name: &str, case: (Solver, impl AsRef<[Ramp]>), decades: [i32;
             seen.total_contact_force,
             report.augmentations,
             report.iterations,
-            report.softening
+            report.stiffness_reduction
         );
         assert!(report.penetration <= 2e-9);
         resultants.push(carried);

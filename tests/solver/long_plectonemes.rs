@@ -1,4 +1,4 @@
-//! Long plectonemes that start from short ones at rest (`src/solve/short_first.rs`).
+//! Long plectonemes that start from short ones at rest (`src/solve/load_step/periodic_extension.rs`).
 //!
 //! ```text
 //!     ⊂XXXXXXXXXXXXXXXXXXXXXXXXXXXXXX⊃    DNA at supercoiling density −0.06, D = 5 nm, nodes D/3 apart (units nm, pN)
@@ -35,16 +35,16 @@ fn long_plectonemes_rest_after_short_ones() {
     let report = solver.step_to(&[]).unwrap();
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
     assert!(
-        report.iterations_elsewhere > 0 && report.iterations <= 10,
+        report.iterations_on_other_meshes > 0 && report.iterations <= 10,
         "{} {}",
-        report.iterations_elsewhere,
+        report.iterations_on_other_meshes,
         report.iterations
     );
     assert!(report.penetration <= 1e-8);
     let link = observed(&solver, &report).links[0].link;
     assert!((link - turns).abs() < 1e-9, "{link}");
     let next = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: turns - 0.2 }]).unwrap();
-    assert_eq!((next.status, next.num_unstable, next.iterations_elsewhere), (Status::Converged, 0, 0));
+    assert_eq!((next.status, next.num_unstable, next.iterations_on_other_meshes), (Status::Converged, 0, 0));
 }
 
 /// Thirty thousand nodes, whose strands slide along each other in long waves that hardly anything resists: the potential
@@ -55,8 +55,8 @@ fn long_plectonemes_rest_after_short_ones() {
 fn long_waves_of_sliding_are_waited_for() {
     let (mut solver, _) = plectoneme(9999, 4.755, 5.1);
     let report = solver.step_to(&[]).unwrap();
-    println!("{} iterations, {} on a shorter rod", report.iterations, report.iterations_elsewhere);
+    println!("{} iterations, {} on a shorter rod", report.iterations, report.iterations_on_other_meshes);
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
-    assert!(report.iterations_elsewhere > 0 && report.iterations <= 60, "{}", report.iterations);
+    assert!(report.iterations_on_other_meshes > 0 && report.iterations <= 60, "{}", report.iterations);
     assert!(report.penetration <= 1e-8);
 }

@@ -65,8 +65,8 @@ impl Columns {
         all.add("iterations", "", "Newton iterations of the step, failed tries included", |step| {
             step.iterations.into()
         });
-        all.add("iterations_elsewhere", "", "those on a shorter rod or coarser mesh", |step| {
-            step.iterations_elsewhere.into()
+        all.add("iterations_on_other_meshes", "", "those on a shorter rod or coarser mesh", |step| {
+            step.iterations_on_other_meshes.into()
         });
         all.add("seconds", "s", "wall time of the step", |step| step.seconds.into());
         all.add("status", "", "converged, overlap, or why not", |step| step.status.as_str().into());

@@ -24,7 +24,7 @@ struct Summary {
     steps: usize,
     iterations: usize,
     /// Iterations on a shorter rod or a coarser mesh beforehand.
-    iterations_elsewhere: usize,
+    iterations_on_other_meshes: usize,
     /// Largest residual over its largest contribution.
     residual: f64,
     seconds: f64,
@@ -59,10 +59,10 @@ fn run(name: &str) -> Result<Summary, RunError> {
     let file = format!("{}/../examples/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let scene = Scene::read(Path::new(&file))?;
     let (rod, started) = (scene.model.rods[0].clone(), Instant::now());
-    let (mut last, mut iterations_elsewhere) = (None, 0);
+    let (mut last, mut iterations_on_other_meshes) = (None, 0);
     let solution = solve::run(scene.model, &scene.stages, &solve::Options::default(), &mut |progress| {
         last = Some(observe(progress));
-        iterations_elsewhere += progress.report.iterations_elsewhere;
+        iterations_on_other_meshes += progress.report.iterations_on_other_meshes;
         ControlFlow::Continue(())
     })?;
     let state = last.unwrap_or_else(|| unreachable!("the start state is observed"));
@@ -90,7 +90,7 @@ fn run(name: &str) -> Result<Summary, RunError> {
         status: solution.status,
         steps: solution.num_steps,
         iterations: solution.iterations,
-        iterations_elsewhere,
+        iterations_on_other_meshes,
         residual: engine.relative_residual(),
         seconds: started.elapsed().as_secs_f64(),
         excess_link: link.excess_link,

@@ -1,0 +1,65 @@
+//! Contacts that offsets hold open.
+//!
+//! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]),
+//! as one contact needs it. A contact within the window of another that touches would keep its force over any gap: a
+//! state in balance, stable, and with too much energy. So contacts are told apart here. A chain of pieces of zones is
+//! one contact, and its gap is the smallest in it: the ripples that elements in line contact have are inside of one
+//! contact and none of this. A contact is released at the nodes that are its own, from the first augmentation on
+//! ([`Solver::outstanding`]). One that shares each of its nodes with neighbours on the same strand that touch, nearer
+//! than the nodes are, has none: the mesh cannot tell them apart, and what it carries is reported, not released.
+
+use crate::contact::chain::{ChainPiece, chains};
+use crate::solve::path::run::Solver;
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::contact_side::ContactSide;
+
+/// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
+pub(in crate::solve) const TOL_OPENING: f64 = 1e-6;
+/// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too
+/// high by.
+pub(in crate::solve) const TOL_COMPLEMENTARITY: f64 = 1e-9;
+
+/// Contacts that carry force over a gap.
+#[derive(Debug, Default)]
+pub(in crate::solve) struct Complementarity {
+    /// Σ force × gap over the elastic energy …
+    pub(in crate::solve) work: f64,
+    /// … and of those contacts alone that have an offset of their own to lower.
+    pub(in crate::solve) releasable: f64,
+    /// What the offsets are to be lowered by \[L\]: the gap of the open contact there, zero where there is none or
+    /// another one touches.
+    pub(in crate::solve) gaps: ContactField,
+}
+
+impl Solver {
+    /// Contacts that offsets hold open, from the residual of the present state, with zones.
+    pub(in crate::solve) fn complementarity(&self, residual: &Residual) -> Complementarity {
+        let holds = |side: &&ContactSide| side.offsets.values.iter().any(|offset| *offset > 0.0);
+        let Some(side) = self.engine.contact.as_ref().filter(holds) else { return Complementarity::default() };
+        let (set, offsets) = (&side.set, &side.offsets);
+        let open = TOL_OPENING * side.min_radius;
+        let chains = chains(set, &residual.contact_pairs);
+        let gap = |chain: &[ChainPiece]| chain.iter().map(|link| link.zone.min_gap).fold(f64::INFINITY, f64::min);
+        let places = |chain: &[ChainPiece]| -> Vec<usize> {
+            let of_link =
+                |link: &ChainPiece| side.nodes[link.segments[0]].map(|node| offsets.index(set, node, link.segments[1]));
+            chain.iter().flat_map(of_link).collect()
+        };
+        let mut gaps = offsets.map(|_, _| f64::INFINITY);
+        for chain in &chains {
+            let least = gap(chain);
+            places(chain).into_iter().for_each(|k| gaps.values[k] = gaps.values[k].min(least));
+        }
+        let gaps = gaps.map(|k, gap| if gap.is_finite() && gap > open && offsets.values[k] > 0.0 { gap } else { 0.0 });
+        let energy: f64 = residual.potential.elastic.iter().sum();
+        let work = |chain: &Vec<ChainPiece>| {
+            let half_force: f64 = chain.iter().map(|link| link.zone.half_force).sum();
+            let gap = gap(chain);
+            if energy > 0.0 && gap > open { half_force * gap / energy } else { 0.0 }
+        };
+        let own = |chain: &&Vec<ChainPiece>| places(chain).iter().any(|&k| gaps.values[k] > 0.0);
+        let releasable = chains.iter().filter(own).map(work).fold(0.0, |a, b| a + b);
+        Complementarity { work: chains.iter().map(work).fold(0.0, |a, b| a + b), releasable, gaps }
+    }
+}

@@ -1,0 +1,438 @@
+//! Long plectonemes come to rest on short ones first.
+//!
+//! A long plectoneme is the same all along but near its end loops, and what has to happen there is the same at any
+//! length. So where the start state of a closed rod is a uniform double helix in the middle, elements are cut out of
+//! it, the short rod is brought to rest, and what was cut out is put back in the shape that the middle of the short one
+//! has taken: the screw motion S that takes each element of one strand to the next takes each of the other to the one
+//! before, and
+//!
+//! ```text
+//! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
+//! ```
+//!
+//! closes again exactly. The short rod's link is such that the long one's is what it was: what an element more in each
+//! strand adds to it, twist and writhe, is found from the linking numbers of two rods of different length. The long rod
+//! then settles from there like any other state; whatever it was made from, it ends in equilibrium or says that it does
+//! not.
+//!
+//! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
+//! face each other let strands slide along each other in waves: the curvature of the energy along these is negative by
+//! some κa²/h², a the ripples' height, whatever the wave's length, while stretching holds them by EA q², from some
+//! 3·10⁴ nodes on no longer.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Unit;
+
+use crate::contact::law::Law;
+use crate::error::InputError;
+use crate::math::quaternion::spin;
+use crate::math::{Mat3, Quat, Vec3};
+use crate::rod::{Natural, Rod};
+use crate::scene::{ContactLaw, Model};
+use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::path::run::Solver;
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::search::timing::Timings;
+
+/// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand
+/// for its end loops.
+const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
+const LOOPS: f64 = 60.0;
+/// Rods at least so many times as long as the short one are shortened.
+const LONG: usize = 2;
+/// Turns of the superhelix over which the screw motion is measured.
+const MEASURED_TURNS: f64 = 4.0;
+/// Deviation, in node spacings and rad, up to which a state is what its shortened one becomes when it is lengthened
+/// again.
+const SAME: f64 = 1e-3;
+/// Elements put in to measure what they add to the link.
+const PROBE: usize = 64;
+/// Penetration of the short rod, over the one asked for, and the least: what is left of it in its middle is out of
+/// balance all along the long one.
+const CLOSER: f64 = 1e-3;
+const CLOSEST: f64 = 1e-11;
+/// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at
+/// most.
+const TOL_LINK: f64 = 1e-3;
+const MAX_ROUNDS: usize = 8;
+/// How often the pressures of the short rod are made smooth.
+const SMOOTHINGS: usize = 3;
+
+/// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about
+/// themselves beyond it along either strand.
+#[derive(Debug, Clone, Copy)]
+struct Screw {
+    axis: Unit<Vec3>,
+    point: Vec3,
+    angle: f64,
+    rise: f64,
+    spins: [f64; 2],
+}
+
+impl Screw {
+    /// Least squares over `count` elements of order `p` on either side of the state's node `at` and of the node
+    /// opposite; `None` where that is no screw motion.
+    fn measure(state: &State, p: usize, at: usize, count: usize) -> Option<Self> {
+        let nodes = state.positions.len();
+        let around = |node: usize| node.checked_sub(count * p).map(|first| first..node + count * p);
+        let (here, there) = (around(at)?, around(nodes - at)?);
+        if here.end + p > there.start || there.end + p >= nodes {
+            return None;
+        }
+        // from, to: forward along the first strand, backward along the second
+        let pairs: Vec<[usize; 2]> =
+            here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
+        let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
+        let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
+        let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
+        let svd = spread.svd(true, true);
+        let (u, v_t) = (svd.u?, svd.v_t?);
+        let mirror = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, (u * v_t).determinant().signum()));
+        let rotation = Quat::from_matrix(&(u * mirror * v_t));
+        let (axis, angle) = rotation.axis_angle()?;
+        let shift = to - rotation * from;
+        let rise = shift.dot(&axis);
+        let across = shift - axis.into_inner() * rise;
+        let point = (across + axis.cross(&across) / (0.5 * angle).tan()) * 0.5;
+        // turn about d3 that is left of q
+        let twist = |q: Quat| 2.0 * q.k.atan2(q.w);
+        let wrapped = |angle: f64| angle - TAU * (angle / TAU).round();
+        let mean = |range: std::ops::Range<usize>, turn: Quat| {
+            let first = twist((turn * state.frames[range.start]).inverse() * state.frames[range.start + p]);
+            let beyond = |i: usize| wrapped(twist((turn * state.frames[i]).inverse() * state.frames[i + p]) - first);
+            first + range.clone().map(beyond).sum::<f64>() / range.len() as f64
+        };
+        let spins = [mean(here, rotation), mean(there, rotation.inverse())].map(wrapped);
+        Some(Self { axis, point, angle, rise, spins })
+    }
+
+    /// The motion to a power, and the turn in it.
+    fn power(&self, k: f64) -> (impl Fn(&Vec3) -> Vec3 + use<>, Quat) {
+        let turn = Quat::from_axis_angle(&self.axis, self.angle * k);
+        let (point, shift) = (self.point, self.axis.into_inner() * (self.rise * k));
+        (move |x: &Vec3| point + turn * (x - point) + shift, turn)
+    }
+}
+
+/// A node of a changed rod: the old node it is made from, the power of the screw motion and the spin, rad, that take it
+/// there.
+type Made = (usize, f64, f64);
+
+/// Nodes of a rod of `nodes` with `elements` of order `p` put in (taken out, if negative) after node `at` and as many
+/// before the node opposite.
+fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> Vec<Made> {
+    let k = elements as f64;
+    let opposite = nodes - at;
+    let (cut, put) = (elements.min(0).unsigned_abs() * p, elements.max(0) as usize);
+    let (half, all) = (k * spins[0], k * (spins[0] + spins[1]));
+    let mut list: Vec<Made> = (0..at).map(|i| (i, 0.0, 0.0)).collect();
+    list.extend((0..put).flat_map(|q| (0..p).map(move |r| (at + r, q as f64, q as f64 * spins[0]))));
+    list.extend((at + cut..opposite - cut).map(|i| (i, k, half)));
+    let back = |q: usize| (0..p).map(move |r| (opposite + r, k - q as f64, half + q as f64 * spins[1]));
+    list.extend((0..put).flat_map(back));
+    list.extend((opposite..nodes).map(|i| (i, 0.0, all)));
+    list
+}
+
+/// A state with elements put in or taken out.
+fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -> State {
+    let made = plan(state.positions.len(), p, at, elements, screw.spins);
+    let mut out = State {
+        positions: Vec::with_capacity(made.len()),
+        remainders: vec![Vec3::zeros(); made.len()],
+        frames: Vec::with_capacity(made.len()),
+        ..state.clone()
+    };
+    for (from, power, angle) in made {
+        let (motion, turn) = screw.power(power);
+        out.positions.push(motion(&state.positions[from]));
+        out.frames.push(turn * state.frames[from] * spin(angle));
+    }
+    out.seams[0] += elements as f64 * (screw.spins[0] + screw.spins[1]);
+    out
+}
+
+fn centre(state: &State) -> Vec3 {
+    state.positions.iter().sum::<Vec3>() / state.positions.len() as f64
+}
+
+/// A state moved so that its centre is there.
+fn moved(mut state: State, there: &Vec3) -> State {
+    let shift = there - centre(&state);
+    state.positions.iter_mut().for_each(|x| *x += shift);
+    state
+}
+
+/// A long plectoneme whose ends are at rest, and what holds them there.
+pub(crate) struct Lengthened {
+    state: State,
+    law: Law,
+    offsets: ContactField,
+    /// Newton iterations on the short rod.
+    iterations: usize,
+    /// What they cost.
+    timings: Timings,
+}
+
+impl Solver {
+    /// Where the state is a long plectoneme that nothing holds: one whose ends are at rest, with the contact offsets
+    /// that hold them there. None where it is not, or where the short rod does not come to rest.
+    pub(crate) fn lengthened(&self) -> Option<Lengthened> {
+        TURNS.iter().find_map(|turns| self.lengthened_from(*turns))
+    }
+
+    /// Replaces state and contact law by these. Newton iterations on the short rod are counted in the report.
+    pub(crate) fn start_from(&mut self, lengthened: Lengthened, report: &mut StepReport) {
+        if let Some(side) = &mut self.engine.contact {
+            (side.law, side.offsets, side.before) = (lengthened.law, lengthened.offsets, None);
+        }
+        self.engine.state = lengthened.state;
+        report.iterations_on_other_meshes += lengthened.iterations;
+        self.workspace.timings += lengthened.timings;
+    }
+
+    fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
+        let engine = &self.engine;
+        let side = engine.contact.as_ref()?;
+        let [rod] = &engine.model.rods[..] else { return None };
+        let free = engine.model.supports.is_empty() && engine.state.pressures[0] == 0.0 && !engine.model.planar;
+        let unloaded = engine.model.loads.is_empty() && engine.model.line_loads.is_empty();
+        let uniform =
+            rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
+        if !(free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)) {
+            return None;
+        }
+        let (p, elements) = (rod.order, rod.num_elements);
+        let pitch = Screw::measure(&engine.state, p, elements / 4 * p, 1)?;
+        let per_turn = TAU / pitch.angle;
+        let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
+        let shorter = (2.0 * turns * per_turn + loops).ceil() as usize;
+        let shorter = shorter + (elements - shorter.min(elements)) % 2;
+        if shorter.saturating_mul(LONG) > elements {
+            return None;
+        }
+        let cut = (elements - shorter) / 2;
+        let at = shorter / 4 * p;
+        let window = (0.5 * MEASURED_TURNS * per_turn).ceil() as usize;
+        let screw = Screw::measure(&engine.state, p, at, window)?;
+        let start = changed(&engine.state, p, at, -(cut as isize), &screw);
+        if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.spacing()) {
+            return None;
+        }
+        let wanted = engine.state.seams[0] / TAU;
+        let mut short = self.solver_of(&start, rod).ok()?;
+        let still = Prediction::still(&short.engine);
+        let mut slope = 1.0 + 2.0 * cut as f64 / shorter as f64;
+        let mut before: Option<[f64; 2]> = None;
+        let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), None)?;
+        for _ in 0..SMOOTHINGS {
+            short.smooth_pressures();
+            iterations += short.comes_to_rest(&PrescribedMotion::default(), Some(still.clone()))?;
+        }
+        for _ in 0..MAX_ROUNDS {
+            let state = &short.engine.state;
+            let screw = Screw::measure(state, p, at, window)?;
+            let link = state.seams[0] / TAU;
+            let longer = |by: usize| -> Option<State> {
+                let mut longer = changed(state, p, at, by as isize, &screw);
+                let whole = self.rod_of_state(&longer, rod).ok()?.start_link();
+                longer.seams[0] += TAU * (whole - longer.seams[0] / TAU).round();
+                Some(longer)
+            };
+            let each = (longer(PROBE)?.seams[0] / TAU - link) / PROBE as f64;
+            let missing = wanted - link - cut as f64 * each;
+            if missing.abs() <= TOL_LINK {
+                let mut long = moved(longer(cut)?, &centre(&engine.state));
+                let nodes = 0..long.positions.len();
+                long.twist(0, nodes, TAU * wanted - long.seams[0]);
+                let side = short.engine.contact.as_ref()?;
+                let made = plan(state.positions.len(), p, at, cut as isize, screw.spins);
+                let offsets = side.offsets.per_node(f64::max);
+                let offsets = ContactField::of_nodes(made.iter().map(|(node, ..)| offsets[*node]).collect());
+                let (law, timings) = (side.law, short.workspace.timings);
+                return Some(Lengthened { state: long, law, offsets, iterations, timings });
+            }
+            if let Some([link_before, missing_before]) = before {
+                slope = (missing_before - missing) / (link - link_before);
+            }
+            before = Some([link, missing]);
+            let drive = PrescribedMotion { seams: vec![TAU * missing / slope], ..PrescribedMotion::default() };
+            iterations += short.comes_to_rest(&drive, Some(still.clone()))?;
+        }
+        None
+    }
+
+    /// Newton iterations that [`Solver::settle_along`] takes; `None` where it does not converge.
+    fn comes_to_rest(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> Option<usize> {
+        let report = self.solve_step_along(drive, predicted);
+        (report.status == Status::Converged).then_some(report.iterations)
+    }
+
+    /// A rod of the same kind with the nodes of a state.
+    fn rod_of_state(&self, state: &State, rod: &Rod) -> Result<Rod, InputError> {
+        let length = rod.length * state.positions.len() as f64 / rod.num_nodes() as f64;
+        let (positions, frames) = (state.positions.clone(), state.frames.clone());
+        Rod::from_nodes(&rod.name, length, positions, frames, true, rod.section, rod.order, rod.natural.clone())
+    }
+
+    fn solver_of(&self, state: &State, rod: &Rod) -> Result<Self, InputError> {
+        let rod = self.rod_of_state(state, rod)?;
+        let mut contact = self.engine.model.contact;
+        if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut contact.law {
+            *tol_penetration = (CLOSER * *tol_penetration).clamp(CLOSEST, *tol_penetration);
+        }
+        let electrostatics = self.engine.model.electrostatics;
+        Self::new(Model { rods: vec![rod], contact, electrostatics, ..Model::default() }, self.options.clone())
+    }
+}
+
+fn is_same(a: &State, b: &State, spacing: f64) -> bool {
+    let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME * spacing;
+    let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME;
+    a.positions.iter().zip(&b.positions).all(near) && a.frames.iter().zip(&b.frames).all(aligned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Plectoneme, Section, Shape};
+    use crate::solve::Options;
+
+    fn plectoneme(elements: usize, angle: f64) -> Solver {
+        let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, 0.5);
+        let length = elements as f64;
+        let shape = Shape::Plectoneme(Plectoneme { length, ..Plectoneme::of_angle(200.0, 1.0, angle).unwrap() });
+        let rod = Rod::new("ply", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+        Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
+    }
+
+    /// The plectoneme of another length at the same angle is what comes of putting elements into the middle of one, or
+    /// of taking them out; its link too.
+    #[test]
+    fn plectonemes_of_two_lengths_become_each_other() {
+        for (angle, elements, other) in [(0.3, 200, 140), (-0.4, 151, 231), (0.25, 200, 260)] {
+            let [from, to] = [elements, other].map(|n| plectoneme(n, angle));
+            let state = &from.engine.state;
+            let at = elements.min(other) / 4 * 3;
+            let screw = Screw::measure(state, 3, at, 10).unwrap();
+            let by = (other as isize - elements as isize) / 2;
+            let mut made = changed(state, 3, at, by, &screw);
+            let exact = &to.engine.state;
+            assert_eq!(made.positions.len(), exact.positions.len());
+            // the same up to where they lie
+            for (i, j) in [(0, 7), (at, at + 40), (3, 3 * other / 2), (30, 3 * other - 12)] {
+                let [ours, theirs] = [&made, exact].map(|s| (s.positions[i] - s.positions[j]).norm());
+                assert!((ours - theirs).abs() < 1e-8, "{i} {j} {ours} {theirs}");
+            }
+            let rod = from.rod_of_state(&made, &from.engine.model.rods[0]).unwrap();
+            let turned = made.seams[0] / TAU - rod.start_link();
+            assert!((turned - turned.round()).abs() < 1e-7, "{turned}");
+            made.seams[0] = TAU * rod.start_link();
+            // frames without twist: the link is the writhe
+            assert!((made.seams[0] - exact.seams[0]).abs() < 1e-4, "{} {}", made.seams[0], exact.seams[0]);
+        }
+    }
+
+    /// Curved axes, or a single node out of place anywhere in what would be cut out, are not taken for uniform.
+    #[test]
+    fn what_is_not_uniform_is_left_alone() {
+        let mut solver = plectoneme(900, 0.3);
+        solver.engine.state.positions[3 * 250] += Vec3::new(0.0, 0.01, 0.0);
+        assert!(solver.lengthened().is_none());
+    }
+
+    /// Work per length² that strands do against each other while they slide along each other by unit length (K v · v
+    /// over the middle), by differences of gradients: negative where ripples of elements that face each other let the
+    /// energy fall.
+    fn stiffness_of_sliding(solver: &mut Solver) -> f64 {
+        let engine = &mut solver.engine;
+        let state = engine.state.clone();
+        let nodes = state.positions.len();
+        let screw = Screw::measure(&state, 3, nodes / 12 * 3, nodes / 24).unwrap();
+        let along = |i: usize| {
+            let back = 2 * i >= nodes;
+            let way = screw.axis.into_inner() * if back { -1.0 } else { 1.0 };
+            let moved = way * screw.rise + way.cross(&(state.positions[i] - screw.point)) * screw.angle;
+            let turned = way * screw.angle + state.frames[i] * Vec3::z() * screw.spins[usize::from(back)];
+            [moved, turned]
+        };
+        let v: Vec<f64> = (0..nodes).flat_map(along).flat_map(|part| [part.x, part.y, part.z]).collect();
+        let step = 1e-4;
+        let [ahead, behind] = [step, -step].map(|t| {
+            let there = state.retract(&v, t);
+            engine.update_contact(&there).unwrap();
+            engine.residual(&there).gradient
+        });
+        let middle = [nodes / 6..nodes / 3, 2 * nodes / 3..5 * nodes / 6].into_iter().flatten();
+        middle.flat_map(|i| 6 * i..6 * i + 6).map(|m| v[m] * (ahead[m] - behind[m]) / (2.0 * step)).sum()
+    }
+
+    /// DNA of supercoiling density −0.06 (nm, pN), one node moved by `nudge` \[L\].
+    fn dna(nudge: f64) -> Solver {
+        let length = 4800.0;
+        let turns = -0.06 * length / (0.34 * 10.5);
+        let shape = Shape::Plectoneme(Plectoneme::of_link(length, 5.0, 205.7, 308.6, turns).unwrap());
+        let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
+        let mut rod = Rod::new("dna", &shape, true, section, 960, 3, Natural::Straight).unwrap();
+        rod.positions[720] += Vec3::new(0.0, nudge, 0.0);
+        let rod = rod.with_excess_link(turns).unwrap();
+        Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
+    }
+
+    /// The state a long plectoneme settles in from a short one is that in which it rests the slow way, its start too
+    /// far from uniform to be shortened, once its pressures are as smooth.
+    #[test]
+    fn lengthened_rods_rest_where_they_do_alone() {
+        let [mut quick, mut slow] = [0.0, 0.02].map(dna);
+        let [short, usual] = [&mut quick, &mut slow].map(|solver| solver.solve_step(&PrescribedMotion::default()));
+        assert!(short.iterations_on_other_meshes > 0 && usual.iterations_on_other_meshes == 0);
+        assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
+        let energy =
+            |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
+        let still = Prediction::still(&slow.engine);
+        for _ in 0..SMOOTHINGS {
+            slow.smooth_pressures();
+            let report = slow.solve_step_along(&PrescribedMotion::default(), Some(still.clone()));
+            assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
+        }
+        assert!((energy(&quick) / energy(&slow) - 1.0).abs() < 1e-7, "{} {}", energy(&quick), energy(&slow));
+    }
+
+    /// As far from the origin as the ends of a rod of a million nodes reach; it stays where it is.
+    #[test]
+    fn rods_far_from_the_origin_come_to_rest() {
+        let mut solver = dna(0.0);
+        let (far, before) = (Vec3::new(4e5, 0.0, 0.0), centre(&solver.engine.state));
+        solver.engine.state.positions.iter_mut().for_each(|x| *x += far);
+        let report = solver.solve_step(&PrescribedMotion::default());
+        assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
+        assert!(
+            report.iterations_on_other_meshes > 0 && report.iterations <= 10,
+            "{} {}",
+            report.iterations_on_other_meshes,
+            report.iterations
+        );
+        assert!((centre(&solver.engine.state) - before - far).norm() < 1.0);
+    }
+
+    #[test]
+    fn strands_under_smooth_pressures_do_not_want_to_slide() {
+        let mut solver = plectoneme(240, 0.3);
+        let still = Prediction::still(&solver.engine);
+        assert_eq!(solver.solve_step(&PrescribedMotion::default()).status, Status::Converged);
+        let before = stiffness_of_sliding(&mut solver);
+        assert!(before < 0.0, "{before}");
+        for _ in 0..SMOOTHINGS {
+            solver.smooth_pressures();
+            assert_eq!(
+                solver.solve_step_along(&PrescribedMotion::default(), Some(still.clone())).status,
+                Status::Converged
+            );
+        }
+        let after = stiffness_of_sliding(&mut solver);
+        assert!(after > -0.05 * before, "{before} {after}");
+    }
+}

@@ -1,0 +1,408 @@
+//! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
+//!
+//! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
+//! on, a step with contact begins under a core law, with offsets and tensions that already balance the shape
+//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. By way of one half as
+//! stiff in decades, the law asked for takes the pressures of the core for its own. Then the offsets of the augmented
+//! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
+//! direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
+//! (`periodic_extension`, `nested_iteration`), if these come to rest.
+
+use crate::contact::law::Law;
+use crate::error::SolveError;
+use crate::scene::ContactLaw;
+use crate::solve::load_step::multipliers::SecantSteps;
+use crate::solve::load_step::predictor::{Lifted, Prediction, lifted};
+use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::path::run::Solver;
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::search::newton::NewtonReport;
+use crate::solve::search::trust_region::unseen;
+
+/// Depth of the core law that a load step with contact begins under, over the contact distance. With .1 in its place
+/// pUC19 given all of its link takes 464 iterations for 335, a minicircle 442 for 404, tweezers do not come to their end.
+const DEPTH: f64 = 0.4;
+/// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
+pub(in crate::solve) const AT_REST: f64 = 1e-2;
+/// Tolerance of the searches on the way.
+const TOL_ON_THE_WAY: f64 = 1e-2;
+/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
+const STIFFNESS_RATIO: f64 = 10.0;
+const MAX_REDUCTIONS: i32 = 3;
+/// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
+/// given ten turns at once would buckle into its tenth mode.
+pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
+/// Iterations without progress that a predicted state, one made on another mesh, or a law is given to come to rest.
+pub(in crate::solve) const RESETTLING_ITERATIONS: usize = 100;
+
+/// Snapshot that a failed step returns to.
+#[derive(Clone)]
+pub(crate) struct Snapshot {
+    state: State,
+    contact: Option<(Law, ContactField)>,
+}
+
+impl Solver {
+    /// Brings the present state to a stable equilibrium with contact enforced, applying `drive` on the way.
+    pub(crate) fn solve_step(&mut self, drive: &PrescribedMotion) -> StepReport {
+        self.solve_step_along(drive, None)
+    }
+
+    /// [`Solver::solve_step`], tried first from where the increment `predicted` leads.
+    pub(crate) fn solve_step_along(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> StepReport {
+        let mut report = StepReport::settled();
+        if let Err(error) = self.linearise_about_harder_law() {
+            return StepReport::refused(error);
+        }
+        let foreseen = match predicted {
+            Some(prediction) => self.solve_from_prediction(drive, &prediction, RESETTLING_ITERATIONS, &mut report),
+            None => self.solve_from_short(drive, &mut report),
+        };
+        let outcome = foreseen
+            .and_then(|done| if done { Ok(true) } else { self.solve_from_coarse(drive, &mut report) })
+            .and_then(|done| {
+                if done {
+                    return Ok(());
+                }
+                self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report))
+            });
+        if let Err(error) = outcome {
+            report.error = Some(error);
+            report.status = Status::BrokeDown;
+        }
+        report.stiffness_reduction = self.engine.stiffness_reduction();
+        // whatever was made of a search that was cut short
+        if std::mem::take(&mut self.workspace.interrupted) {
+            report.error = None;
+            report.status = Status::Stopped;
+        }
+        report
+    }
+
+    /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back
+    /// where it was.
+    pub(in crate::solve) fn solve_from_prediction(
+        &mut self,
+        drive: &PrescribedMotion,
+        prediction: &Prediction,
+        iterations: usize,
+        report: &mut StepReport,
+    ) -> Result<bool, SolveError> {
+        let before = self.snapshot();
+        let progress = self.be_patient_for(iterations);
+        // a path that ends here is left by the descent from where it was stable last
+        let escapes = std::mem::take(&mut self.options.max_escapes);
+        let outcome = self.search_from_prediction(drive, prediction, report);
+        self.options.newton.max_iterations = progress;
+        self.options.max_escapes = escapes;
+        if outcome.is_ok() && report.status == Status::Converged {
+            report.predicted = true;
+            return Ok(true);
+        }
+        self.restore(before)?;
+        report.start_again();
+        Ok(false)
+    }
+
+    /// Tries the law as it is on the present state; true if it settles, otherwise the solver is back where it was.
+    pub(in crate::solve) fn solve_from_present(
+        &mut self,
+        iterations: usize,
+        report: &mut StepReport,
+    ) -> Result<bool, SolveError> {
+        let still = Prediction::still(&self.engine);
+        let settled = self.solve_from_prediction(&PrescribedMotion::default(), &still, iterations, report);
+        report.predicted = false;
+        settled
+    }
+
+    /// Tries to settle a long plectoneme from a short one at rest; true if it did, otherwise the solver is back where
+    /// it was.
+    fn solve_from_short(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
+        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
+        if !(still && self.augments()) {
+            return Ok(false);
+        }
+        let Some(lengthened) = self.lengthened() else { return Ok(false) };
+        let start = self.snapshot();
+        self.start_from(lengthened, report);
+        let settled = self.solve_from_present(RESETTLING_ITERATIONS, report);
+        if settled == Ok(false) {
+            self.restore(start)?;
+        }
+        settled
+    }
+
+    fn search_from_prediction(
+        &mut self,
+        drive: &PrescribedMotion,
+        prediction: &Prediction,
+        report: &mut StepReport,
+    ) -> Result<(), SolveError> {
+        let engine = &mut self.engine;
+        let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
+        engine.update_contact(&state)?;
+        let fraction = engine.step_fraction(&state, &prediction.increment)?;
+        engine.state = state.retract(&prediction.increment, fraction);
+        self.workspace.start_forces.clone_from(&prediction.forces);
+        self.search(&drive.scaled(1.0 - fraction), report)?;
+        self.enforce_gaps(report)
+    }
+
+    /// Applies the drive under the deepest core law and hardens it.
+    pub(in crate::solve) fn approach(
+        &mut self,
+        drive: &PrescribedMotion,
+        report: &mut StepReport,
+    ) -> Result<(), SolveError> {
+        if self.augments() {
+            self.soften(report)?;
+        }
+        let mut rough = false;
+        for part in drive.parts(TURNS_AT_ONCE) {
+            rough = self.augments() && self.is_near_contact()?;
+            if report.status == Status::Converged {
+                self.search_roughly(rough, &part, report)?;
+            }
+            if report.status != Status::Converged {
+                return Ok(());
+            }
+        }
+        if !self.augments() {
+            return Ok(());
+        }
+        if self.is_near_contact()? {
+            return self.raise_penalty(report);
+        }
+        self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, &[]);
+        if rough { self.search(&PrescribedMotion::default(), report) } else { Ok(()) }
+    }
+
+    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as
+    /// balances the state.
+    fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        let near = self.is_near_contact()?;
+        let pressure = self.engine.pressure_scale();
+        let core = Law::Core { pressure, depth: DEPTH };
+        let overlap = if near { self.contact_errors().penetration } else { 0.0 };
+        let too_deep = 0.8 * 2.0 * DEPTH;
+        let mut pressures = Vec::new();
+        if overlap >= too_deep {
+            // strands deep inside each other come apart under a law without a core first
+            self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
+            self.search_roughly(true, &PrescribedMotion::default(), report)?;
+            report.penetration = self.contact_errors().penetration;
+            if report.status == Status::Converged && report.penetration >= too_deep {
+                report.status = Status::Penetration;
+            }
+            if report.status != Status::Converged {
+                // the core's energy would be infinite here
+                return Ok(());
+            }
+        } else if near && overlap < AT_REST {
+            let multiplier_estimate = self.multiplier_estimate(core, pressure)?;
+            (pressures, self.workspace.start_forces) = (multiplier_estimate.pressures, multiplier_estimate.forces);
+        }
+        self.start_under(core, &pressures);
+        Ok(())
+    }
+
+    /// Pressure of the core law over its depth \[F/L²\].
+    fn core_stiffness(&self) -> f64 {
+        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
+        self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
+    }
+
+    /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance
+    /// is left.
+    pub(in crate::solve) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
+            report.penetration = self.contact_errors().penetration;
+            return Ok(());
+        };
+        let mut secant_steps = SecantSteps::default();
+        let mut at_rest = self.ended_at_rest(report);
+        while report.status == Status::Converged {
+            let outstanding = self.outstanding(tol_penetration, &mut secant_steps);
+            report.penetration = outstanding.penetration;
+            report.complementarity = outstanding.complementarity.unwrap_or(report.complementarity);
+            match outstanding.gaps {
+                None if at_rest => break,
+                None => {
+                    self.search(&PrescribedMotion::default(), report)?;
+                    at_rest = true;
+                }
+                Some(_) if report.augmentations >= self.options.max_augmentations => {
+                    report.status = Status::Penetration;
+                }
+                Some(gaps) => {
+                    self.augment(&gaps, &mut secant_steps);
+                    report.augmentations += 1;
+                    self.search_nearly(&PrescribedMotion::default(), report)?;
+                    at_rest = self.ended_at_rest(report);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges
+    /// quadratically: after a last increment of √tol the error is of the order of tol, and the tolerance itself is for
+    /// the last search of all.
+    fn search_nearly(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<(), SolveError> {
+        let tol = self.options.newton.tol_increment;
+        if self.augments() && self.is_near_contact()? {
+            self.options.newton.tol_increment = tol.sqrt();
+        }
+        let outcome = self.search(drive, report);
+        self.options.newton.tol_increment = tol;
+        outcome
+    }
+
+    /// Whether the last search went on to the tolerance of a state at rest.
+    fn ended_at_rest(&self, report: &StepReport) -> bool {
+        let last = report.history.last().and_then(|search| search.last());
+        last.is_none_or(|iteration| iteration.increment <= self.options.newton.tol_increment)
+    }
+
+    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it
+    /// is too coarse, lines of contact break up into points between nodes.
+    fn raise_penalty(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        let asked = self.engine.contact_stiffness();
+        // half way in decades; to a law softer than the core at once
+        self.change_law_keeping_pressures(Law::Linear { stiffness: asked.min((asked * self.core_stiffness()).sqrt()) });
+        self.search_roughly(true, &PrescribedMotion::default(), report)?;
+        if report.status != Status::Converged {
+            return Ok(());
+        }
+        let before = self.snapshot();
+        for softer in 0..=MAX_REDUCTIONS {
+            self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer) }, &[]);
+            let progress = self.be_patient_for(RESETTLING_ITERATIONS);
+            let outcome = self.search(&PrescribedMotion::default(), report);
+            self.options.newton.max_iterations = progress;
+            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_REDUCTIONS {
+                return outcome;
+            }
+            self.restore(before.clone())?;
+            (report.status, report.num_unstable) = (Status::Converged, 0);
+        }
+        Ok(())
+    }
+
+    /// Allows searches at most so many iterations, never more than the caller does, and returns what the caller allows.
+    fn be_patient_for(&mut self, iterations: usize) -> usize {
+        let allowed = self.options.newton.max_iterations;
+        self.options.newton.max_iterations = allowed.min(iterations);
+        allowed
+    }
+
+    /// A search that only prepares the next one.
+    fn search_roughly(
+        &mut self,
+        rough: bool,
+        drive: &PrescribedMotion,
+        report: &mut StepReport,
+    ) -> Result<(), SolveError> {
+        let deep = match self.engine.contact.as_ref().map(|side| side.law) {
+            Some(Law::Core { depth, .. }) => depth,
+            _ => 1.0,
+        };
+        self.workspace.rough = rough.then_some(TOL_ON_THE_WAY.min(deep));
+        let outcome = self.search(drive, report);
+        self.workspace.rough = None;
+        outcome
+    }
+
+    pub(in crate::solve) fn augments(&self) -> bool {
+        matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
+    }
+
+    pub(in crate::solve) fn is_near_contact(&mut self) -> Result<bool, SolveError> {
+        let state = self.engine.state.clone();
+        self.engine.update_contact(&state)?;
+        Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
+    }
+
+    /// One equilibrium search, leaving unstable equilibria: those from which the potential falls by more than rounding.
+    fn search(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<(), SolveError> {
+        let mut outcome = self.equilibrate(drive, None, report)?;
+        // without a potential the inertia of the symmetric part decides nothing
+        let leaves = self.options.leave_unstable && self.engine.is_conservative();
+        while outcome.converged && outcome.num_unstable > 0 && leaves && !self.ended_roughly(&outcome) {
+            let may_leave = report.escapes < self.options.max_escapes;
+            let (before, potential) = (self.engine.state.clone(), self.engine.residual(&self.engine.state));
+            let direction = self.workspace.negative_direction(&mut self.engine)?;
+            let increment: Vec<f64> = direction.iter().map(|x| x * self.options.escape_step).collect();
+            let still = PrescribedMotion::default();
+            let fraction = self.engine.step_fraction(&before, &increment)?;
+            self.engine.state = before.retract(&increment, fraction);
+            let floor = potential.potential.total() - unseen(&potential);
+            let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
+            let fall = potential.potential.total() - self.engine.residual(&self.engine.state).potential.total();
+            // it costs nothing: the helix of a rod with two bending stiffnesses turning in a ring
+            let is_neutral = left.converged && fall.abs() <= unseen(&potential);
+            if may_leave && !is_neutral {
+                report.escapes += 1;
+                report.energy_released += fall;
+                outcome = left;
+                continue;
+            }
+            self.engine.state = before;
+            self.engine.update_contact(&self.engine.state.clone())?;
+            if !is_neutral {
+                break;
+            }
+            outcome.num_unstable = 0;
+        }
+        report.num_unstable = outcome.num_unstable;
+        report.status = match (outcome.converged, outcome.num_unstable) {
+            (false, _) => Status::MaxIterations,
+            (true, 0) => Status::Converged,
+            (true, _) if !leaves || self.ended_roughly(&outcome) => Status::Converged,
+            (true, _) => Status::Unstable,
+        };
+        Ok(())
+    }
+
+    /// A rough search that moved on to its end was not at rest, so not at a saddle either.
+    fn ended_roughly(&self, outcome: &NewtonReport) -> bool {
+        let tol = self.options.newton.tol_increment;
+        self.workspace.rough.is_some() && outcome.iterations.last().is_some_and(|i| i.increment > tol)
+    }
+
+    fn equilibrate(
+        &mut self,
+        drive: &PrescribedMotion,
+        leaving: Option<f64>,
+        report: &mut StepReport,
+    ) -> Result<NewtonReport, SolveError> {
+        let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, leaving)?;
+        report.iterations += outcome.iterations.len();
+        self.workspace.timings.node_iterations += outcome.iterations.len() * self.engine.num_nodes();
+        report.history.push(outcome.iterations.clone());
+        Ok(outcome)
+    }
+
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            state: self.engine.state.clone(),
+            contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone())),
+        }
+    }
+
+    /// Goes back to a snapshot, contact geometry included.
+    pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), SolveError> {
+        self.engine.state = snapshot.state;
+        // numbers that were in force before are
+        self.engine.take_numbers().map_err(|error| SolveError::Symbolic { reason: error.to_string() })?;
+        if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
+            side.law = law;
+            side.offsets = offsets;
+            side.before = None;
+        }
+        let state = self.engine.state.clone();
+        self.engine.update_contact(&state).map(|_| ())
+    }
+}

@@ -1,0 +1,106 @@
+//! What a load step did, and how it ended.
+
+use crate::error::SolveError;
+use crate::solve::search::newton::Iteration;
+
+/// How a run or a step ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// Everything met its tolerance.
+    Converged,
+    /// Newton ran out of iterations.
+    MaxIterations,
+    /// In equilibrium, but with unstable directions that were not to be left or could not be.
+    Unstable,
+    /// The augmented Lagrangian loop ended above its penetration tolerance.
+    Penetration,
+    /// Numbers broke down; the step was given up.
+    BrokeDown,
+    /// The load step fell below its smallest size.
+    StepTooSmall,
+    /// The observer, or whoever raised the [`Interrupt`](crate::solve::Interrupt), asked to stop.
+    Stopped,
+}
+
+impl std::fmt::Display for Status {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Converged => "converged",
+            Self::MaxIterations => "Newton did not converge",
+            Self::Unstable => "unstable equilibrium",
+            Self::Penetration => "penetration above tolerance",
+            Self::BrokeDown => "numbers broke down",
+            Self::StepTooSmall => "load step too small",
+            Self::Stopped => "stopped",
+        })
+    }
+}
+
+/// What one attempt at a load step did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepReport {
+    /// How it ended.
+    pub status: Status,
+    /// Newton iterations in all.
+    pub iterations: usize,
+    /// Augmentations of the contact offsets.
+    pub augmentations: usize,
+    /// How many times an unstable equilibrium was left.
+    pub escapes: usize,
+    /// Energy set free by snaps \[F·L\]: the potential of each unstable equilibrium that was left, less that of the state
+    /// that the descent from it came to under the same contact law; 0 where none was left.
+    pub energy_released: f64,
+    /// Unstable directions of the final state.
+    pub num_unstable: usize,
+    /// Worst penetration over the smallest contact radius; 0 without contact.
+    pub penetration: f64,
+    /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside
+    /// others that touch: what the energy is too high by. They are released until it is 1e-9, but for contacts none of
+    /// whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
+    pub complementarity: f64,
+    /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise.
+    /// Gaps are enforced all the same; a point contact is spread wider by the cube root of it.
+    pub stiffness_reduction: f64,
+    /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long
+    /// plectoneme was made, or on a coarser mesh, on which a step of several turns was made first.
+    pub iterations_on_other_meshes: usize,
+    /// The step settled at once from the state extrapolated from the steps before.
+    pub predicted: bool,
+    /// What broke down, if anything did.
+    pub error: Option<SolveError>,
+    /// All Newton iterations, one list per equilibrium search.
+    pub history: Vec<Vec<Iteration>>,
+}
+
+impl StepReport {
+    /// Of a state that is at rest without anything having been done.
+    pub(crate) fn settled() -> Self {
+        Self {
+            status: Status::Converged,
+            iterations: 0,
+            augmentations: 0,
+            escapes: 0,
+            energy_released: 0.0,
+            num_unstable: 0,
+            penetration: 0.0,
+            complementarity: 0.0,
+            stiffness_reduction: 1.0,
+            iterations_on_other_meshes: 0,
+            predicted: false,
+            error: None,
+            history: Vec::new(),
+        }
+    }
+
+    /// Of a step that was not even tried.
+    pub(crate) fn refused(error: SolveError) -> Self {
+        Self { status: Status::BrokeDown, error: Some(error), ..Self::settled() }
+    }
+
+    /// Another attempt from where the last one began: iterations stay counted.
+    pub(in crate::solve) fn start_again(&mut self) {
+        (self.status, self.num_unstable) = (Status::Converged, 0);
+        (self.augmentations, self.escapes, self.energy_released) = (0, 0, 0.0);
+    }
+}

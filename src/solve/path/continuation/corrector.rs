@@ -1,0 +1,344 @@
+//! From a point of a path to the next: tangent, bordered mixed-integration-point Newton, critical eigenvalue.
+
+use crate::error::SolveError;
+use crate::rod::element::Stress;
+use crate::scene::ContactLaw;
+use crate::solve::load_step::multipliers::SecantSteps;
+use crate::solve::path::continuation::contacts::Contacts;
+use crate::solve::path::continuation::parameter::Parameter;
+use crate::solve::path::run::Solver;
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::state::State;
+use crate::solve::search::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
+
+/// Newton iterations allowed per point; about twice as many as a good step takes.
+const MAX_ITERATIONS: usize = 20;
+/// Steps cut by the passage bound in a row before a point is given up.
+const MAX_CUT: usize = 3;
+/// Near a branch point rounding makes increments along the critical direction that never shrink. Rest is then told by
+/// the relative residual: below this, and in [`STALLED`] iterations in a row no longer [`SHRINKING`] below the least so
+/// far ...
+const ROUNDING: f64 = 1e-8;
+const SHRINKING: f64 = 0.3;
+const STALLED: usize = 2;
+/// ... with increments no larger than this, in units of [`increment_size`].
+const LARGEST_NOISE: f64 = 1e-4;
+/// Inverse iterations for the critical eigenvalue.
+const CRITICAL_ROUNDS: usize = 12;
+
+/// A motion of all unknowns and of the parameter.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    /// Six per node.
+    pub(super) field: Vec<f64>,
+    pub(super) parameter: f64,
+}
+
+impl Motion {
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        Self { field: self.field.iter().map(|x| x * factor).collect(), parameter: self.parameter * factor }
+    }
+
+    pub(super) fn subtract(&mut self, other: &Self, amount: f64) {
+        self.field.iter_mut().zip(&other.field).for_each(|(x, o)| *x -= amount * o);
+        self.parameter -= amount * other.parameter;
+    }
+}
+
+/// A point of the path.
+#[derive(Debug, Clone)]
+pub(super) struct Point {
+    pub(super) state: State,
+    /// Contact offsets (augmented Lagrangian).
+    pub(super) offsets: ContactField,
+    /// The parameter.
+    pub(super) value: f64,
+    /// Unit tangent, oriented along the path.
+    pub(super) tangent: Motion,
+    pub(super) num_unstable: usize,
+    /// Contacts that can be told apart.
+    pub(super) num_contacts: usize,
+    pub(super) iterations: usize,
+    pub(super) augmentations: usize,
+    pub(super) penetration: f64,
+    /// See [`StepReport::complementarity`](crate::solve::StepReport::complementarity).
+    pub(super) complementarity: f64,
+    /// Arc length of the chord from the point it was found from.
+    pub(super) chord: f64,
+}
+
+/// A plane `normal` · (x − base) = distance in which the next point is sought.
+pub(super) struct Plane<'a> {
+    pub(super) normal: &'a Motion,
+    pub(super) distance: f64,
+}
+
+/// Solver, parameter and the metric of a path.
+pub(super) struct Tracer<'a> {
+    pub(super) solver: &'a mut Solver,
+    pub(super) parameter: Parameter,
+    /// Newton iterations so far, failed points included.
+    pub(super) iterations: usize,
+    /// Eigenvalues above minus this count as neutral, in units of B/L⁴.
+    pub(super) zero_energy: f64,
+}
+
+impl Tracer<'_> {
+    /// Inner product of the arc length: ds² = mean |δr|²/L² + mean |θ|² over the nodes + (δparameter/range)².
+    pub(super) fn dot(&self, a: &Motion, b: &Motion) -> f64 {
+        let engine = &self.solver.engine;
+        let weight = 1.0 / engine.num_nodes() as f64;
+        let weights = [weight / engine.scales.length.powi(2), weight];
+        let field = |(i, (x, y)): (usize, (&f64, &f64))| weights[usize::from(i % 6 >= 3)] * x * y;
+        let unknowns: f64 = a.field.iter().zip(&b.field).enumerate().map(field).sum();
+        unknowns + a.parameter * b.parameter / self.parameter.range().powi(2)
+    }
+
+    fn normalise(&self, mut motion: Motion) -> Option<Motion> {
+        let norm = self.dot(&motion, &motion).sqrt();
+        motion = motion.scaled(1.0 / norm);
+        motion.field.iter().all(|x| x.is_finite()).then_some(motion).filter(|m| m.parameter.is_finite())
+    }
+
+    /// The first point: the solver's present state brought to equilibrium at its parameter.
+    pub(super) fn start(&mut self, value: f64) -> Result<Option<Point>, SolveError> {
+        let here = self.bare(value);
+        let still = Motion { field: vec![0.0; 6 * self.solver.engine.num_nodes()], parameter: 0.0 };
+        let hold = Motion { field: still.field.clone(), parameter: 1.0 };
+        self.correct(&here, &still, &Plane { normal: &hold, distance: 0.0 })
+    }
+
+    /// A point near `point` at the given value of the parameter.
+    pub(super) fn at_value(&mut self, point: &Point, value: f64) -> Result<Option<Point>, SolveError> {
+        let still = Motion { field: vec![0.0; point.tangent.field.len()], parameter: 0.0 };
+        let hold = Motion { field: still.field.clone(), parameter: self.parameter.range().powi(2) };
+        let plane = Plane { normal: &hold, distance: value - point.value };
+        let found = self.correct(point, &still, &plane)?;
+        Ok(found.map(|mut found| {
+            // exactly there, not but for the last rounding
+            found.value = value;
+            if self.dot(&found.tangent, &point.tangent) < 0.0 {
+                found.tangent = found.tangent.scaled(-1.0);
+            }
+            found
+        }))
+    }
+
+    /// The solver's present state as a point without a tangent.
+    pub(super) fn bare(&self, value: f64) -> Point {
+        let engine = &self.solver.engine;
+        Point {
+            state: engine.state.clone(),
+            offsets: engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone()),
+            value,
+            tangent: Motion { field: Vec::new(), parameter: 0.0 },
+            num_unstable: 0,
+            num_contacts: 0,
+            iterations: 0,
+            augmentations: 0,
+            penetration: 0.0,
+            complementarity: 0.0,
+            chord: 0.0,
+        }
+    }
+
+    /// Puts the solver into a point.
+    pub(super) fn enter(&mut self, point: &Point) -> Result<(), SolveError> {
+        let solver = &mut *self.solver;
+        solver.engine.state = point.state.clone();
+        if let Some(side) = &mut solver.engine.contact {
+            side.offsets.clone_from(&point.offsets);
+        }
+        solver.workspace.refresh(&mut solver.engine, &point.state)
+    }
+
+    /// The point of the path in a plane, from `base` with `first` as the first step; `None` if Newton does not
+    /// converge. The tangent is oriented along `first`, or along the normal where the first step is nothing.
+    pub(super) fn correct(&mut self, base: &Point, first: &Motion, plane: &Plane) -> Result<Option<Point>, SolveError> {
+        self.enter(base)?;
+        let mut point = Point { iterations: 0, augmentations: 0, penetration: 0.0, ..base.clone() };
+        let mut moved = Motion { field: vec![0.0; first.field.len()], parameter: 0.0 };
+        if !self.newton(&mut point, &mut moved, first, plane)? {
+            return Ok(None);
+        }
+        if !self.enforce_gaps(&mut point, &mut moved, plane)? {
+            return Ok(None);
+        }
+        point.chord = self.dot(&moved, &moved).sqrt();
+        let along = if self.dot(first, first) > 0.0 { first } else { plane.normal };
+        self.analyse(point, along)
+    }
+
+    /// Bordered Newton: with Δ1 = −K⁻¹g and Δ2 = −K⁻¹c, c the gradient's rate with the parameter, the step Δ1 + δ Δ2
+    /// ends in the plane. Two solves on one symmetric factorisation; K is singular at the points sought only where the
+    /// path crosses another.
+    fn newton(
+        &mut self,
+        point: &mut Point,
+        moved: &mut Motion,
+        first: &Motion,
+        plane: &Plane,
+    ) -> Result<bool, SolveError> {
+        let tol = self.solver.options.newton.tol_increment;
+        let mut step = first.clone();
+        let (mut cut_in_a_row, mut stalled, mut least) = (0, 0, f64::INFINITY);
+        for iteration in 0..=MAX_ITERATIONS {
+            let size =
+                increment_size(&self.solver.engine, &step.field).max(step.parameter.abs() / self.parameter.range());
+            if !size.is_finite() {
+                return Ok(false);
+            }
+            let fraction = self.solver.engine.step_fraction(&point.state, &step.field)?;
+            let taken = if fraction < 1.0 { step.scaled(fraction) } else { step };
+            let engine = &self.solver.engine;
+            let stress = self.parameter.predicted_stress(engine, &point.state, &taken.field, taken.parameter);
+            point.state = point.state.retract(&taken.field, 1.0);
+            self.parameter.advance(&mut point.state, taken.parameter);
+            point.value += taken.parameter;
+            moved.subtract(&taken, -1.0);
+            cut_in_a_row = if fraction < 1.0 { cut_in_a_row + 1 } else { 0 };
+            if iteration > 0 {
+                // a step has been taken under the offsets there are now
+                self.solver.forget_pressures();
+            }
+            let solver = &mut *self.solver;
+            solver.engine.state = point.state.clone();
+            solver.workspace.refresh(&mut solver.engine, &point.state)?;
+            if iteration > 0 && fraction == 1.0 && size <= tol {
+                return Ok(true);
+            }
+            if cut_in_a_row >= MAX_CUT || iteration == MAX_ITERATIONS {
+                return Ok(false);
+            }
+            self.iterations += 1;
+            point.iterations += 1;
+            solver.workspace.timings.node_iterations += solver.engine.num_nodes();
+            let residual = solver.workspace.linearise(&solver.engine, &point.state, &stress, &self.parameter.drive());
+            let size_of_residual = relative_residual(&solver.engine, &residual);
+            let stalls = size_of_residual <= ROUNDING && size_of_residual > SHRINKING * least && size <= LARGEST_NOISE;
+            stalled = if stalls { stalled + 1 } else { 0 };
+            least = least.min(size_of_residual);
+            if stalled >= STALLED {
+                return Ok(true);
+            }
+            if solver.workspace.factorise(&solver.engine, 0.0).is_none() {
+                return Ok(false);
+            }
+            step = self.bordered_step(&point.state, &stress, &residual, moved, plane);
+        }
+        Ok(false)
+    }
+
+    fn bordered_step(
+        &mut self,
+        state: &State,
+        stress: &[[Stress; 3]],
+        residual: &Residual,
+        moved: &Motion,
+        plane: &Plane,
+    ) -> Motion {
+        let along = self.response_to_parameter(state, stress);
+        let solver = &mut *self.solver;
+        let force: Vec<f64> = residual.gradient.iter().map(|g| -g).collect();
+        let mut step = Motion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
+        let missing = plane.distance - self.dot(plane.normal, moved) - self.dot(plane.normal, &step);
+        let part = missing / self.dot(plane.normal, &along);
+        step.subtract(&along, -part);
+        step
+    }
+
+    /// Motion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
+    pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Stress; 3]]) -> Motion {
+        let solver = &mut *self.solver;
+        let driven = &solver.workspace.tangent.drive;
+        let rate = self.parameter.rate(&solver.engine, state, stress, driven);
+        let force: Vec<f64> = rate.iter().map(|c| -c).collect();
+        let mut field = solver.workspace.respond(&solver.engine, &force);
+        self.parameter.drive().add_to(&mut field);
+        Motion { field, parameter: 1.0 }
+    }
+
+    /// Raises the offsets of an augmented Lagrangian until gaps are met, staying in the plane.
+    fn enforce_gaps(&mut self, point: &mut Point, moved: &mut Motion, plane: &Plane) -> Result<bool, SolveError> {
+        if self.solver.engine.contact.is_none() {
+            return Ok(true);
+        }
+        let tol = match self.solver.engine.model.contact.law {
+            ContactLaw::AugmentedLagrangian { tol_penetration, .. } => tol_penetration,
+            _ => f64::INFINITY,
+        };
+        let mut secant_steps = SecantSteps::default();
+        loop {
+            let outstanding = self.solver.outstanding(tol, &mut secant_steps);
+            point.penetration = outstanding.penetration;
+            point.complementarity = outstanding.complementarity.unwrap_or(point.complementarity);
+            let Some(gaps) = outstanding.gaps else { break };
+            if point.augmentations >= self.solver.options.max_augmentations {
+                return Ok(false);
+            }
+            point.augmentations += 1;
+            self.solver.augment(&gaps, &mut secant_steps);
+            let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
+            if !self.newton(point, moved, &still, plane)? {
+                return Ok(false);
+            }
+        }
+        point.offsets =
+            self.solver.engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone());
+        Ok(true)
+    }
+
+    /// Tangent and inertia at a point in which the solver stands; `None` where the tangent has no size.
+    pub(super) fn analyse(&mut self, mut point: Point, along: &Motion) -> Result<Option<Point>, SolveError> {
+        point.num_unstable = self.linearise_there(&point.state)?;
+        point.num_contacts = Contacts::of(self.solver).count();
+        let stress = self.solver.engine.actual_stress(&point.state);
+        let response = self.response_to_parameter(&point.state, &stress);
+        let Some(tangent) = self.normalise(response) else { return Ok(None) };
+        point.tangent = if self.dot(&tangent, along) < 0.0 { tangent.scaled(-1.0) } else { tangent };
+        Ok(Some(point))
+    }
+
+    /// Factorises the true tangent at a state the solver stands in; its number of negative eigenvalues.
+    pub(super) fn linearise_there(&mut self, state: &State) -> Result<usize, SolveError> {
+        let solver = &mut *self.solver;
+        let stress = solver.engine.actual_stress(state);
+        solver.workspace.linearise(&solver.engine, state, &stress, &self.parameter.drive());
+        self.zero_energy = solver.workspace.rounding_of_eigenvalues(&solver.engine).max(NEUTRAL_SHIFT);
+        let shift = self.zero_energy;
+        solver.workspace.factorise(&solver.engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
+    }
+
+    /// The eigenvalue of the tangent nearest to zero, in units of B/L⁴, at the point analysed last; the workspace keeps
+    /// its vector.
+    pub(super) fn critical_eigenvalue(&mut self) -> f64 {
+        let solver = &mut *self.solver;
+        solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - self.zero_energy
+    }
+
+    /// Unit critical direction at a branch point in which the solver stands, normal to the path through it.
+    pub(super) fn branching_direction(&mut self, value: f64) -> Result<Option<Motion>, SolveError> {
+        let bare = self.bare(value);
+        self.enter(&bare)?;
+        self.linearise_there(&bare.state)?;
+        self.solver.workspace.softest.clear();
+        for _ in 0..5 {
+            self.critical_eigenvalue();
+        }
+        let solver = &mut *self.solver;
+        // one more inverse iteration, which takes the neutral motions out
+        let force: Vec<f64> = solver.workspace.softest.iter().zip(&solver.engine.metric).map(|(x, m)| x * m).collect();
+        let mut critical = Motion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
+        // the path's own direction: at the branch point rounding decides over its critical part, which is taken out
+        let stress = self.solver.engine.actual_stress(&bare.state);
+        let mut along = self.response_to_parameter(&bare.state, &stress);
+        let part = self.dot(&along, &critical) / self.dot(&critical, &critical);
+        along.subtract(&critical, part);
+        if let Some(along) = self.normalise(along) {
+            let part = self.dot(&critical, &along);
+            critical.subtract(&along, part);
+        }
+        Ok(self.normalise(critical))
+    }
+}

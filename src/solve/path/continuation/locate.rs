@@ -1,0 +1,239 @@
+//! Where between two neighbouring points of a path something happens: a limit point, a branch point, a corner, the
+//! target.
+
+use crate::error::SolveError;
+use crate::solve::path::continuation::PointKind;
+use crate::solve::path::continuation::corrector::{Motion, Plane, Point, Tracer};
+
+/// Trials per location.
+const MAX_TRIALS: usize = 60;
+/// Branch points, or corners, located between two points of a path before the rest is left unlocated.
+const MAX_CROSSINGS: usize = 8;
+/// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is
+/// located: beyond it Newton has gone to another path.
+const JUMP: [f64; 2] = [1e-4, 100.0];
+
+/// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
+const NEAR: f64 = 0.02;
+
+/// What changes sign.
+#[derive(Debug, Clone, Copy)]
+enum Test {
+    /// The parameter's rate along the path: limit points.
+    Slope,
+    /// The parameter less its target.
+    Target(f64),
+    /// The critical eigenvalue; the number of unstable directions decides on the side.
+    Critical,
+}
+
+/// One end of the interval: distance from the base, the tested function if known, the point there.
+#[derive(Debug, Clone)]
+struct End {
+    distance: f64,
+    value: Option<f64>,
+    point: Point,
+}
+
+/// A zero: the last ends, the best point, and the numbers of unstable directions on either side.
+struct Found {
+    before: End,
+    best: End,
+    after: End,
+    counts: [usize; 2],
+}
+
+/// Something found on the way.
+pub(super) struct Event {
+    pub(super) kind: PointKind,
+    pub(super) point: Point,
+    pub(super) distance: f64,
+}
+
+impl Event {
+    fn multiplicity(&self) -> usize {
+        if let PointKind::Branch { multiplicity } = self.kind { multiplicity } else { 0 }
+    }
+}
+
+impl Tracer<'_> {
+    /// The point at `distance` from `base` along its tangent.
+    pub(super) fn ahead(&mut self, base: &Point, distance: f64) -> Result<Option<Point>, SolveError> {
+        self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
+    }
+
+    /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order.
+    /// `None` if contact changes in a jump: `next` is on another path.
+    pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Option<Vec<Event>> {
+        let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
+        let (mut from, to) = (end(base, 0.0), end(next, distance));
+        let mut events = Vec::new();
+        for _ in 0..MAX_CROSSINGS {
+            if from.point.num_contacts == to.point.num_contacts {
+                break;
+            }
+            let [before, after] = self.corner(base, [from.clone(), to.clone()], tol);
+            if self.apart(&before.point, &after.point) > JUMP[0] * distance + JUMP[1] * tol {
+                return None;
+            }
+            self.smooth_events(base, [from, before.clone()], tol, &mut events);
+            events.push(Event { kind: PointKind::Corner, point: before.point, distance: before.distance });
+            from = after;
+        }
+        self.smooth_events(base, [from, to], tol, &mut events);
+        Some(events)
+    }
+
+    /// Distance between two states that are nearly the same.
+    fn apart(&self, x: &Point, y: &Point) -> f64 {
+        let nodes = x.state.positions.iter().zip(&y.state.positions).map(|(a, b)| b - a);
+        let field = nodes.flat_map(|d| [d.x, d.y, d.z, 0.0, 0.0, 0.0]).collect();
+        let motion = Motion { field, parameter: y.value - x.value };
+        self.dot(&motion, &motion).sqrt()
+    }
+
+    /// The last point with as many contacts as at the first end and the first one with another number, by bisection.
+    /// Each is sought from the nearest known to lie before the corner, which leaves Newton the least to find out about
+    /// contact.
+    fn corner(&mut self, base: &Point, [mut low, mut high]: [End; 2], tol: f64) -> [End; 2] {
+        while high.distance - low.distance > tol {
+            let distance = 0.5 * (low.distance + high.distance);
+            let (normal, left) = (&base.tangent, distance - low.distance);
+            let found = self.correct(&low.point, &normal.scaled(left), &Plane { normal, distance: left });
+            let Ok(Some(point)) = found else { break };
+            let end = End { distance, value: None, point };
+            let before = end.point.num_contacts == low.point.num_contacts;
+            *(if before { &mut low } else { &mut high }) = end;
+        }
+        [low, high]
+    }
+
+    /// Limit and branch points between two ends with no corner between them, in their order.
+    fn smooth_events(&mut self, base: &Point, [first, last]: [End; 2], tol: f64, events: &mut Vec<Event>) {
+        let distance = last.distance - first.distance;
+        if distance <= tol {
+            return;
+        }
+        let inertia_tells = self.solver.engine.is_conservative();
+        if first.point.tangent.parameter * last.point.tangent.parameter >= 0.0 {
+            if inertia_tells {
+                self.crossings(base, first, last, tol, events);
+            }
+            return;
+        }
+        let net = first.point.num_unstable.abs_diff(last.point.num_unstable);
+        let Found { before, best: found, after, .. } = self.root(base, Test::Slope, [first.clone(), last.clone()], tol);
+        let at = found.distance;
+        let mut here = Vec::new();
+        if inertia_tells {
+            self.crossings(base, first, before, tol, &mut here);
+            self.crossings(base, after, last, tol, &mut here);
+            // where the eigenvalue only touches zero rounding makes it cross there and back
+            let near = (NEAR * distance).max(100.0 * tol);
+            here.retain(|event| (event.distance - at).abs() > near);
+        }
+        let elsewhere: usize = here.iter().map(Event::multiplicity).sum();
+        // the path turns: at a limit point one eigenvalue passes zero; if none does, other paths cross there
+        let passes = (net + elsewhere) % 2 == 1 || !inertia_tells;
+        let kind = if passes { PointKind::Limit } else { PointKind::Branch { multiplicity: 0 } };
+        here.push(Event { kind, point: found.point, distance: at });
+        here.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        events.append(&mut here);
+    }
+
+    /// Where the parameter passes `target` between `base` and the point `distance` ahead.
+    pub(super) fn target_point(
+        &mut self,
+        base: &Point,
+        next: &Point,
+        distance: f64,
+        target: f64,
+        tol: f64,
+    ) -> (Point, f64) {
+        let first = End { distance: 0.0, value: Some(base.value - target), point: base.clone() };
+        let last = End { distance, value: Some(next.value - target), point: next.clone() };
+        let found = self.root(base, Test::Target(target), [first, last], tol).best;
+        (found.point, found.distance)
+    }
+
+    /// Branch points: changes of the number of unstable directions.
+    fn crossings(&mut self, base: &Point, mut from: End, to: End, tol: f64, events: &mut Vec<Event>) {
+        for _ in 0..MAX_CROSSINGS {
+            if from.point.num_unstable == to.point.num_unstable {
+                return;
+            }
+            from.value = None;
+            let found = self.root(base, Test::Critical, [from, to.clone()], tol);
+            let kind = PointKind::Branch { multiplicity: found.counts[0].abs_diff(found.counts[1]) };
+            let End { distance, mut point, .. } = found.best;
+            // at the point itself rounding decides over the tangent's part along the critical direction
+            point.tangent = found.before.point.tangent;
+            events.push(Event { kind, point, distance });
+            from = found.after;
+            from.point.num_unstable = found.counts[1];
+        }
+    }
+
+    /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function
+    /// is not yet known. Ends early at what is known if a trial does not converge.
+    fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> Found {
+        let [mut low, mut high] = ends;
+        if matches!(test, Test::Slope) {
+            low.value = Some(low.point.tangent.parameter);
+            high.value = Some(high.point.tangent.parameter);
+        }
+        let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
+        let (mut last_side, mut seen) = (0, false);
+        let mut counts = [low.point.num_unstable, high.point.num_unstable];
+        for _ in 0..MAX_TRIALS {
+            let middle = 0.5 * (low.distance + high.distance);
+            let distance = match (low.value, high.value) {
+                (Some(a), Some(b)) if a * b < 0.0 => {
+                    low.distance + (high.distance - low.distance) * (a / (a - b)).clamp(1e-3, 1.0 - 1e-3)
+                }
+                _ => middle,
+            };
+            let moved = (distance - best.distance).abs();
+            let Ok(Some(point)) = self.ahead(base, distance) else { break };
+            let value = match test {
+                Test::Slope => point.tangent.parameter,
+                Test::Target(target) => point.value - target,
+                Test::Critical => self.critical_eigenvalue(),
+            };
+            // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to
+            // pass, its sign decides
+            let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.zero_energy);
+            let passes =
+                clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
+            let belongs_low = match test {
+                Test::Critical if !(seen || passes) => point.num_unstable == low.point.num_unstable,
+                _ => low.value.is_some_and(|v| v * value > 0.0),
+            };
+            seen |= passes;
+            best = End { distance, value: Some(value), point };
+            if belongs_low {
+                low = best.clone();
+                if !seen {
+                    counts[0] = low.point.num_unstable;
+                }
+                if last_side == -1 {
+                    high.value = high.value.map(|v| 0.5 * v);
+                }
+                last_side = -1;
+            } else {
+                high = best.clone();
+                if !seen {
+                    counts[1] = high.point.num_unstable;
+                }
+                if last_side == 1 {
+                    low.value = low.value.map(|v| 0.5 * v);
+                }
+                last_side = 1;
+            }
+            if moved <= tol || high.distance - low.distance <= tol {
+                break;
+            }
+        }
+        Found { before: low, best, after: high, counts }
+    }
+}

@@ -1,0 +1,155 @@
+//! Why a run went no further, for people: the last attempt, and where it was stuck.
+
+use std::fmt;
+
+use crate::contact::clearance::smallest_clearance;
+use crate::error::SolveError;
+use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::problem::engine::Engine;
+use crate::solve::search::newton::{NewtonOptions, relative_residual};
+
+/// Width of the interval that encloses the deepest overlap, relative to the smallest contact radius.
+const TOL_DEPTH: f64 = 1e-3;
+/// Forces out of balance by less than this, relative to those there are, have no place worth naming.
+const NOTABLE_RESIDUAL: f64 = 1e-10;
+
+/// A place on a rod.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spot {
+    /// Name of the rod.
+    pub rod: String,
+    /// Reference arc length from its start \[L\].
+    pub arc: f64,
+}
+
+/// Two strands inside each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Overlap {
+    /// Where on both strands.
+    pub at: [Spot; 2],
+    /// Depth over the smallest contact radius of the model.
+    pub depth: f64,
+}
+
+/// The last attempt of a run that did not converge. It was given up: the run's state is the one before it (at the start
+/// of a run, the attempt itself).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// Stage, 0-based; none at the start of the run, before any stage.
+    pub stage: Option<usize>,
+    /// Fractions of the stage between which the attempt was to lead.
+    pub span: [f64; 2],
+    /// How the attempt ended.
+    pub status: Status,
+    /// What broke down, if anything did.
+    pub error: Option<SolveError>,
+    /// Last Newton increment (over the node spacing, or rad), and the tolerance it was to meet.
+    pub increment: Option<[f64; 2]>,
+    /// Largest force out of balance, over the largest sum of contributions.
+    pub residual: f64,
+    /// Where it is.
+    pub worst: Option<Spot>,
+    /// Deepest overlap, if there is one beyond the tolerance of the contact law.
+    pub overlap: Option<Overlap>,
+}
+
+impl Failure {
+    /// Of the engine in the state that the attempt ended in.
+    pub(crate) fn of(engine: &Engine, report: &StepReport, newton: &NewtonOptions) -> Self {
+        let last = report.history.last().and_then(|search| search.last());
+        let residual = engine.residual(&engine.state);
+        let gradient = residual.bases.without_reactions(&residual.gradient);
+        let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
+        let unbalanced = |node: usize| {
+            let size = |k: usize| gradient[6 * node + k].abs() * scale(k);
+            (0..6).filter(|&k| engine.free[node][k]).map(size).fold(0.0, f64::max)
+        };
+        let worst = (0..engine.num_nodes()).max_by(|&a, &b| unbalanced(a).total_cmp(&unbalanced(b)));
+        let relative = relative_residual(engine, &residual);
+        Self {
+            stage: None,
+            span: [0.0, 0.0],
+            status: report.status,
+            error: report.error.clone(),
+            increment: last.map(|iteration| [iteration.increment, newton.tol_increment]),
+            residual: relative,
+            worst: worst.filter(|_| relative > NOTABLE_RESIDUAL).map(|node| {
+                let rod = engine.rod_of(node);
+                let spacing = engine.model.rods[rod].spacing();
+                spot(engine, rod, (node - engine.first_node[rod]) as f64 * spacing)
+            }),
+            overlap: deepest_overlap(engine),
+        }
+    }
+
+    fn advice(&self) -> &'static str {
+        match (self.status, &self.error, &self.overlap) {
+            (Status::Stopped, ..) => "",
+            (_, _, Some(overlap)) if overlap.depth > 1.0 => {
+                "strands may be inside each other beyond what contact can undo, or squeezed without a way out: check where \
+                 they start (supercoil check), and that the ramps leave room for them"
+            }
+            (Status::Penetration, ..) => {
+                "strands may have no room left; otherwise more elements, a harder contact law or a larger tol_penetration"
+            }
+            (Status::Unstable, ..) => {
+                "no stable state was found nearby: more steps, or a small load or displacement that decides to which side"
+            }
+            (_, Some(SolveError::TooCoarse { .. } | SolveError::TooTwisted { .. }), _) => "more elements",
+            _ => {
+                "more elements, smaller steps or more solver.max_iterations; beyond a limit load there is no state nearby: \
+                 ramp a displacement or rotation instead of a load or pressure"
+            }
+        }
+    }
+}
+
+/// The deepest overlap of the state, if it is beyond what contact law and tolerance leave.
+fn deepest_overlap(engine: &Engine) -> Option<Overlap> {
+    let side = engine.contact.as_ref().filter(|side| side.is_current)?;
+    let tol = TOL_DEPTH * side.min_radius;
+    let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, 0.0, tol))?;
+    let depth = -found.upper / side.min_radius;
+    let at = [(found.segment_a, found.arc_a), (found.segment_b, found.arc_b)]
+        .map(|(segment, arc)| spot(engine, side.rods[side.set.curve_of(segment)], arc));
+    (depth > TOL_DEPTH).then_some(Overlap { at, depth })
+}
+
+fn spot(engine: &Engine, rod: usize, arc: f64) -> Spot {
+    Spot { rod: engine.model.rods[rod].name.clone(), arc }
+}
+
+impl fmt::Display for Spot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "rod \"{}\" at arc {:.4}", self.rod, self.arc)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.stage {
+            None => write!(f, "the start did not come to rest: ")?,
+            Some(stage) => {
+                let [from, to] = self.span.map(|x| 100.0 * x);
+                write!(f, "stage {} stands at {from:.3} %; the last try, to {to:.3} %: ", stage + 1)?;
+            }
+        }
+        match &self.error {
+            Some(error) => write!(f, "{error}")?,
+            None => write!(f, "{}", self.status)?,
+        }
+        if let (Some([increment, tol]), true) = (self.increment, self.status == Status::MaxIterations) {
+            write!(f, " (last increment {increment:.1e} of the node spacing, to be {tol:.0e})")?;
+        }
+        if let Some(worst) = &self.worst {
+            write!(f, "; forces out of balance by {:.1e} of what there is, most on {worst}", self.residual)?;
+        }
+        if let Some(Overlap { at: [a, b], depth }) = &self.overlap {
+            write!(f, "; deepest overlap {depth:.3} contact radii, {a} and {b}")?;
+        }
+        match self.advice() {
+            "" => Ok(()),
+            advice => write!(f, ". What may help: {advice}"),
+        }
+    }
+}

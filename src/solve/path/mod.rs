@@ -1,0 +1,13 @@
+//! Paths of equilibria: load stepping, and continuation through limit points.
+//!
+//! | | |
+//! |---|---|
+//! | `run` | stages, steps, halved steps; [`Solver`](crate::solve::Solver) |
+//! | `restart` | all that a run needs to go on later |
+//! | `failure` | why a run went no further |
+//! | `continuation` | along a path by its arc length |
+
+pub(in crate::solve) mod continuation;
+pub(in crate::solve) mod failure;
+pub(in crate::solve) mod restart;
+pub(in crate::solve) mod run;

@@ -1,0 +1,134 @@
+//! What a run needs in order to go on later as if it had never stopped.
+//!
+//! A load step depends on four things only: where the run stands ([`Place`]), the accepted state, the states before it
+//! from which the next is predicted, and the contact law with its offsets. Everything else the solver keeps (candidate
+//! lists, sparsity pattern, factorisation, the last soft direction) is dropped after every accepted step, because it
+//! depends on how that step was reached and would show in the last bits of the next. So a run that goes on from a
+//! [`Restart`] takes the same steps, bit for bit, as one that never stopped.
+
+use crate::contact::broad_phase::BroadPhase;
+use crate::contact::exclusion::Exclusion;
+use crate::contact::law::Law;
+use crate::contact::screened::Repulsion;
+use crate::error::{InputError, SolveError};
+use crate::solve::load_step::predictor::History;
+use crate::solve::path::run::Solver;
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::{Moved, State};
+use crate::solve::search::newton::Workspace;
+
+/// Where a run stands between two load steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Place {
+    /// Stage index.
+    pub stage: usize,
+    /// Fraction of the stage done, 0..=1.
+    pub fraction: f64,
+    /// Fraction of the stage to be tried next; infinite at the start of a stage: its own step.
+    pub step_size: f64,
+    /// Accepted steps, the start not counted.
+    pub num_steps: usize,
+    /// Newton iterations so far, failed attempts included.
+    pub iterations: usize,
+}
+
+impl Place {
+    /// Before the first step of a stage.
+    pub(crate) fn start_of(stage: usize, num_steps: usize, iterations: usize) -> Self {
+        Self { stage, fraction: 0.0, step_size: f64::INFINITY, num_steps, iterations }
+    }
+}
+
+/// A run between two steps as plain data: 80 bytes a node for the state and for each of up to three earlier ones, 8 for
+/// offsets of contact.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Restart {
+    /// Where the run stands.
+    pub place: Place,
+    /// The accepted state.
+    pub state: State,
+    /// Contact law in force.
+    contact: Option<ContactRestart>,
+    /// What supports have made of nodes so far.
+    moved: Moved,
+    /// The last accepted states.
+    history: History,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct ContactRestart {
+    law: Law,
+    offsets: ContactField,
+}
+
+impl Solver {
+    /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
+    /// new field has to decide here whether a run depends on it.
+    pub(crate) fn to_restart(&self, place: Place) -> Restart {
+        let Self { engine, workspace: _, options: _, moved, history, failure: _ } = self;
+        let contact =
+            engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
+        Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), history: history.clone() }
+    }
+
+    /// Takes over a run.
+    ///
+    /// # Errors
+    /// [`InputError::Inconsistent`] if it belongs to another model.
+    pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
+        let Restart { place: _, state, contact, moved, history } = restart;
+        let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
+        if let Some(node) = moved.nodes().find(|node| *node >= state.positions.len()) {
+            return Err(refuse(&format!("moves node {node}, which the model has not")));
+        }
+        let numbers = state.positions.iter().chain(&state.remainders).flatten();
+        let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
+        if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite()) {
+            return Err(refuse("has a number that is not finite"));
+        }
+        let sizes = |s: &State| [s.positions.len(), s.remainders.len(), s.frames.len()];
+        if history.states().any(|s| sizes(s) != sizes(&state)) {
+            return Err(refuse("remembers states of another model"));
+        }
+        self.engine.set_state(state)?;
+        match (&mut self.engine.contact, contact) {
+            (None, None) => {}
+            (Some(side), Some(saved)) if saved.offsets.fits(side.offsets.num_nodes(), &side.set) => {
+                side.law = saved.law;
+                side.before = None;
+                side.offsets = saved.offsets;
+            }
+            _ => return Err(refuse("has contact where the model has none, or the other way round")),
+        }
+        self.moved = moved;
+        self.history = history;
+        Ok(())
+    }
+
+    /// Drops all that depends on how the present state was reached.
+    pub(crate) fn forget_the_way(&mut self) -> Result<(), SolveError> {
+        let timings = self.workspace.timings;
+        self.workspace = Workspace::default();
+        self.workspace.timings = timings;
+        self.engine.forget_the_way()
+    }
+}
+
+impl Engine {
+    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh
+    /// one. Of a law under which no step was taken, as where strands were apart, none is remembered.
+    fn forget_the_way(&mut self) -> Result<(), SolveError> {
+        if let Some(side) = &mut self.contact {
+            side.before = None;
+            side.exclusion = Exclusion::new();
+            side.broad_phase = BroadPhase::new();
+            side.repulsion.iter_mut().for_each(Repulsion::forget);
+        }
+        let state = self.state.clone();
+        self.update_contact(&state).map(|_| ())
+    }
+}

@@ -1,0 +1,131 @@
+//! Contact moved to a state, and what it adds.
+
+use super::{Residual, Sink};
+use crate::contact::potential::{self, Request};
+use crate::error::{InputError, SolveError};
+use crate::math::parallel::{self, in_pool};
+use crate::solve::problem::contact_side::{ContactSide, contact_cubic_exactly};
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+
+/// Candidate pairs evaluated before their terms are scattered.
+pub(in crate::solve) const PAIRS: usize = 1024;
+
+impl Engine {
+    /// Moves the contact curves to `state` and refreshes candidates; true if the candidate list changed.
+    pub(crate) fn update_contact(&mut self, state: &State) -> Result<bool, SolveError> {
+        let Some(mut side) = self.contact.take() else { return Ok(false) };
+        let pool = self.pool.take();
+        let result = in_pool(pool.as_ref(), || side.update(state));
+        self.pool = pool;
+        self.contact = Some(side);
+        result
+    }
+
+    /// Whether contact exerts any force in the engine's state; contact must be up to date for it.
+    pub(crate) fn is_touching(&self) -> bool {
+        let near = self.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
+        near && self.residual_of_trial(&self.state).contact_gradient.iter().any(|force| *force != 0.0)
+    }
+
+    /// Gradient and potential of contact, tangent too if there is a sink for it.
+    pub(super) fn add_contact(&self, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        let Some(side) = &self.contact else { return };
+        out.contact_gradient.resize(out.gradient.len(), 0.0);
+        if side.broad_phase.pairs().is_empty() {
+            return;
+        }
+        let geometry = potential::ContactGeometry::of_set(&side.set);
+        // second derivatives live for one part of the candidates only: five kilobytes a term
+        for pairs in side.broad_phase.pairs().chunks(PAIRS) {
+            let offset = |slave, master| side.offset(slave, master);
+            let earlier = side.before.as_ref().filter(|_| sink.is_some());
+            let offset_before =
+                |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
+            let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
+            let pressures = potential::Pressures { law: side.law, offset: &offset, before };
+            for found in potential::evaluate_ends(&geometry, pairs, &pressures, request).into_iter().flatten() {
+                let nodes = side.nodes_of(&found.pair);
+                out.potential.contact += found.energy;
+                for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
+                    for k in 0..6 {
+                        out.gradient[6 * node + k] += force[k];
+                        out.contact_gradient[6 * node + k] += force[k];
+                        out.magnitude[6 * node + k] += force[k].abs();
+                    }
+                }
+                if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
+                    sink.add(&nodes, &blocks);
+                }
+                out.contact_pairs.push(found.pair);
+            }
+        }
+    }
+}
+
+impl Engine {
+    /// Gradient and potential of screened charges, tangent too if there is a sink for it.
+    pub(super) fn add_electrostatics(&self, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        let Some(side) = &self.contact else { return };
+        let Some(repulsion) = &side.repulsion else { return };
+        for pairs in repulsion.pairs().chunks(PAIRS) {
+            for term in repulsion.terms(&side.set, pairs, sink.is_some()).into_iter().flatten() {
+                let [[a, b], [c, d]] = term.segments.map(|segment| side.nodes[segment]);
+                let nodes = [a, b, c, d];
+                out.potential.electrostatic += term.energy;
+                for (node, force) in nodes.iter().zip(term.gradient.chunks_exact(6)) {
+                    for k in 0..6 {
+                        out.gradient[6 * node + k] += force[k];
+                        out.magnitude[6 * node + k] += force[k].abs();
+                    }
+                }
+                if let (Some(sink), Some(blocks)) = (&mut sink, term.tangent) {
+                    sink.add(&nodes, &blocks);
+                }
+            }
+        }
+    }
+}
+
+impl ContactSide {
+    /// Moves the contact curves and refreshes candidates; true if the list changed.
+    pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
+        self.place(state);
+        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
+        let largest = self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max);
+        // in steps, so that a slowly growing offset does not rebuild the list every time
+        let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
+        let margin = 0.5 * self.min_radius;
+        let generation = self.generation();
+        if self.is_current && self.broad_phase.is_for(range, margin) {
+            return Ok(false);
+        }
+        self.is_current = false;
+        self.exclusion.update(&self.set)?;
+        self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
+        if let Some(repulsion) = &mut self.repulsion {
+            repulsion.update(&self.set).map_err(not_finite)?;
+        }
+        self.is_current = true;
+        Ok(self.generation() != generation)
+    }
+
+    /// Overwrites the contact curves with those of `state`; what goes with them is no longer current if they moved.
+    pub(crate) fn place(&mut self, state: &State) {
+        let cubic = |k: usize| contact_cubic_exactly(state, self.nodes[k], self.set.lengths[k]);
+        let placed = parallel::map(self.nodes.len(), 256, &cubic);
+        for (k, (now, lost)) in placed.into_iter().enumerate() {
+            self.set.remainders[k] = lost;
+            self.is_current &= std::mem::replace(&mut self.set.segments[k], now) == now;
+        }
+    }
+}
+
+fn not_finite(error: InputError) -> SolveError {
+    let value = match error {
+        InputError::Vector { value, .. } => value.into_iter().find(|x| !x.is_finite()).unwrap_or(f64::NAN),
+        InputError::Value { value, .. } => value,
+        _ => f64::NAN,
+    };
+    SolveError::NotFinite { iteration: 0, quantity: "contact geometry", index: 0, value }
+}

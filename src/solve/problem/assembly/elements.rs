@@ -1,0 +1,178 @@
+//! What elements add, and their strains and stresses.
+
+use super::{Residual, Sink};
+use crate::math::{Quat, Vec3, parallel};
+use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
+use crate::solve::problem::engine::{Element, Engine};
+use crate::solve::problem::state::State;
+
+/// Elements computed in parallel before one ordered scatter: bounds the buffer, not the result.
+const BATCH: usize = 1024;
+/// The same with their tangents, five kilobytes each: what a cache holds.
+const TANGENTS: usize = 128;
+/// Elements per parallel piece of work: a microsecond each or less.
+const GRAIN: usize = 32;
+/// The same with their tangents, several microseconds each.
+const TANGENT_GRAIN: usize = 8;
+
+impl Engine {
+    /// Gradient and potential of all elements.
+    pub(super) fn add_element_gradients(&self, state: &State, out: &mut Residual) {
+        for first in (0..self.elements.len()).step_by(BATCH) {
+            let count = BATCH.min(self.elements.len() - first);
+            let results = parallel::map(count, GRAIN, &|k| self.element_output(first + k, state, None, None));
+            for (k, result) in results.iter().enumerate() {
+                self.add_element_gradient(first + k, result, state, out);
+            }
+        }
+    }
+
+    /// Gradient, potential and tangent of all elements; `predicted` are the stresses of mixed-integration-point Newton,
+    /// three per element.
+    pub(super) fn add_elements(
+        &self,
+        state: &State,
+        predicted: Option<&[[Strain; 3]]>,
+        out: &mut Residual,
+        sink: &mut Sink,
+    ) {
+        let mut results =
+            vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); TANGENTS.min(self.elements.len())];
+        for first in (0..self.elements.len()).step_by(TANGENTS) {
+            let count = TANGENTS.min(self.elements.len() - first);
+            parallel::each(&mut results[..count], TANGENT_GRAIN, &|k, (result, blocks)| {
+                *blocks = [[0.0; MAX_DOF]; MAX_DOF];
+                let e = first + k;
+                *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(blocks));
+            });
+            for (k, (result, blocks)) in results[..count].iter().enumerate() {
+                let element = &self.elements[first + k];
+                self.add_element_gradient(first + k, result, state, out);
+                sink.add(&element.nodes[..=self.model.rods[element.rod].order], blocks);
+            }
+        }
+    }
+
+    pub(in crate::solve) fn element_output(
+        &self,
+        e: usize,
+        state: &State,
+        predicted: Option<&[Strain; 3]>,
+        tangent: Option<&mut ElementTangent>,
+    ) -> ElementOutput {
+        let element = &self.elements[e];
+        let nodes = self.element_nodes(state, element);
+        let mut out = ElementOutput::default();
+        let reference = self.reference[element.rod].of(e);
+        evaluate(&self.body(e), &nodes, &reference, predicted, tangent, &mut out);
+        out
+    }
+
+    pub(in crate::solve) fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {
+        let frame: Quat = state.seam_frame(rod, self.first_node[rod]);
+        frame * Vec3::z()
+    }
+
+    fn add_element_gradient(&self, e: usize, result: &ElementOutput, state: &State, out: &mut Residual) {
+        let element = &self.elements[e];
+        let count = self.model.rods[element.rod].order + 1;
+        for a in 0..count {
+            let base = 6 * element.nodes[a];
+            for k in 0..6 {
+                out.gradient[base + k] += result.residual[6 * a + k];
+                out.magnitude[base + k] += result.residual[6 * a + k].abs();
+            }
+        }
+        for (sum, energy) in out.potential.elastic.iter_mut().zip(result.energy) {
+            *sum += energy;
+        }
+        if element.closes {
+            let moment = &result.residual[6 * (count - 1) + 3..6 * count];
+            out.seam_moments[element.rod] =
+                self.seam_axis(state, element.rod).dot(&Vec3::new(moment[0], moment[1], moment[2]));
+        }
+    }
+
+    /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
+    pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Stress; 3]> {
+        let predict = |e: usize| self.predict_element(e, state, increment);
+        self.install(|| parallel::map(self.elements.len(), GRAIN, &predict))
+    }
+
+    /// Stresses C ε at all points.
+    pub(crate) fn actual_stress(&self, state: &State) -> Vec<[Stress; 3]> {
+        let stress = |e: usize| -> [Stress; 3] {
+            let strain = self.element_strain(e, state);
+            let material = self.body(e).material;
+            std::array::from_fn(|g| material.stress(g, &strain[g]))
+        };
+        self.install(|| parallel::map(self.elements.len(), GRAIN, &stress))
+    }
+
+    /// Strains minus reference at the points of an element.
+    pub(crate) fn element_strain(&self, e: usize, state: &State) -> [Strain; 3] {
+        let element = &self.elements[e];
+        let nodes = self.element_nodes(state, element);
+        let raw = element::raw_strains(self.table(element.rod), &nodes, self.element_length(element.rod));
+        let reference = self.reference[element.rod].of(e);
+        std::array::from_fn(|g| std::array::from_fn(|i| raw[g][i] - reference[g][i]))
+    }
+
+    fn predict_element(&self, e: usize, state: &State, increment: &[f64]) -> [Strain; 3] {
+        let element = &self.elements[e];
+        let nodes = self.element_nodes(state, element);
+        let local = self.local_increment(element, increment);
+        element::predicted_stress(&self.body(e), &nodes, &self.reference[element.rod].of(e), &local)
+    }
+
+    /// Increment of the element's own nodes.
+    pub(in crate::solve) fn local_increment(&self, element: &Element, increment: &[f64]) -> [f64; MAX_DOF] {
+        let count = self.model.rods[element.rod].order + 1;
+        let mut local = [0.0; MAX_DOF];
+        for a in 0..count {
+            local[6 * a..6 * a + 6].copy_from_slice(&increment[6 * element.nodes[a]..6 * element.nodes[a] + 6]);
+        }
+        local
+    }
+
+    /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`:
+    /// see [`element::surprise_force`].
+    pub(crate) fn elastic_second_order(
+        &self,
+        state: &State,
+        moved: &State,
+        increment: &[f64],
+    ) -> (Vec<[Strain; 3]>, Vec<f64>) {
+        let mut out = vec![0.0; increment.len()];
+        let mut stresses = Vec::with_capacity(self.elements.len());
+        self.install(|| {
+            for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
+                let force = |k: usize| {
+                    let element: &Element = &batch[k];
+                    element::second_order_force(
+                        &self.body(batch_index * BATCH + k),
+                        &self.element_nodes(state, element),
+                        &self.element_nodes(moved, element),
+                        &self.local_increment(element, increment),
+                    )
+                };
+                let forces = parallel::map(batch.len(), GRAIN, &force);
+                for (k, (stress, force)) in forces.iter().enumerate() {
+                    stresses.push(*stress);
+                    let element = &self.elements[batch_index * BATCH + k];
+                    for a in 0..=self.model.rods[element.rod].order {
+                        for i in 0..6 {
+                            out[6 * element.nodes[a] + i] += force[6 * a + i];
+                        }
+                    }
+                }
+            }
+        });
+        (stresses, out)
+    }
+}
+
+/// Entry of a tangent whose blocks are stored above the diagonal.
+pub(in crate::solve) fn symmetric(tangent: &ElementTangent, row: usize, col: usize) -> f64 {
+    if row / 6 <= col / 6 { tangent[row][col] } else { tangent[col][row] }
+}

@@ -1,0 +1,178 @@
+//! Contact as the solver keeps it: the curves that rods make, candidates, the law in force and its offsets.
+
+use crate::contact::broad_phase::BroadPhase;
+use crate::contact::curve::{Cubic, CurveInput, CurveSet};
+use crate::contact::exclusion::Exclusion;
+use crate::contact::law::Law;
+use crate::contact::potential::ContactPair;
+use crate::contact::screened::{Repulsion, Screened};
+use crate::error::InputError;
+use crate::math::Vec3;
+use crate::math::two_sum::two_sum;
+use crate::rod::Rod;
+use crate::scene::Electrostatics;
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::state::State;
+
+/// Part of a segment's length that sums of lengths may be off by.
+const ROUNDING: f64 = 1e-9;
+
+/// Contact side of the engine; absent when the law is none.
+#[derive(Debug)]
+pub(crate) struct ContactSide {
+    /// Contact curves of all rods with a contact radius.
+    pub(crate) set: CurveSet,
+    /// Per segment: the two global nodes it joins.
+    pub(crate) nodes: Vec<[usize; 2]>,
+    /// Per curve: the rod.
+    pub(crate) rods: Vec<usize>,
+    /// Turning bounds.
+    pub(crate) exclusion: Exclusion,
+    /// Candidate pairs.
+    pub(crate) broad_phase: BroadPhase,
+    /// Screened repulsion of the strands, if it is asked for.
+    pub(crate) repulsion: Option<Repulsion>,
+    /// Pressure against overlap.
+    pub(crate) law: Law,
+    /// Offsets c \[L\] (zero for a plain penalty).
+    pub(crate) offsets: ContactField,
+    /// Law and offsets before they were last changed, until a step has been taken under the new ones: see
+    /// [`Pressures`](crate::contact::potential::Pressures).
+    pub(crate) before: Option<(Law, ContactField)>,
+    /// Smallest contact radius \[L\].
+    pub(crate) min_radius: f64,
+    /// The last update of geometry, turning bounds and candidates went through. When it did not (a curve too coarse for
+    /// contact), there is nothing to be said about gaps.
+    pub(crate) is_current: bool,
+}
+
+impl ContactSide {
+    /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε the
+    /// smallest radius, B `bending`; `None` if no rod has one.
+    ///
+    /// # Errors
+    /// Curves that [`CurveSet::new`] refuses.
+    pub(crate) fn new(
+        rods: &[Rod],
+        first_node: &[usize],
+        state: &State,
+        (dimensionless, bending): (f64, f64),
+    ) -> Result<Option<Self>, InputError> {
+        let mut inputs = Vec::new();
+        let (mut nodes, mut touching) = (Vec::new(), Vec::new());
+        for (index, rod) in rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
+            let count = rod.num_segments();
+            let first = first_node[index];
+            let own: Vec<[usize; 2]> = (0..count).map(|k| [first + k, first + (k + 1) % rod.num_nodes()]).collect();
+            let length = rod.spacing();
+            inputs.push(CurveInput {
+                segments: own.iter().map(|&ends| contact_cubic(state, ends, length)).collect(),
+                lengths: vec![length; count],
+                closed: rod.closed,
+                radius: rod.section.contact_radius,
+            });
+            nodes.extend(own);
+            touching.push(index);
+        }
+        if inputs.is_empty() {
+            return Ok(None);
+        }
+        let min_radius = inputs.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
+        let mut set = CurveSet::new(inputs)?;
+        set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
+        Ok(Some(Self {
+            set,
+            nodes,
+            rods: touching,
+            exclusion: Exclusion::new(),
+            broad_phase: BroadPhase::new(),
+            repulsion: None,
+            law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
+            offsets: ContactField::uniform(state.positions.len(), 0.0),
+            before: None,
+            min_radius,
+            is_current: false,
+        }))
+    }
+
+    /// Adds screened repulsion.
+    pub(crate) fn charge(&mut self, Electrostatics { strength, debye_length }: Electrostatics) {
+        self.repulsion = Some(Repulsion::new(Screened { strength, debye_length }, &self.set));
+    }
+
+    /// Whether strands may push each other at all.
+    pub(crate) fn may_push(&self) -> bool {
+        self.repulsion.is_some() || !self.broad_phase.pairs().is_empty()
+    }
+
+    /// Changes with the pairs of segments that the tangent couples.
+    pub(crate) fn generation(&self) -> u64 {
+        self.broad_phase.generation() + self.repulsion.as_ref().map_or(0, Repulsion::generation)
+    }
+
+    /// Pairs of segments that the tangent couples; some may be there twice.
+    pub(crate) fn coupled(&self) -> impl Iterator<Item = &[u32; 2]> {
+        let repelled = self.repulsion.iter().flat_map(|repulsion| repulsion.pairs());
+        self.broad_phase.pairs().iter().chain(repelled)
+    }
+
+    /// Offsets at both ends of a segment towards another one \[L\].
+    pub(crate) fn offset(&self, slave: usize, master: usize) -> [f64; 2] {
+        self.at_ends(&self.offsets, slave, master)
+    }
+
+    /// Numbers at both ends of a segment for its contact with another one.
+    pub(crate) fn at_ends(&self, numbers: &ContactField, slave: usize, master: usize) -> [f64; 2] {
+        self.nodes[slave].map(|node| numbers.at(&self.set, node, master))
+    }
+
+    /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
+    pub(crate) fn change_law(&mut self, law: Law, offsets: ContactField) {
+        let old = (std::mem::replace(&mut self.law, law), std::mem::replace(&mut self.offsets, offsets));
+        // under a law that no step was taken under there are no pressures
+        self.before.get_or_insert(old);
+    }
+
+    /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the
+    /// curve. What is left of the distance by rounding reaches no segment: windows are often just an element long, and
+    /// would be one segment longer in some units of length than in others.
+    pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
+        let mut here = segment;
+        loop {
+            self.nodes[here].iter().for_each(|&node| visit(node));
+            match if forward { self.set.next(here) } else { self.set.prev(here) } {
+                Some(next) if distance > ROUNDING * self.set.lengths[next] && next != segment => here = next,
+                _ => break,
+            }
+            distance -= self.set.lengths[here];
+        }
+    }
+
+    /// Global nodes: slave a, b, master a, b.
+    pub(crate) fn nodes_of(&self, pair: &ContactPair) -> [usize; 4] {
+        let (s, m) = (self.nodes[pair.slave], self.nodes[pair.master]);
+        [s[0], s[1], m[0], m[1]]
+    }
+}
+
+/// κ \[F/L²\] of a dimensionless stiffness κ ε⁴/B.
+pub(crate) fn stiffness(dimensionless: f64, bending: f64, radius: f64) -> f64 {
+    dimensionless * bending / radius.powi(4)
+}
+
+/// The contact centreline between two neighbouring nodes: the cubic Hermite curve through r_a, r_b with the nodes' own
+/// tangents d3. C¹ along the rod, which the elements' own Lagrange curve is not.
+pub(crate) fn contact_cubic(state: &State, nodes: [usize; 2], length: f64) -> Cubic {
+    contact_cubic_exactly(state, nodes, length).0
+}
+
+/// [`contact_cubic`] and what rounding took from its control points \[L\].
+pub(crate) fn contact_cubic_exactly(state: &State, [a, b]: [usize; 2], length: f64) -> (Cubic, [Vec3; 4]) {
+    let handle = |n: usize| state.frames[n] * Vec3::z() * (length / 3.0);
+    let (start, end) = (state.positions[a], state.positions[b]);
+    let (after, lost_after) = two_sum(&start, &handle(a));
+    let (before, lost_before) = two_sum(&end, &-handle(b));
+    let [lost_start, lost_end] = [state.remainders[a], state.remainders[b]];
+    let lost = [lost_start, lost_start + lost_after, lost_end + lost_before, lost_end];
+    (Cubic { b: [start, after, before, end] }, lost)
+}

@@ -1,0 +1,538 @@
+//! The assembled problem: elements, contact, supports and state. Built once from a model.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use crate::contact::law::Law;
+use crate::error::InputError;
+use crate::math::parallel::{Pool, in_pool};
+use crate::math::quaternion::{spin, to_array};
+use crate::math::shape_functions::ShapeTable;
+use crate::math::{Quat, Vec3};
+use crate::rod::element::{ElementNodes, ElementProperties, Material, Plane, Strain, raw_strains, stiffness};
+use crate::rod::{Natural, Rod};
+use crate::scene::{ContactLaw, Model, NodeRef};
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::contact_side::{self, ContactSide};
+use crate::solve::problem::state::State;
+use crate::solve::problem::swivel::Swivel;
+
+/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once
+/// more, which a shear strain cannot bear where rounding leaves few digits as it is.
+const MOST_SLENDER: f64 = 1e10;
+/// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest
+/// nothing of it is left but where supports hold nodes: searches know positions in two parts.
+const RESOLUTION: f64 = 1e-3;
+
+/// One element: where its nodes are and which rod it belongs to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Element {
+    /// Rod index.
+    pub(crate) rod: usize,
+    /// Global node indices; order + 1 of them are used.
+    pub(crate) nodes: [usize; 4],
+    /// The last node is the first node of the rod seen through the seam.
+    pub(crate) closes: bool,
+}
+
+/// The problem in the form the solver works on.
+#[derive(Debug)]
+pub struct Engine {
+    pub(crate) model: Model,
+    /// First global node of each rod; one more entry than rods.
+    pub(crate) first_node: Vec<usize>,
+    pub(crate) elements: Vec<Element>,
+    pub(crate) tables: [ShapeTable; 3],
+    /// Per rod: the material matrix, of all points or per point.
+    pub(crate) material: Vec<Stiffnesses>,
+    /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
+    pub(crate) reference: Vec<Reference>,
+    /// Per rod: the plane as its elements know it, if they are computed in it.
+    pub(crate) planes: Vec<Option<Plane>>,
+    /// Per node: components of position and rotation that no support holds. Where one holds rotation about one axis
+    /// ([`Swivel`]) these are all.
+    pub(crate) free: Vec<[bool; 6]>,
+    /// Per node: unknowns; at swivels in the basis of these.
+    pub(crate) equations: Vec<[bool; 6]>,
+    /// Supports that hold rotation about one axis.
+    pub(crate) swivels: Vec<Swivel>,
+    /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no
+    /// mass, and their share of the gradient is the master's.
+    pub(crate) master: Vec<usize>,
+    pub(crate) state: State,
+    pub(crate) contact: Option<ContactSide>,
+    /// The contact law as it was asked for: by the mesh, its stiffness follows the numbers of the rods.
+    pub(crate) law_asked: ContactLaw,
+    pub(crate) scales: Scales,
+    /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times the square of a length for rotations.
+    pub(crate) metric: Vec<f64>,
+    pub(crate) pool: Option<Pool>,
+}
+
+/// Reference strains of a rod: stored per element only where the rod is curved by nature in its own way.
+#[derive(Debug)]
+pub(crate) enum Reference {
+    Uniform(Strain),
+    PerElement(usize, Vec<[Strain; 3]>),
+}
+
+impl Reference {
+    /// Strains of six numbers held.
+    pub(crate) fn num_stored(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::PerElement(_, list) => 3 * list.len(),
+        }
+    }
+
+    pub(crate) fn of(&self, element: usize) -> [Strain; 3] {
+        match self {
+            Self::Uniform(six) => [*six; 3],
+            Self::PerElement(first, list) => list[element - first],
+        }
+    }
+}
+
+/// Material matrices of a rod: a diagonal unless it has a full stiffness.
+#[derive(Debug)]
+pub(crate) enum Stiffnesses {
+    Diagonal(Strain),
+    Constant(Box<[[Strain; 6]; 3]>),
+    PerElement(usize, Vec<[[Strain; 6]; 3]>),
+}
+
+impl Stiffnesses {
+    /// Of a rod whose first element is `first`.
+    fn new(rod: &Rod, first: usize) -> Self {
+        let Some(along) = &rod.stiffness else { return Self::Diagonal(stiffness(&rod.section)) };
+        let of = |e: usize| rod.on_element(along, e).map(|c| ((c + c.transpose()) * 0.5).into());
+        match along.is_constant() {
+            true => Self::Constant(Box::new(of(0))),
+            false => Self::PerElement(first, (0..rod.num_elements).map(of).collect()),
+        }
+    }
+
+    pub(crate) fn of(&self, element: usize) -> Material<'_> {
+        match self {
+            Self::Diagonal(six) => Material::Diagonal(six),
+            Self::Constant(points) => Material::Full(points),
+            Self::PerElement(first, list) => Material::Full(&list[element - first]),
+        }
+    }
+}
+
+/// Scales that make tolerances and shifts dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scales {
+    /// Largest rod length \[L\].
+    pub(crate) length: f64,
+    /// Smallest bending stiffness \[F·L²\].
+    pub(crate) bending: f64,
+    /// Length that turns rotations into displacements in norms: a node distance \[L\].
+    pub(crate) lever: f64,
+}
+
+impl Engine {
+    /// Checks the model and builds elements, contact curves and the start state.
+    ///
+    /// # Errors
+    /// Whatever [`Model::check`] refuses; threads that cannot be started.
+    pub fn new(mut model: Model, threads: Option<usize>) -> Result<Self, InputError> {
+        model.check()?;
+        let law_asked = model.contact.law;
+        model.contact.law = law_asked.on_mesh(&model.rods);
+        let mut first_node = vec![0];
+        for rod in &model.rods {
+            first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
+        }
+        let num_nodes = first_node[model.rods.len()];
+        let master = masters(&model, &first_node, num_nodes);
+        let equations = free_unknowns(&model, &first_node, &master);
+        let swivels = Swivel::all(&model, &equations, &master);
+        let mut free = equations.clone();
+        swivels.iter().for_each(|swivel| free[swivel.nodes[0]][3 + swivel.axis] = true);
+        let state = State {
+            remainders: vec![Vec3::zeros(); num_nodes],
+            positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
+            frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
+            seams: model.rods.iter().map(|r| TAU * r.start_link()).collect(),
+            load_factor: 0.0,
+            pressures: vec![0.0; model.rods.len()],
+            numbers: BTreeMap::new(),
+        };
+        let elements = build_elements(&model, &first_node);
+        let scales = scales(&model);
+        let pool = threads.map(Pool::new).transpose()?;
+        let mut engine = Self {
+            tables: [ShapeTable::new(1), ShapeTable::new(2), ShapeTable::new(3)],
+            material: materials(&model),
+            metric: metric(&model, &scales, &master),
+            reference: Vec::new(),
+            planes: planes(&model),
+            contact: None,
+            law_asked,
+            model,
+            first_node,
+            elements,
+            free,
+            equations,
+            swivels,
+            master,
+            state,
+            scales,
+            pool,
+        };
+        engine.reference = engine.build_reference();
+        if let Some(stiffness) = engine.model.contact.law.stiffness() {
+            let (rods, first_node, bending) = (&engine.model.rods, &engine.first_node, engine.scales.bending);
+            engine.contact = ContactSide::new(rods, first_node, &engine.state, (stiffness, bending))?;
+            if let (Some(side), Some(charges)) = (&mut engine.contact, engine.model.electrostatics) {
+                side.charge(charges);
+            }
+        }
+        Ok(engine)
+    }
+
+    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`RESOLUTION`] × node
+    /// spacing.
+    pub(crate) fn check_resolution(&self) -> Result<(), InputError> {
+        for (index, rod) in self.model.rods.iter().enumerate() {
+            let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
+            let resolution = f64::EPSILON * farthest / rod.spacing();
+            if resolution > RESOLUTION {
+                let reason = format!(
+                    "lies up to {farthest:e} from the origin, where its start is known to {resolution:.1e} of its node spacing only, \
+                     not to {RESOLUTION:e}: move the model to the origin"
+                );
+                return Err(InputError::Inconsistent { field: format!("rods.{}.positions", rod.name), reason });
+            }
+        }
+        Ok(())
+    }
+
+    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
+    /// and dropped for a penalty.
+    ///
+    /// # Errors
+    /// A law out of range; a change from or to no contact, which needs a new engine.
+    pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        let asked = law;
+        let law = law.on_mesh(&self.model.rods);
+        let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
+            let reason = "contact cannot be switched on or off in a running engine".to_owned();
+            return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
+        };
+        InputError::positive("contact.stiffness", stiffness)?;
+        let raised = contact_side::stiffness(stiffness, self.scales.bending, side.min_radius);
+        let offsets = if matches!(law, ContactLaw::Penalty { .. }) {
+            ContactField::uniform(side.offsets.num_nodes(), 0.0)
+        } else {
+            side.offsets.clone()
+        };
+        side.change_law(Law::Linear { stiffness: raised }, offsets);
+        self.model.contact.law = law;
+        self.law_asked = asked;
+        Ok(())
+    }
+
+    /// Stiffness of the contact law asked for \[F/L²\]; 0 without contact.
+    pub(crate) fn contact_stiffness(&self) -> f64 {
+        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        contact_side::stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), self.scales.bending, radius)
+    }
+
+    /// How many times softer than asked for the contact law in force is; 1 without contact, and under a core law,
+    /// which is only on the way.
+    pub(crate) fn stiffness_reduction(&self) -> f64 {
+        match self.contact.as_ref().map(|side| side.law) {
+            Some(Law::Linear { stiffness }) => (self.contact_stiffness() / stiffness).max(1.0),
+            _ => 1.0,
+        }
+    }
+
+    /// Runs in the engine's own pool, if it has one.
+    pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        in_pool(self.pool.as_ref(), work)
+    }
+
+    /// The rod of a node.
+    pub(crate) fn rod_of(&self, node: usize) -> usize {
+        self.first_node.partition_point(|&first| first <= node) - 1
+    }
+
+    /// Nodes of a rod among all.
+    pub(crate) fn nodes(&self, rod: usize) -> Range<usize> {
+        self.first_node[rod]..self.first_node[rod + 1]
+    }
+
+    /// Whether some node of a rod is held altogether, by supports or by being joined to one before.
+    pub(crate) fn is_clamped(&self, rod: usize) -> bool {
+        self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
+    }
+
+    /// Whether a support holds rotations of a node, some or all.
+    pub(crate) fn is_turning_held(&self, node: usize) -> bool {
+        self.free[node][3..] != [true; 3] || self.swivels.iter().any(|swivel| swivel.nodes.contains(&node))
+    }
+
+    /// Whether a rod is joined to another one, or to itself.
+    pub(crate) fn is_joined(&self, rod: usize) -> bool {
+        self.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod)
+    }
+
+    /// Whether a rod bears loads, at nodes or along itself.
+    pub(crate) fn bears_loads(&self, rod: usize) -> bool {
+        let model = &self.model;
+        model.loads.iter().any(|load| load.node.rod == rod) || model.line_loads.iter().any(|load| load.rod == rod)
+    }
+
+    /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.
+    pub(crate) fn pressure_scale(&self) -> f64 {
+        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        0.5 * self.scales.bending / radius.powi(3)
+    }
+
+    /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
+    pub fn is_conservative(&self) -> bool {
+        let mut moments =
+            self.model.loads.iter().map(|l| l.moment).chain(self.model.line_loads.iter().map(|l| l.moment));
+        self.model.planar || self.state.load_factor == 0.0 || moments.all(|moment| moment == Vec3::zeros())
+    }
+
+    /// The model this engine was built from.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The present configuration.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other
+    /// loads or supports, to go on from there.
+    ///
+    /// # Errors
+    /// `InputError::Inconsistent` when the sizes do not match the model.
+    pub(crate) fn set_state(&mut self, state: State) -> Result<(), InputError> {
+        let fits = state.positions.len() == self.state.positions.len()
+            && state.remainders.len() == self.state.remainders.len()
+            && state.frames.len() == self.state.frames.len()
+            && state.seams.len() == self.state.seams.len()
+            && state.pressures.len() == self.state.pressures.len();
+        if !fits {
+            let reason = "has another number of nodes or rods than the model".to_owned();
+            return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
+        }
+        self.state = state;
+        self.take_numbers()
+    }
+
+    /// Scales, materials and masses of rods whose numbers have changed.
+    pub(crate) fn measure_again(&mut self) {
+        self.scales = scales(&self.model);
+        self.material = materials(&self.model);
+        self.metric = metric(&self.model, &self.scales, &self.master);
+        self.planes = planes(&self.model);
+    }
+
+    /// Unknowns of a model whose supports have changed.
+    pub(crate) fn hold_again(&mut self) {
+        self.equations = free_unknowns(&self.model, &self.first_node, &self.master);
+        self.swivels = Swivel::all(&self.model, &self.equations, &self.master);
+        self.free.clone_from(&self.equations);
+        self.swivels.iter().for_each(|swivel| self.free[swivel.nodes[0]][3 + swivel.axis] = true);
+    }
+
+    /// Node positions of a rod \[L\].
+    pub fn positions(&self, rod: usize) -> &[Vec3] {
+        &self.state.positions[self.nodes(rod)]
+    }
+
+    /// Node frames of a rod.
+    pub fn frames(&self, rod: usize) -> &[Quat] {
+        &self.state.frames[self.nodes(rod)]
+    }
+
+    /// Number of nodes of all rods.
+    pub fn num_nodes(&self) -> usize {
+        self.state.positions.len()
+    }
+
+    /// Nodes of an element in a state, positions from its first node on, signs aligned.
+    pub(crate) fn element_nodes(&self, state: &State, element: &Element) -> ElementNodes {
+        let count = self.model.rods[element.rod].order + 1;
+        let mut nodes = ElementNodes::default();
+        for a in 0..count {
+            let node = element.nodes[a];
+            nodes.r[a] = state.way(element.nodes[0], node).into();
+            let frame =
+                if element.closes && a + 1 == count { state.seam_frame(element.rod, node) } else { state.frames[node] };
+            nodes.q[a] = to_array(&frame);
+        }
+        nodes.align_signs(count);
+        nodes
+    }
+
+    pub(crate) fn table(&self, rod: usize) -> &ShapeTable {
+        &self.tables[self.model.rods[rod].order - 1]
+    }
+
+    /// Shape functions, length and material of an element.
+    pub(crate) fn body(&self, e: usize) -> ElementProperties<'_> {
+        let rod = self.elements[e].rod;
+        ElementProperties {
+            table: self.table(rod),
+            length: self.element_length(rod),
+            material: self.material[rod].of(e),
+            plane: self.planes[rod].as_ref(),
+        }
+    }
+
+    /// Reference length of the elements of a rod \[L\].
+    pub(crate) fn element_length(&self, rod: usize) -> f64 {
+        self.model.rods[rod].length / self.model.rods[rod].num_elements as f64
+    }
+
+    /// The state in which rods that are as shaped are free of stress: the start, without the twist that was put in.
+    fn natural_state(&self) -> Cow<'_, State> {
+        let mut state = Cow::Borrowed(&self.state);
+        let twisted = |rod: &Rod| rod.twist_put_in != 0.0 && rod.natural == Natural::AsShaped;
+        for (index, rod) in self.model.rods.iter().enumerate().filter(|(_, rod)| twisted(rod)) {
+            let angle = TAU * rod.twist_put_in;
+            let share = angle / rod.num_segments() as f64;
+            let state = state.to_mut();
+            for (k, frame) in state.frames[self.nodes(index)].iter_mut().enumerate() {
+                *frame *= spin(-share * k as f64);
+            }
+            state.seams[index] -= angle;
+        }
+        state
+    }
+
+    fn build_reference(&self) -> Vec<Reference> {
+        let start = self.natural_state();
+        let mut first = 0;
+        let mut all = Vec::new();
+        for (index, rod) in self.model.rods.iter().enumerate() {
+            let straight = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+            all.push(match &rod.natural {
+                Natural::Straight => Reference::Uniform(straight),
+                Natural::Uniform { kappa } => Reference::Uniform([0.0, 0.0, 1.0, kappa[0], kappa[1], kappa[2]]),
+                Natural::Varying(along) => {
+                    let strains = (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into));
+                    Reference::PerElement(first, strains.collect())
+                }
+                Natural::AsShaped => {
+                    let own = &self.elements[first..first + rod.num_elements];
+                    let strains = own.iter().map(|element| {
+                        let nodes = self.element_nodes(&start, element);
+                        raw_strains(self.table(index), &nodes, self.element_length(index))
+                    });
+                    Reference::PerElement(first, strains.collect())
+                }
+            });
+            first += rod.num_elements;
+        }
+        all
+    }
+}
+
+fn materials(model: &Model) -> Vec<Stiffnesses> {
+    let mut first = 0;
+    let of_rod = |rod: &Rod| {
+        first += rod.num_elements;
+        Stiffnesses::new(rod, first - rod.num_elements)
+    };
+    model.rods.iter().map(of_rod).collect()
+}
+
+fn planes(model: &Model) -> Vec<Option<Plane>> {
+    let plane = |rod: &Rod| {
+        let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * rod.section.smaller_bending();
+        (model.planar && !slender && rod.stiffness.is_none()).then(|| Plane::new(&to_array(&rod.frames[0])))
+    };
+    model.rods.iter().map(plane).collect()
+}
+
+fn masters(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<usize> {
+    let index = |n: &NodeRef| first_node[n.rod] + n.node;
+    let mut master: Vec<usize> = (0..num_nodes).collect();
+    for joint in &model.joints {
+        for node in [joint.a, joint.b] {
+            let first = model.joined_nodes(node).iter().map(index).min();
+            master[index(&node)] = first.unwrap_or(index(&node));
+        }
+    }
+    master
+}
+
+fn free_unknowns(model: &Model, first_node: &[usize], master: &[usize]) -> Vec<[bool; 6]> {
+    let all = if model.planar { [true, true, false, false, false, true] } else { [true; 6] };
+    let mut free = vec![all; master.len()];
+    for support in &model.supports {
+        let flags = &mut free[master[first_node[support.node.rod] + support.node.node]];
+        for k in 0..3 {
+            flags[k] &= !support.position[k];
+            flags[k + 3] &= !support.rotation[k];
+        }
+    }
+    for (_, flags) in free.iter_mut().enumerate().filter(|(node, _)| master[*node] != *node) {
+        *flags = [false; 6];
+    }
+    free
+}
+
+fn build_elements(model: &Model, first_node: &[usize]) -> Vec<Element> {
+    let mut elements = Vec::new();
+    for (index, rod) in model.rods.iter().enumerate() {
+        for e in 0..rod.num_elements {
+            let nodes = std::array::from_fn(|a| {
+                let local = (e * rod.order + a.min(rod.order)) % rod.num_nodes();
+                first_node[index] + local
+            });
+            elements.push(Element { rod: index, nodes, closes: rod.closed && e + 1 == rod.num_elements });
+        }
+    }
+    elements
+}
+
+fn scales(model: &Model) -> Scales {
+    let fold =
+        |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
+    Scales {
+        length: fold(&|r| r.length, 0.0, f64::max),
+        bending: fold(&|r| r.section.smaller_bending(), f64::INFINITY, f64::min),
+        lever: fold(&Rod::spacing, f64::INFINITY, f64::min),
+    }
+}
+
+/// Length that turns rotations into displacements in shifts, node spacings: about an element. It must not know of contact
+/// radii, lest contact that nobody feels choose steps. Magnetic tweezers of 400 nm snap in 824 iterations with it, in
+/// 882 with 1, in 671 with 8; a minicircle takes 442, 481 and 530 in all.
+const LEVER: f64 = 3.0;
+
+fn metric(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
+    let unit = scales.bending / scales.length.powi(4);
+    let of_rod = |rod: &Rod| {
+        let lever = LEVER * rod.spacing();
+        let position = unit * rod.spacing();
+        let rotation = position * lever * lever;
+        [position, position, position, rotation, rotation, rotation].repeat(rod.num_nodes())
+    };
+    let mut all: Vec<f64> = model.rods.iter().flat_map(of_rod).collect();
+    give_to_masters(&mut all, master);
+    all
+}
+
+/// Moves what joined nodes hold (six numbers each) to their masters.
+pub(crate) fn give_to_masters(values: &mut [f64], master: &[usize]) {
+    for (node, &to) in master.iter().enumerate().filter(|(node, to)| node != *to) {
+        for k in 0..6 {
+            let share = std::mem::take(&mut values[6 * node + k]);
+            values[6 * to + k] += share;
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! The problem assembled: unknowns, potential, gradient, tangent.
+//!
+//! | | |
+//! |---|---|
+//! | `engine` | model, unknowns, state, in one place |
+//! | `state` | positions and unit quaternions, and how an increment moves them |
+//! | `assembly` | elements, loads and contact summed into gradient and tangent |
+//! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
+//! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
+//! | `zero_energy` | motions that nothing resists, and the springs that hold them |
+//! | `twist_limit` | no frame turns past half a turn against its neighbour |
+//! | `changes` | numbers of rods and supports that stages change |
+//! | `fields`, `problem_size` | strains and forces along the rods; unknowns and entries |
+
+pub(crate) mod assembly;
+pub(in crate::solve) mod changes;
+pub(in crate::solve) mod contact_field;
+pub(crate) mod contact_side;
+pub(crate) mod engine;
+pub(in crate::solve) mod fields;
+mod moment_load;
+pub(in crate::solve) mod problem_size;
+pub(in crate::solve) mod state;
+pub(crate) mod swivel;
+mod twist_limit;
+pub(in crate::solve) mod zero_energy;

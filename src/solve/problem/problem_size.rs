@@ -1,0 +1,47 @@
+//! What a problem takes: unknowns, entries of its matrices, contact segments. A scene pays for what it uses only.
+
+use crate::error::SolveError;
+use crate::solve::problem::engine::Engine;
+use crate::sparse::Factor;
+
+/// Sizes of a problem in its present state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProblemSize {
+    /// Nodes of all rods.
+    pub nodes: usize,
+    /// Unknowns that are solved for: six a free node, three in a planar model.
+    pub unknowns: usize,
+    /// Stored entries of the tangent (one triangle), 12 bytes each.
+    pub tangent_entries: usize,
+    /// Stored entries of its factor, 8 bytes each.
+    pub factor_entries: usize,
+    /// Segments that take part in contact; 0 without contact, and then there is no tree and no list either.
+    pub contact_segments: usize,
+    /// Candidate pairs of segments.
+    pub candidates: usize,
+    /// Strains kept of the natural state, six numbers each; 0 for rods that are uniform by nature.
+    pub natural_strains: usize,
+}
+
+impl Engine {
+    /// Sizes of the problem with the candidates of the present state; analyses the pattern anew, which takes about as
+    /// long as a Newton iteration.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down, a factorisation that does not fit into memory.
+    pub fn problem_size(&mut self) -> Result<ProblemSize, SolveError> {
+        let state = self.state.clone();
+        self.update_contact(&state)?;
+        let (pattern, factor) = Factor::of(self.build_pattern())?;
+        let side = self.contact.as_ref();
+        Ok(ProblemSize {
+            nodes: self.num_nodes(),
+            unknowns: pattern.num_equations(),
+            tangent_entries: pattern.num_entries(),
+            factor_entries: factor.num_values(),
+            contact_segments: side.map_or(0, |side| side.nodes.len()),
+            candidates: side.map_or(0, |side| side.broad_phase.pairs().len()),
+            natural_strains: self.reference.iter().map(|reference| reference.num_stored()).sum(),
+        })
+    }
+}

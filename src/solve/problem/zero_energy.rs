@@ -1,0 +1,449 @@
+//! Motions that cost nothing: rigid motions of rods nobody holds; the spin of an isotropic closed rod about its own
+//! centreline; the sliding of a uniform closed rod along itself. The user never has to know of them.
+//!
+//! The tangent is singular along them. Springs added to it at a few unknowns make it regular; the residual has no
+//! component along a neutral motion, so the springs stay unstretched, the increment is one of the exact solutions and
+//! the inertia is that of the tangent on the rest. Then the increment's neutral part is taken out, which leaves the
+//! shortest solution.
+//!
+//! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation
+//! error, and following it would move the whole rod by up to half an element for nothing. So sliding is held by a
+//! constraint on the increment, and the ripple's force, the residual along the sliding motion, is no part of the
+//! residual.
+//!
+//! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods:
+//! see [`Several`].
+
+use nalgebra::{DMatrix, Dyn, SymmetricEigen};
+
+use crate::contact::potential::ContactPair;
+use crate::math::{Mat3, Vec3};
+use crate::rod::Natural;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+use crate::solve::problem::swivel::Bases;
+use crate::sparse::Pattern;
+use several::Several;
+
+mod several;
+
+/// Rods that touch other free rods have rigid motions that contact may resist: but for one of them, their springs are
+/// only this strong, a proximal term that shortens steps a little.
+const SHARED: f64 = 1e-9;
+/// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by
+/// turning.
+const DEPENDENT: f64 = 1e-3;
+/// Squares of motions where a rod is held, over the largest of all: below the first a combination of them may pass, and
+/// does if what is left of it is below the second.
+const MAY_PASS: f64 = 1e-12;
+const PASSES: f64 = 1e-24;
+/// Work of a load on a motion, relative to the largest it could do, that rounding makes.
+const UNLOADED: f64 = 1e-9;
+
+fn is_free(engine: &Engine, rod: usize) -> bool {
+    let wanted = if engine.model.planar { 3 } else { 6 };
+    let swivels = || engine.swivels.iter().flat_map(|swivel| &swivel.nodes);
+    !engine.is_joined(rod)
+        && !swivels().any(|&node| engine.rod_of(node) == rod)
+        && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
+}
+
+/// Whether a rod's joints or supports let none of its motions pass, on the face of it.
+fn holds_all(engine: &Engine, rod: usize) -> bool {
+    engine.is_joined(rod) || !engine.model.rods[rod].closed && engine.is_clamped(rod)
+}
+
+/// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
+/// nothing.
+fn slides(engine: &Engine, rod: usize) -> bool {
+    let data = &engine.model.rods[rod];
+    let uniform = !matches!(data.natural, Natural::AsShaped | Natural::Varying(_)) && data.stiffness.is_none();
+    data.closed && (spins(engine, rod) || engine.model.planar && uniform)
+}
+
+/// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
+fn spins(engine: &Engine, rod: usize) -> bool {
+    engine.model.rods[rod].closed && is_round(engine, rod)
+}
+
+/// Isotropic, naturally straight, in space: strains turned about the tangent cost the same.
+fn is_round(engine: &Engine, rod: usize) -> bool {
+    let data = &engine.model.rods[rod];
+    let straight = match data.natural {
+        Natural::Straight => true,
+        Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
+        Natural::AsShaped | Natural::Varying(_) => false,
+    };
+    data.stiffness.is_none() && data.section.is_isotropic() && straight && !engine.model.planar
+}
+
+fn tangent_of(state: &State, node: usize) -> Vec3 {
+    state.frames[node] * Vec3::z()
+}
+
+/// The node whose tangent is farthest from the first one's: there spin and sliding differ most from rigid motions.
+fn opposite(engine: &Engine, state: &State, rod: usize) -> usize {
+    let nodes = engine.nodes(rod);
+    let axis = tangent_of(state, nodes.start);
+    let along = |n: usize| tangent_of(state, n).dot(&axis);
+    nodes.clone().min_by(|&a, &b| along(a).total_cmp(&along(b))).unwrap_or(nodes.start)
+}
+
+/// Neutral motions at one state, orthonormal in a weighted product.
+#[derive(Debug, Default)]
+pub(crate) struct ZeroEnergyModes {
+    motions: Vec<Vec<f64>>,
+    /// Index in `motions` of the sliding motion, if there is one.
+    sliding: Option<usize>,
+    weights: [f64; 2],
+    /// The rod is held, and these are what its supports let pass.
+    held: bool,
+    /// Of models of several rods.
+    several: Several,
+}
+
+/// A motion of some nodes: displacement and rotation vector of each, six numbers.
+fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, Vec3)) -> Vec<f64> {
+    let six = |n: usize| {
+        let (d, r) = of_node(n);
+        [d.x, d.y, d.z, r.x, r.y, r.z]
+    };
+    nodes.flat_map(six).collect()
+}
+
+/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it.
+fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize]) -> Vec<Vec<f64>> {
+    let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
+    let (along, about) = if engine.model.planar { (0..2, 2..3) } else { (0..3, 0..3) };
+    let of_all = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| motion(nodes.iter().copied(), of_node);
+    let displacements = along.map(|k| of_all(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
+    let rotation = |axis: Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), axis));
+    displacements.chain(about.map(|k| rotation(Vec3::ith(k, 1.0)))).collect()
+}
+
+/// Spin of a rod about its centreline, as a motion of nodes that its own are among.
+fn spin_of(engine: &Engine, state: &State, rod: usize, nodes: impl Iterator<Item = usize>) -> Vec<f64> {
+    let own = engine.nodes(rod);
+    motion(nodes, |n| (Vec3::zeros(), if own.contains(&n) { tangent_of(state, n) } else { Vec3::zeros() }))
+}
+
+/// Rotation of some nodes as a whole in a motion whose displacements are those of a rigid body.
+fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
+    let count = nodes.len() as f64;
+    let moved = |k: usize| Vec3::new(motion[6 * k], motion[6 * k + 1], motion[6 * k + 2]);
+    let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / count;
+    let mean = (0..nodes.len()).map(moved).sum::<Vec3>() / count;
+    let (mut inertia, mut moment) = (Mat3::zeros(), Vec3::zeros());
+    for (k, n) in nodes.iter().enumerate() {
+        let arm = state.positions[*n] - centre;
+        inertia += Mat3::identity() * arm.norm_squared() - arm * arm.transpose();
+        moment += arm.cross(&(moved(k) - mean));
+    }
+    // nothing tells of the rotation of a straight rod about itself
+    let least = DEPENDENT * DEPENDENT * inertia.trace();
+    inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
+}
+
+/// Whether loads at nodes or along rods do work on a motion of some nodes, or would as it goes on.
+fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) -> bool {
+    let model = &engine.model;
+    if state.load_factor == 0.0 {
+        return false;
+    }
+    let whole = rigid_rotation(state, nodes, motion);
+    let largest = motion.chunks(6).map(|m| Vec3::new(m[0], m[1], m[2]).norm()).fold(0.0, f64::max);
+    let works = |force: &Vec3, k: usize| {
+        let moved = Vec3::new(motion[6 * k], motion[6 * k + 1], motion[6 * k + 2]);
+        let least = UNLOADED * force.norm() * largest;
+        force.dot(&moved).abs() > least || force.dot(&whole.cross(&moved)).abs() > least * whole.norm()
+    };
+    let turns = |moment: &Vec3, k: usize| {
+        *moment != Vec3::zeros() && Vec3::new(motion[6 * k + 3], motion[6 * k + 4], motion[6 * k + 5]) != Vec3::zeros()
+    };
+    nodes.iter().enumerate().any(|(k, &node)| {
+        let at_node = model.loads.iter().filter(|load| engine.first_node[load.node.rod] + load.node.node == node);
+        let along = model.line_loads.iter().filter(|load| engine.nodes(load.rod).contains(&node));
+        at_node.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
+            || along.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
+    })
+}
+
+fn rotation_at(motion: &[f64], at: usize) -> Vec3 {
+    Vec3::new(motion[at], motion[at + 1], motion[at + 2])
+}
+
+/// What the supports of a rod let pass of its motions.
+struct Supports {
+    /// Indices of the unknowns that are held.
+    held: Vec<usize>,
+    /// Indices of the first rotation component of nodes that cannot turn about one direction, and that direction.
+    axes: Vec<(usize, Vec3)>,
+    /// What makes displacements as large as rotations \[1/L\].
+    scale: f64,
+}
+
+impl Supports {
+    /// Of some nodes, as motions of these list them.
+    fn of(engine: &Engine, state: &State, nodes: &[usize]) -> Self {
+        let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| !engine.free[node][*i]).map(move |i| 6 * k + i);
+        let axes = Bases::at(&engine.swivels, state).held().collect::<Vec<_>>();
+        let axis = |(node, axis): &(usize, Vec3)| nodes.iter().position(|n| n == node).map(|k| (6 * k + 3, *axis));
+        Self {
+            held: nodes.iter().enumerate().flat_map(held).collect(),
+            axes: axes.iter().filter_map(axis).collect(),
+            scale: 1.0 / engine.scales.length,
+        }
+    }
+
+    /// Product of two motions where the rod is held.
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        let weight = |i: usize| if i % 6 < 3 { self.scale * self.scale } else { 1.0 };
+        let about = |motion: &[f64], (at, axis): &(usize, Vec3)| rotation_at(motion, *at).dot(axis);
+        let turned = |held: &(usize, Vec3)| about(a, held) * about(b, held);
+        self.held.iter().map(|&i| weight(i) * a[i] * b[i]).sum::<f64>() + self.axes.iter().map(turned).sum::<f64>()
+    }
+
+    /// Eigenvectors of the products of motions, with their eigenvalues.
+    fn modes(&self, motions: &[Vec<f64>]) -> SymmetricEigen<f64, Dyn> {
+        let count = motions.len();
+        DMatrix::from_fn(count, count, |i, j| self.dot(&motions[i], &motions[j])).symmetric_eigen()
+    }
+
+    fn combined(&self, motions: &[Vec<f64>], share: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut sum = vec![0.0; motions.first().map_or(0, Vec::len)];
+        for (k, motion) in motions.iter().enumerate() {
+            subtract(&mut sum, motion, -share(k));
+        }
+        sum
+    }
+
+    /// `motion` if it moves nothing that is held but for rounding, which is taken off.
+    fn passing(&self, mut motion: Vec<f64>, largest: f64) -> Option<Vec<f64>> {
+        if self.dot(&motion, &motion) > PASSES * largest {
+            return None;
+        }
+        self.held.iter().for_each(|&i| motion[i] = 0.0);
+        for (at, axis) in &self.axes {
+            let rotation = rotation_at(&motion, *at);
+            motion[*at..at + 3].copy_from_slice((rotation - axis * axis.dot(&rotation)).as_slice());
+        }
+        Some(motion)
+    }
+
+    /// A basis of the combinations of motions that move nothing that is held.
+    fn all_that_pass(&self, motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let modes = self.modes(motions);
+        let largest = modes.eigenvalues.amax().max(1.0);
+        let mode = |k: usize| self.combined(motions, |i| modes.eigenvectors[(i, k)]);
+        let soft = (0..motions.len()).filter(|k| modes.eigenvalues[*k] <= MAY_PASS * largest).map(mode);
+        soft.filter_map(|motion| self.passing(motion, largest)).collect()
+    }
+
+    /// `motion` with as much of the others as it takes to move nothing that is held; none if they cannot do that.
+    fn let_pass(&self, mut motion: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let modes = self.modes(others);
+        let largest = modes.eigenvalues.amax().max(1.0);
+        for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > MAY_PASS * largest) {
+            let mode = self.combined(others, |i| modes.eigenvectors[(i, k)]);
+            let part = self.dot(&motion, &mode) / modes.eigenvalues[k];
+            subtract(&mut motion, &mode, part);
+        }
+        self.passing(motion, largest)
+    }
+}
+
+impl ZeroEnergyModes {
+    /// The neutral motions of a model whose strands touch as in `meetings`.
+    pub(crate) fn at(engine: &Engine, state: &State, contact_pairs: &[ContactPair]) -> Self {
+        let model = &engine.model;
+        if model.rods.len() == 1 {
+            return Self::of(engine, state);
+        }
+        let several = Several::of(engine, state, contact_pairs, weights(engine));
+        Self { several, ..Self::default() }
+    }
+
+    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere, those
+    /// that its supports let pass and loads do no work on (a closed rod clamped at one node travels along its own shape
+    /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
+    /// while it spins back). None otherwise.
+    pub(crate) fn of(engine: &Engine, state: &State) -> Self {
+        if engine.model.rods.len() != 1 {
+            return Self::default();
+        }
+        let free = is_free(engine, 0);
+        let passes_nothing = holds_all(engine, 0) && (engine.is_joined(0) || !is_round(engine, 0));
+        if !free && passes_nothing {
+            return Self::default();
+        }
+        let mut zero_energy = Self { weights: weights(engine), ..Self::default() };
+        let nodes: Vec<usize> = engine.nodes(0).collect();
+        let mut motions = rigid_motions(engine, state, &nodes);
+        if spins(engine, 0) || !free && is_round(engine, 0) {
+            motions.push(spin_of(engine, state, 0, engine.nodes(0)));
+        }
+        let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
+        if !free {
+            let supports = Supports::of(engine, state, &nodes);
+            sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
+            // a straight rod between coaxial clamps turns back as much as it turns
+            let least = DEPENDENT * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
+            motions = supports.all_that_pass(&motions);
+            motions.retain(|motion| zero_energy.dot(motion, motion).sqrt() > least);
+            motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
+            sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
+            zero_energy.held = true;
+        }
+        for motion in motions {
+            zero_energy.add(motion);
+        }
+        if sliding.is_some_and(|motion| zero_energy.add(motion)) {
+            zero_energy.sliding = Some(zero_energy.motions.len() - 1);
+        }
+        zero_energy
+    }
+
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        weighted(self.weights, a, b)
+    }
+
+    /// Orthonormalises a motion against those there; false if it depends on them.
+    fn add(&mut self, mut motion: Vec<f64>) -> bool {
+        let before = self.dot(&motion, &motion).sqrt();
+        // twice is enough
+        for _ in 0..2 {
+            for earlier in &self.motions {
+                let part = self.dot(&motion, earlier);
+                subtract(&mut motion, earlier, part);
+            }
+        }
+        let norm = self.dot(&motion, &motion).sqrt();
+        if norm <= DEPENDENT * before {
+            return false;
+        }
+        motion.iter_mut().for_each(|x| *x /= norm);
+        self.motions.push(motion);
+        true
+    }
+
+    /// Takes the neutral part out of an increment.
+    pub(crate) fn remove(&self, step: &mut [f64]) {
+        for motion in &self.motions {
+            let part = self.dot(step, motion);
+            subtract(step, motion, part);
+        }
+        self.several.remove(step);
+    }
+
+    /// The linear constraint c·Δ = 0 that keeps an increment from sliding: c = W v.
+    pub(crate) fn sliding_constraint(&self) -> Option<Vec<f64>> {
+        let motion = &self.motions[self.sliding?];
+        Some(motion.iter().enumerate().map(|(i, v)| self.weights[usize::from(i % 6 >= 3)] * v).collect())
+    }
+
+    /// Takes the sliding force out of a residual: afterwards it does no work on the sliding motion.
+    pub(crate) fn remove_sliding_force(&self, residual: &mut [f64]) {
+        let Some(index) = self.sliding else { return };
+        let motion = &self.motions[index];
+        let work: f64 = residual.iter().zip(motion).map(|(g, v)| g * v).sum();
+        for (i, (g, v)) in residual.iter_mut().zip(motion).enumerate() {
+            *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
+        }
+    }
+
+    /// Adds the springs of all free rods, and of held ones, to the tangent.
+    pub(crate) fn add_pins(
+        &self,
+        engine: &Engine,
+        state: &State,
+        (pattern, bases): (&Pattern, &Bases),
+        values: &mut [f64],
+    ) {
+        if self.held {
+            let pinned = &self.motions[..self.sliding.unwrap_or(self.motions.len())];
+            pin_held(engine, &engine.nodes(0).collect::<Vec<_>>(), pinned.to_vec(), (pattern, bases), values);
+        }
+        for (nodes, motions) in &self.several.held {
+            pin_held(engine, nodes, motions.clone(), (pattern, bases), values);
+        }
+        for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
+            let alone = engine.model.rods.len() == 1 || self.several.anchors.binary_search(&index).is_ok();
+            let factor = if alone { 1.0 } else { SHARED };
+            let spacing = rod.spacing();
+            let spring = rod.section.bending[0] / spacing.powi(3);
+            let turning = rod.section.twisting / spacing;
+            let first = engine.first_node[index];
+            let held = |i: usize| factor * if i < 3 { spring } else { turning };
+            pattern.add_block(values, first, first, |i, j| if i == j { held(i) } else { 0.0 });
+            if !spins(engine, index) {
+                continue;
+            }
+            let other = opposite(engine, state, index);
+            let d = tangent_of(state, other);
+            let axial = |i: usize, j: usize| if i >= 3 && j >= 3 { turning * d[i - 3] * d[j - 3] } else { 0.0 };
+            pattern.add_block(values, other, other, axial);
+        }
+    }
+}
+
+/// One spring for each motion of held rods (whose `nodes` these are) but sliding, along that motion at the node that it
+/// moves most and across those before: together they stop all of them and nothing else.
+fn pin_held(
+    engine: &Engine,
+    nodes: &[usize],
+    mut rest: Vec<Vec<f64>>,
+    (pattern, bases): (&Pattern, &Bases),
+    values: &mut [f64],
+) {
+    let Some(&first) = nodes.first() else { return };
+    let rod = &engine.model.rods[engine.rod_of(first)];
+    let spacing = rod.spacing();
+    let spring = rod.section.bending[0] / spacing.powi(3);
+    let arm = |k: usize| if k < 3 { 1.0 } else { spacing };
+    let at = |motion: &[f64], k: usize| -> [f64; 6] { std::array::from_fn(|i| arm(i) * motion[6 * k + i]) };
+    let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+    for index in 0..rest.len() {
+        let size = |k: &usize| dot(&at(&rest[index], *k), &at(&rest[index], *k));
+        let Some(most) = (0..nodes.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
+        let (along, node) = (at(&rest[index], most), nodes[most]);
+        let square = dot(&along, &along);
+        bases.add_block(pattern, values, (node, node), |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
+        let (done, others) = rest.split_at_mut(index + 1);
+        for other in others {
+            let part = dot(&along, &at(other, most)) / square;
+            subtract(other, &done[index], part);
+        }
+    }
+}
+
+/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length:
+/// centred differences between the neighbours, turned back through the seam where it lies between.
+fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
+    let (first, count) = (engine.first_node[0], engine.first_node[1] - engine.first_node[0]);
+    let local = node - first;
+    let rod = &engine.model.rods[0];
+    let reach = 2.0 * rod.length / count as f64;
+    let (before, after) = ((local + count - 1) % count + first, (local + 1) % count + first);
+    let seam = crate::math::quaternion::spin(state.seams[0]);
+    let frame_after = if local + 1 == count { state.frames[after] * seam } else { state.frames[after] };
+    let frame_before = if local == 0 { state.frames[before] * seam.inverse() } else { state.frames[before] };
+    let turn = (frame_after * frame_before.inverse()).scaled_axis();
+    ((state.positions[after] - state.positions[before]) / reach, turn / reach)
+}
+
+/// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of
+/// a pure twist would stretch the rod by second order.
+fn weights(engine: &Engine) -> [f64; 2] {
+    let lever = 1e-3 * engine.scales.length;
+    [1.0, lever * lever]
+}
+
+fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).enumerate().map(|(i, (x, y))| weights[usize::from(i % 6 >= 3)] * x * y).sum()
+}
+
+fn subtract(x: &mut [f64], direction: &[f64], amount: f64) {
+    for (a, b) in x.iter_mut().zip(direction) {
+        *a -= amount * b;
+    }
+}

@@ -1,0 +1,124 @@
+//! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but
+//! nothing else, and the spin of each free isotropic closed rod about its centreline, which contact without friction
+//! does not feel; of groups that are held somewhere, what their supports let pass of these (two linked rings, one of
+//! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
+//! along themselves is left to the mesh's ripple.
+
+use super::{Supports, holds_all, is_free, is_loaded, rigid_motions, spin_of, spins, subtract};
+use crate::contact::potential::ContactPair;
+use crate::math::groups::Groups;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+
+/// Six numbers for each node of some rods, rod by rod; with the rod.
+type Motion = Vec<(usize, Vec<f64>)>;
+
+/// The motions at one state.
+#[derive(Debug, Default)]
+pub(super) struct Several {
+    /// Orthonormal in the product with these weights of displacements and rotations.
+    motions: Vec<Motion>,
+    weights: [f64; 2],
+    first_node: Vec<usize>,
+    /// One rod of each group that moves freely.
+    pub(super) anchors: Vec<usize>,
+    /// What each group's supports let pass, with the nodes it is listed for.
+    pub(super) held: Vec<(Vec<usize>, Vec<Vec<f64>>)>,
+}
+
+impl Several {
+    /// Of a model where strands touch as in `meetings`; groups with free rods that bear loads have none.
+    pub(super) fn of(engine: &Engine, state: &State, contact_pairs: &[ContactPair], weights: [f64; 2]) -> Self {
+        let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
+        let mut groups = groups(engine, contact_pairs);
+        let loaded = |rod: &usize| engine.bears_loads(*rod);
+        groups.retain(|group| !(group.iter().any(loaded) && group.iter().any(|rod| is_free(engine, *rod))));
+        for group in groups {
+            let start = several.motions.len();
+            for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
+                several.add(start, vec![(rod, spin_of(engine, state, rod, engine.nodes(rod)))]);
+            }
+            if group.iter().any(|&rod| holds_all(engine, rod)) {
+                continue;
+            }
+            let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
+            let rigid = rigid_motions(engine, state, &nodes);
+            if group.iter().all(|rod| is_free(engine, *rod)) {
+                several.anchors.push(group[0]);
+                rigid.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
+            } else {
+                // spins of the rods that are held may make up for what supports hold
+                let held = group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod));
+                let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
+                let motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
+                let mut passing = Supports::of(engine, state, &nodes).all_that_pass(&motions);
+                passing.retain(|motion| !is_loaded(engine, state, &nodes, motion));
+                passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
+                if !passing.is_empty() {
+                    several.held.push((nodes, passing));
+                }
+            }
+        }
+        several
+    }
+
+    /// Takes the neutral part out of an increment.
+    pub(super) fn remove(&self, step: &mut [f64]) {
+        for motion in &self.motions {
+            let part: f64 = motion.iter().map(|(rod, values)| self.dot(&step[self.range(*rod)], values)).sum();
+            motion.iter().for_each(|(rod, values)| subtract(&mut step[self.range(*rod)], values, part));
+        }
+    }
+
+    fn range(&self, rod: usize) -> std::ops::Range<usize> {
+        6 * self.first_node[rod]..6 * self.first_node[rod + 1]
+    }
+
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        super::weighted(self.weights, a, b)
+    }
+
+    /// Normalises a motion after what it has of those from `start` on, which its rods may share, has been taken out.
+    fn add(&mut self, start: usize, mut motion: Motion) {
+        // twice is enough
+        for _ in 0..2 {
+            for earlier in &self.motions[start..] {
+                let place = |rod: usize| motion.binary_search_by_key(&rod, |piece| piece.0).ok();
+                let shared: Vec<(usize, &[f64])> =
+                    earlier.iter().filter_map(|(rod, values)| Some((place(*rod)?, &values[..]))).collect();
+                let part: f64 = shared.iter().map(|(at, values)| self.dot(&motion[*at].1, values)).sum();
+                shared.into_iter().for_each(|(at, values)| subtract(&mut motion[at].1, values, part));
+            }
+        }
+        let norm = motion.iter().map(|(_, values)| self.dot(values, values)).sum::<f64>().sqrt();
+        motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
+        self.motions.push(motion);
+    }
+}
+
+/// A motion of the nodes of some rods, rod by rod.
+fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> Motion {
+    let mut rest = motion;
+    let piece = |&rod: &usize| {
+        let (own, others) = rest.split_at(6 * engine.nodes(rod).len());
+        rest = others;
+        (rod, own.to_vec())
+    };
+    rods.iter().map(piece).collect()
+}
+
+/// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
+fn groups(engine: &Engine, contact_pairs: &[ContactPair]) -> Vec<Vec<usize>> {
+    let mut scratch = Vec::new();
+    let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
+    if let Some(side) = &engine.contact {
+        for pair in contact_pairs {
+            let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
+            touching.join(a, b);
+        }
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); engine.model.rods.len()];
+    (0..groups.len()).for_each(|rod| groups[touching.first(rod)].push(rod));
+    groups.retain(|group| !group.is_empty());
+    groups
+}

@@ -1,0 +1,18 @@
+//! One equilibrium search: from a state to the next at which the gradient vanishes.
+//!
+//! | | |
+//! |---|---|
+//! | `newton` | linearisation, factorisation, the plain search |
+//! | `trust_region` | the guarded search: corrected steps that the potential confirms |
+//! | `second_order` | forces that a step's linear prediction missed |
+//! | `step_bound` | the longest step in which no strand passes another |
+//! | `stability` | unstable directions of a state |
+//! | `interrupt`, `timing` | a request to stop; where the time went |
+
+pub(in crate::solve) mod interrupt;
+pub(in crate::solve) mod newton;
+mod second_order;
+mod stability;
+pub(in crate::solve) mod step_bound;
+pub(in crate::solve) mod timing;
+pub(in crate::solve) mod trust_region;

@@ -1,0 +1,196 @@
+//! Forces that a step's linear prediction missed: what the rods' strains and the gaps of contact became beyond it,
+//! times their stiffness.
+
+use crate::contact::curve::Cubic;
+use crate::contact::potential::second_order::{second_order_of_gaps, stiffness_of_gaps};
+use crate::contact::potential::{self, ContactPair, Pressures, Request};
+use crate::math::{Vec3, parallel};
+use crate::solve::problem::assembly::{PAIRS, Residual};
+use crate::solve::problem::contact_side::{ContactSide, contact_cubic};
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+use crate::solve::search::step_bound::motion;
+
+/// Terms computed in parallel before one ordered scatter.
+const BATCH: usize = 8192;
+
+impl Engine {
+    /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
+    /// tangent: e is what gaps became on the way to where contact now is, beyond what `increment` predicted. Strands
+    /// that were nowhere in contact push with the forces they have `there`.
+    pub(crate) fn add_contact_second_order(
+        &self,
+        state: &State,
+        increment: &[f64],
+        residual: &Residual,
+        there: &Residual,
+        forces: &mut [f64],
+    ) {
+        let Some(side) = &self.contact else { return };
+        let mut known = vec![false; side.nodes.len()];
+        self.add_terms(
+            side,
+            &residual.contact_pairs,
+            forces,
+            |term| {
+                let (cubics, change) = side.motion_of(term, state, increment);
+                second_order_of_gaps(term, [&cubics[0], &cubics[1]], &change, &side.set)
+            },
+            |term, gone| [term.slave, gone[0], gone[1]].into_iter().for_each(|segment| known[segment] = true),
+        );
+        self.add_new(there, &known, forces);
+    }
+
+    /// Adds the forces of slaves in contact `there`, where contact now is, that are not known.
+    fn add_new(&self, there: &Residual, known: &[bool], forces: &mut [f64]) {
+        let new = there.contact_pairs.iter().filter(|pair| !known[pair.slave]);
+        let mut pairs: Vec<[u32; 2]> =
+            new.map(|m| [m.slave.min(m.master) as u32, m.slave.max(m.master) as u32]).collect();
+        pairs.dedup();
+        self.add_contact_of(&pairs, |pair| !known[pair.slave], forces);
+    }
+
+    /// Adds to `forces` (six per node) the gradient of the contact potential, of these candidate pairs as far as they
+    /// are `wanted`, where contact now is.
+    pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&ContactPair) -> bool, forces: &mut [f64]) {
+        let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
+        let geometry = potential::ContactGeometry::of_set(&side.set);
+        let offset = |slave, master| side.offset(slave, master);
+        let pressures = Pressures { law: side.law, offset: &offset, before: None };
+        for batch in pairs.chunks(PAIRS) {
+            let found = self.install(|| potential::evaluate_ends(&geometry, batch, &pressures, Request::default()));
+            for term in found.into_iter().flatten().filter(|term| wanted(&term.pair)) {
+                side.scatter(&term.pair, &term.gradient, forces);
+            }
+        }
+    }
+
+    /// Forces (six per node) that the stiffness of contact along its normals makes of a motion from `state`, where the
+    /// terms of `residual` were evaluated with the tangent: their pressures are −k times the change of the gap.
+    pub(crate) fn contact_stiffness_force(&self, state: &State, increment: &[f64], residual: &Residual) -> Vec<f64> {
+        let mut forces = vec![0.0; increment.len()];
+        let Some(side) = &self.contact else { return forces };
+        let gradient = |term: &ContactPair| {
+            let (cubics, change) = side.motion_of(term, state, increment);
+            (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
+        };
+        self.add_terms(side, &residual.contact_pairs, &mut forces, gradient, |_, ()| {});
+        forces
+    }
+
+    /// Adds what contacts make of themselves to nodal forces; what else each tells goes to `told`, in order.
+    fn add_terms<R: Send>(
+        &self,
+        side: &ContactSide,
+        terms: &[ContactPair],
+        forces: &mut [f64],
+        gradient: impl Fn(&ContactPair) -> ([f64; 24], R) + Sync,
+        mut told: impl FnMut(&ContactPair, R),
+    ) {
+        for batch in terms.chunks(BATCH) {
+            let found = self.install(|| parallel::map(batch.len(), 64, &|k| gradient(&batch[k])));
+            for (term, (gradient, rest)) in batch.iter().zip(found) {
+                side.scatter(term, &gradient, forces);
+                told(term, rest);
+            }
+        }
+    }
+}
+
+impl ContactSide {
+    /// Adds what a contact makes of both ends of both segments to nodal forces.
+    fn scatter(&self, pair: &ContactPair, gradient: &[f64; 24], forces: &mut [f64]) {
+        for (node, force) in self.nodes_of(pair).into_iter().zip(gradient.chunks_exact(6)) {
+            forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+        }
+    }
+
+    /// Slave and master of a term at a state and the linear motion of their control points.
+    fn motion_of(&self, term: &ContactPair, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
+        let cubic = |segment: usize| contact_cubic(state, self.nodes[segment], self.set.lengths[segment]);
+        let linear =
+            |segment: usize| motion(state, increment, self.nodes[segment], self.set.lengths[segment] / 3.0).linear;
+        let (own, other) = (linear(term.slave), linear(term.master));
+        let change = std::array::from_fn(|m| if m < 4 { own[m] } else { other[m - 4] });
+        ([cubic(term.slave), cubic(term.master)], change)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::scene::{Contact, ContactLaw, Model, NodeRef, Support};
+    use crate::solve::problem::assembly::Tangent;
+    use crate::solve::problem::state::PrescribedMotion;
+
+    const RADIUS: f64 = 0.1;
+    const OVERLAP: f64 = 0.01;
+    const LENGTH: f64 = 1.5;
+
+    /// Two rods in contact: the lower along x, the upper parallel to it, end above end, or across the middle of it.
+    fn pair(across: bool) -> Engine {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, RADIUS);
+        let rod = |name: &str, start: Vec3, direction: Vec3| {
+            let shape = Shape::Line { start, direction, length: LENGTH };
+            Rod::new(name, &shape, false, section, 5, 3, Natural::Straight).unwrap()
+        };
+        let up = Vec3::z() * (2.0 * RADIUS - OVERLAP);
+        let middle = Vec3::x() * (0.52 * LENGTH);
+        let (start, direction) =
+            if across { (middle - Vec3::y() * (0.47 * LENGTH), Vec3::y()) } else { (Vec3::zeros(), Vec3::x()) };
+        let rods = vec![rod("lower", Vec3::zeros(), Vec3::x()), rod("upper", start + up, direction)];
+        let supports = (0..2).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
+        let contact = Contact { law: ContactLaw::Penalty { stiffness: 1.0 } };
+        Engine::new(Model { rods, supports, contact, ..Model::default() }, None).unwrap()
+    }
+
+    /// Contact surprise of moving the upper rod by `by`, as the force on each rod over the law's stiffness \[L²\].
+    fn moved(across: bool, by: Vec3) -> [Vec3; 2] {
+        let mut engine = pair(across);
+        let state = engine.state.clone();
+        engine.update_contact(&state).unwrap();
+        let pattern = engine.build_pattern();
+        let residual = engine.linearise(&state, None, &PrescribedMotion::default(), &pattern, &mut Tangent::default());
+        assert!(!residual.contact_pairs.is_empty());
+        let mut increment = vec![0.0; 6 * engine.num_nodes()];
+        for node in engine.first_node[1]..engine.first_node[2] {
+            increment[6 * node..6 * node + 3].copy_from_slice(by.as_slice());
+        }
+        let there = state.retract(&increment, 1.0);
+        engine.update_contact(&there).unwrap();
+        let after = engine.residual_of_trial(&there);
+        let mut forces = vec![0.0; 6 * engine.num_nodes()];
+        engine.add_contact_second_order(&state, &increment, &residual, &after, &mut forces);
+        [0, 1].map(|rod| {
+            let nodes = engine.nodes(rod);
+            let sum: Vec3 = nodes.map(|n| Vec3::new(forces[6 * n], forces[6 * n + 1], forces[6 * n + 2])).sum();
+            sum / engine.contact_stiffness()
+        })
+    }
+
+    /// Strands that slide sideways come apart by √(d² + s²) − d, whether they are still in contact there or not; the
+    /// forces that it asks for lie along the normal of the start.
+    #[test]
+    fn sideways_sliding_opens_gaps_by_second_order() {
+        let distance = 2.0 * RADIUS - OVERLAP;
+        for s in [1e-3, 0.02, 0.1, 0.3] {
+            let expected = LENGTH * s * s / (distance.hypot(s) + distance);
+            let [lower, upper] = moved(false, Vec3::y() * s);
+            assert!((upper - Vec3::z() * expected).norm() < 1e-9 * expected, "{s} {upper} {expected}");
+            assert!((lower + upper).norm() < 1e-9 * expected);
+        }
+    }
+
+    /// Where strands cross, motions along either, past joints, are predicted exactly; of strands along each other,
+    /// motions along the normal, into or out of contact.
+    #[test]
+    fn motions_along_crossing_strands_and_along_the_normal_are_no_surprise() {
+        let cases =
+            [(true, [0.4, 0.0, 0.0]), (true, [-0.1, 0.5, 0.0]), (false, [0.0, 0.0, 0.03]), (false, [0.0, 0.0, -0.05])];
+        for (across, by) in cases {
+            let forces = moved(across, Vec3::from(by));
+            assert!(forces.iter().all(|f| f.norm() < 1e-12), "{by:?} {forces:?}");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Soft and unstable directions: how low the lowest eigenvalue is, and the way out of an unstable equilibrium.
+
+use crate::error::SolveError;
+use crate::solve::problem::engine::Engine;
+use crate::solve::search::newton::Workspace;
+
+/// Inverse iterations for the direction in which an unstable equilibrium is left: so few that something of other modes
+/// stays in it. A direction converged to rounding has the symmetry of the state, and rounding would decide which of two
+/// mirror images comes next.
+const DIRECTION_ROUNDS: usize = 16;
+
+impl Workspace {
+    /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse
+    /// iterations that start from the last such vector.
+    pub(crate) fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
+        let mass = &engine.metric;
+        if self.softest.len() != mass.len() {
+            // a fixed start with components everywhere, so that runs repeat; displacements in lengths of the rod, so
+            // that of several critical directions it finds the same one in every unit
+            let size = |i: usize| if i % 6 < 3 { engine.scales.length } else { 1.0 };
+            let start = |i: usize| (((i + 1) as f64 * 0.618_033_988_749_895).fract() - 0.5) * size(i);
+            self.softest = (0..mass.len()).map(start).collect();
+        }
+        let mut lowest = f64::INFINITY;
+        for _ in 0..rounds {
+            let norm: f64 = self.softest.iter().zip(mass).map(|(x, m)| x * x * m).sum::<f64>().sqrt();
+            self.softest.iter_mut().for_each(|x| *x /= norm);
+            let rhs: Vec<f64> = self.softest.iter().zip(mass).map(|(x, m)| x * m).collect();
+            let next = self.solve_last(engine, &rhs);
+            // Rayleigh quotient of the inverse
+            lowest = 1.0 / next.iter().zip(&rhs).map(|(x, r)| x * r).sum::<f64>();
+            self.softest = next;
+        }
+        lowest
+    }
+
+    /// Direction of the most negative eigenvalue of the tangent at the engine's state (mass-weighted inverse iteration
+    /// from a fixed start, so that runs repeat), scaled so that the largest rotation is 1 rad. Call after
+    /// [`Workspace::count_unstable`].
+    ///
+    /// # Errors
+    /// When no shift makes the tangent positive definite.
+    pub(crate) fn negative_direction(&mut self, engine: &mut Engine) -> Result<Vec<f64>, SolveError> {
+        let mut shift = 1.0;
+        while self.factorise(engine, shift) != Some(0) {
+            shift *= 2.0;
+            if shift > 1e30 {
+                return Err(SolveError::Factorisation { iteration: 0, shift });
+            }
+        }
+        // from the fixed start, whatever the searches before have left
+        self.softest.clear();
+        self.lowest_above(engine, DIRECTION_ROUNDS);
+        let turn = self.softest.chunks(6).flat_map(|n| &n[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
+        let scale = if turn > 0.0 { 1.0 / turn } else { 1.0 };
+        Ok(self.softest.iter().map(|x| x * scale).collect())
+    }
+}

@@ -1,0 +1,331 @@
+//! How far a step may go: no strand may pass through another, no element may turn too far.
+//!
+//! Control points move by at most the chord of their linear motion plus the second-order part of the rotation, and the
+//! relative motion of two cubics is bounded by that of their control points (convex hulls). A step fraction t keeps
+//! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are
+//! looked for in a `tree`, in which parts that move together, far from each other or along an arc too straight to close
+//! are done with as a whole: where nothing is near, a step of any length is free. `way` joins such steps to a way from
+//! one state to another.
+
+mod tree;
+mod way;
+
+use std::f64::consts::TAU;
+
+use self::tree::PassageTree;
+use crate::error::SolveError;
+use crate::math::{Vec3, parallel};
+use crate::solve::problem::contact_side::ContactSide;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+
+/// What strands must keep between them within one step.
+#[derive(Debug, Clone, Copy)]
+struct Keep {
+    /// Fraction of the contact distance.
+    distance: f64,
+    /// Strands already closer than that may lose this fraction of what is between them.
+    deep: f64,
+    /// Largest relative rotation of neighbouring nodes, rad: interpolation needs less than π between them.
+    rotation: f64,
+    /// Largest angle between frames of neighbouring nodes that a step may lead to, rad: below half a turn.
+    turned: f64,
+}
+
+/// For a step before it is corrected for curvature.
+const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, turned: 0.45 * TAU };
+/// For the step as it is taken: corrections may use up half of what the step left.
+const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, turned: 0.48 * TAU };
+/// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod
+/// bulges by much more than the rod's thickness: with that for an error no step near contact would be left.
+const TOL_DISTANCE: f64 = 0.05;
+
+impl Engine {
+    /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
+    pub(crate) fn step_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
+        self.fraction_keeping(state, increment, STEP)
+    }
+
+    /// Whether a step that was within the bound before its corrections still lets no strand pass another. Contact
+    /// geometry must be that of `state`.
+    pub(crate) fn keeps_apart(&mut self, state: &State, increment: &[f64]) -> Result<bool, SolveError> {
+        Ok(self.fraction_keeping(state, increment, CORRECTED)? == 1.0)
+    }
+
+    fn fraction_keeping(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        let t = rotation_fraction(self, state, increment, keep);
+        match &self.contact {
+            Some(side) => Ok(t.min(self.install(|| side.passage_fraction(state, increment, keep))?)),
+            None => Ok(t),
+        }
+    }
+}
+
+/// Largest t ≤ 1 for which no frame turns against its neighbour by more than `keep.rotation` in the step, nor, if it
+/// turns on, to more than `keep.turned` in all: past half a turn it would count as turned the other way.
+fn rotation_fraction(engine: &Engine, state: &State, increment: &[f64], keep: Keep) -> f64 {
+    let mut t = 1.0f64;
+    for element in &engine.elements {
+        let order = engine.model.rods[element.rod].order;
+        for a in 1..=order {
+            let [before, node] = [element.nodes[a - 1], element.nodes[a]];
+            let relative = rotation(increment, node) - rotation(increment, before);
+            let size = relative.norm();
+            if size > keep.rotation {
+                t = t.min(keep.rotation / size);
+            }
+            let closing = element.closes && a == order;
+            let frame = if closing { state.seam_frame(element.rod, node) } else { state.frames[node] };
+            let turned = state.frames[before].angle_to(&frame);
+            if turned + size > keep.turned
+                && (frame * state.frames[before].inverse()).scaled_axis().dot(&relative) > 0.0
+            {
+                t = t.min((keep.turned - turned).max(0.0) / size);
+            }
+        }
+    }
+    t
+}
+
+fn displacement(increment: &[f64], node: usize) -> Vec3 {
+    Vec3::new(increment[6 * node], increment[6 * node + 1], increment[6 * node + 2])
+}
+
+fn rotation(increment: &[f64], node: usize) -> Vec3 {
+    Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5])
+}
+
+/// Linear motion of the four control points of a segment and the bound of what is left out.
+pub(in crate::solve) struct Motion {
+    pub(in crate::solve) linear: [Vec3; 4],
+    second_order: f64,
+}
+
+impl ContactSide {
+    fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        let (lengths, nodes) = (&self.set.lengths, &self.nodes);
+        let motions = parallel::map(nodes.len(), 256, &|k| motion(state, increment, nodes[k], lengths[k] / 3.0));
+        let not_finite = |m: &Motion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
+        if let Some(index) = motions.iter().position(not_finite) {
+            return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index, value: f64::NAN });
+        }
+        let relative: Vec<f64> =
+            nodes.iter().map(|&[a, b]| (rotation(increment, a) - rotation(increment, b)).norm()).collect();
+        let tree = PassageTree::new(&self.set, &self.exclusion, &motions, &relative, keep);
+        #[cfg(test)]
+        assert_eq!(tree.fraction(), tree.fraction_by_all_pairs(), "the tree against all pairs");
+        Ok(tree.fraction())
+    }
+}
+
+pub(in crate::solve) fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> Motion {
+    let (da, db) = (displacement(increment, a), displacement(increment, b));
+    let (ta, tb) = (rotation(increment, a), rotation(increment, b));
+    let d3 = |n: usize| state.frames[n] * Vec3::z();
+    let linear = [da, da + ta.cross(&d3(a)) * lever, db - tb.cross(&d3(b)) * lever, db];
+    Motion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
+}
+
+fn relative_motion(a: &Motion, b: &Motion) -> f64 {
+    let mut largest = 0.0f64;
+    for x in &a.linear {
+        for y in &b.linear {
+            largest = largest.max((x - y).norm_squared());
+        }
+    }
+    largest.sqrt() + a.second_order + b.second_order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::link::{linking_number, writhe};
+    use crate::math::quaternion::{exp, spin};
+    use crate::rod::{Natural, Rod, Section, Shape, TorusKnot};
+    use crate::scene::{Model, NodeRef, Support};
+
+    /// A rod above another at right angles, `height` radii apart.
+    fn crossing(height: f64) -> Engine {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
+        let rod = |name: &str, start: Vec3, direction: Vec3| {
+            let shape = Shape::Line { start, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, 9, 3, Natural::Straight).unwrap()
+        };
+        let rods = vec![
+            rod("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x()),
+            rod("upper", Vec3::new(0.0, -0.5, 0.01 * height), Vec3::y()),
+        ];
+        let supports = (0..2).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
+        let mut engine = Engine::new(Model { rods, supports, ..Model::default() }, None).unwrap();
+        let state = engine.state.clone();
+        engine.update_contact(&state).unwrap();
+        engine
+    }
+
+    fn downward(engine: &Engine, by: f64, turn: f64) -> Vec<f64> {
+        let mut step = vec![0.0; 6 * engine.num_nodes()];
+        for node in engine.first_node[1]..engine.first_node[2] {
+            step[6 * node + 2] = -by;
+            step[6 * node + 3] = turn;
+        }
+        step
+    }
+
+    /// However long the step, the strands stay on their sides all along the part that is allowed, and most of the way
+    /// is.
+    #[test]
+    fn no_step_takes_a_strand_through_another() {
+        for height in [0.3, 2.0, 2.5, 5.0, 40.0] {
+            for by in [1e-3, 0.02, 0.1, 3.0, 1e6] {
+                for turn in [0.0, 0.5] {
+                    let mut engine = crossing(height);
+                    let state = engine.state.clone();
+                    let step = downward(&engine, by, turn);
+                    let t = engine.step_fraction(&state, &step).unwrap();
+                    assert!(t > 0.0 && t <= 1.0);
+                    let side = engine.contact.as_mut().unwrap();
+                    for k in 0..=50 {
+                        side.place(&state.retract(&step, t * f64::from(k) / 50.0));
+                        let middle = |c: usize| {
+                            let info = side.set.curves[c];
+                            side.set.segments[info.first + info.count / 2].point(0.5)
+                        };
+                        assert!(middle(1).z > middle(0).z, "height {height} by {by} turn {turn}: passed at {k}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// A closed trefoil of `elements` cubic elements, and a ring through it if `with_ring`.
+    fn knot(elements: usize, with_ring: bool) -> Engine {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.008);
+        let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
+        let mut rods = vec![Rod::new("knot", &knot, true, section, elements, 3, Natural::Straight).unwrap()];
+        if with_ring {
+            let center = rods[0].positions[0];
+            let ring = Shape::Circle { length: 0.4, center, normal: rods[0].frames[0] * Vec3::x() };
+            rods.push(Rod::new("ring", &ring, true, section, 8, 3, Natural::Straight).unwrap());
+        }
+        let mut engine = Engine::new(Model { rods, ..Model::default() }, None).unwrap();
+        let state = engine.state.clone();
+        engine.update_contact(&state).unwrap();
+        engine
+    }
+
+    /// A step of waves along the rods: displacements up to about `by`, rotations up to about `turn`.
+    fn waves(engine: &Engine, seed: f64, by: f64, turn: f64) -> Vec<f64> {
+        (0..6 * engine.num_nodes())
+            .map(|i| {
+                let (node, k) = ((i / 6) as f64, (i % 6) as f64);
+                let wave = |n: f64| (seed * (n + 1.3) * (k + 0.7) + 0.05 * n * (1.0 + seed.sin().abs()) * node).sin();
+                0.5 * (wave(1.0) + wave(2.0) + wave(3.0)) * if k < 3.0 { by } else { turn }
+            })
+            .collect()
+    }
+
+    /// Writhe and link of the contact curves: each passage changes one of them by 2 or 1 at once.
+    fn topology(engine: &mut Engine, state: &State) -> f64 {
+        let side = engine.contact.as_mut().unwrap();
+        side.place(state);
+        let curve = |info: &crate::contact::curve::CurveInfo| -> Vec<Vec3> {
+            let segments = &side.set.segments[info.first..info.first + info.count];
+            segments.iter().flat_map(|s| [0.0, 0.25, 0.5, 0.75].map(|u| s.point(u))).collect()
+        };
+        let curves: Vec<Vec<Vec3>> = side.set.curves.iter().map(curve).collect();
+        let link = if let [a, b] = &curves[..] { 2.0 * linking_number(a, b) } else { 0.0 };
+        curves.iter().map(|c| writhe(c, true)).sum::<f64>() + link
+    }
+
+    /// Whether writhe or link jump along the fraction t of a step.
+    fn passes(engine: &mut Engine, state: &State, step: &[f64], t: f64) -> bool {
+        let count = 60;
+        let along: Vec<f64> =
+            (0..=count).map(|k| topology(engine, &state.retract(step, t * f64::from(k) / f64::from(count)))).collect();
+        along.windows(2).any(|pair| (pair[1] - pair[0]).abs() > 1.0)
+    }
+
+    /// Curves in no order at all, moved by wild steps: what is allowed of them passes nothing, though the whole steps
+    /// do. Every fraction is compared with that of all pairs on the way (see `passage_fraction`).
+    #[test]
+    fn wild_steps_pass_nothing() {
+        let (mut allowed, mut wild) = (0, 0);
+        for with_ring in [false, true] {
+            let mut engine = knot(20, with_ring);
+            for seed in 1..=3 {
+                for (by, turn) in [(0.003, 0.03), (0.03, 0.2), (0.3, 1.5)] {
+                    let state = engine.state.clone();
+                    engine.update_contact(&state).unwrap();
+                    let step = waves(&engine, f64::from(seed), by, turn);
+                    let t = engine.step_fraction(&state, &step).unwrap();
+                    assert!(t > 0.0);
+                    assert!(!passes(&mut engine, &state, &step, t), "ring {with_ring}, seed {seed}, {by}, {turn}: {t}");
+                    allowed += usize::from(t > 0.2);
+                    wild += usize::from(passes(&mut engine, &state, &step, 1.0));
+                }
+            }
+        }
+        assert!(allowed >= 4 && wild >= 4, "{allowed} {wild}");
+    }
+
+    /// A rod that rolls up through a whole circle is free to do so; one that comes through another is not, however far
+    /// behind it ends.
+    #[test]
+    fn ways_are_free_or_not() {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1e-3);
+        let line = |name: &str, start: Vec3, direction: Vec3, elements: usize| {
+            let shape = Shape::Line { start, direction, length: 1.0 };
+            Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+        };
+        for (bar, angle, free) in [(false, 6.1, true), (false, -3.0, true), (true, 3.0, false), (true, -3.0, true)] {
+            let mut rods = vec![line("swings", Vec3::zeros(), Vec3::x(), 9)];
+            if bar {
+                rods.push(line("bar", Vec3::new(0.6, 0.3, -0.5), Vec3::z(), 9));
+            }
+            let supports = (0..rods.len()).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
+            let mut engine = Engine::new(Model { rods, supports, ..Model::default() }, None).unwrap();
+            let start = engine.state.clone();
+            for node in 0..28 {
+                let (s, turn) = (node as f64 / 27.0, angle * node as f64 / 27.0);
+                let radius = 1.0 / angle;
+                engine.state.positions[node] = Vec3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * radius;
+                // spun by some turns about its own axis on top
+                let frame = exp(&(Vec3::z() * turn)) * engine.state.frames[node];
+                engine.state.frames[node] = frame * spin(20.0 * s);
+            }
+            assert_eq!(engine.is_way_free(&start).unwrap(), free, "bar {bar}, {angle} rad");
+        }
+    }
+
+    /// Frames that are .4 turns apart turn on by no more than .05 turns in a step, and back by any step.
+    #[test]
+    fn frames_do_not_turn_past_half_a_turn() {
+        let mut engine = crossing(40.0);
+        let mut state = engine.state.clone();
+        state.frames[1] = state.frames[0] * spin(0.4 * TAU);
+        let tangent = state.frames[0] * Vec3::z();
+        for (angle, expected) in [(0.9, 0.05 * TAU / 0.9), (0.3, 1.0), (-0.9, 1.0)] {
+            let mut step = vec![0.0; 6 * engine.num_nodes()];
+            // all other nodes on the rod turn along
+            for node in 1..engine.first_node[1] {
+                (0..3).for_each(|k| step[6 * node + 3 + k] = angle * tangent[k]);
+            }
+            let t = engine.step_fraction(&state, &step).unwrap();
+            assert!((t - expected).abs() < 1e-12, "{angle}: {t} {expected}");
+        }
+    }
+
+    /// Far from contact the bound is not felt, nor by motions of both strands together.
+    #[test]
+    fn far_or_common_motion_is_not_cut() {
+        let mut engine = crossing(40.0);
+        let state = engine.state.clone();
+        let step = downward(&engine, 0.1, 0.0);
+        assert_eq!(engine.step_fraction(&state, &step).unwrap(), 1.0);
+        let mut engine = crossing(2.0);
+        let state = engine.state.clone();
+        let mut step = vec![0.0; 6 * engine.num_nodes()];
+        step.chunks_mut(6).for_each(|node| node[0] = 0.1);
+        assert_eq!(engine.step_fraction(&state, &step).unwrap(), 1.0);
+    }
+}

@@ -1,0 +1,120 @@
+//! Whether a way leads from one state to another on which no strand passes through another.
+//!
+//! The way turns every chord between nodes as its frames turn, so that rods keep their lengths on it however far they
+//! swing (a straight line between the states would squeeze a rod that rolls up to nothing), in legs of so small
+//! rotations that each is nearly a straight line. Any way will do: one that is free keeps knots and links.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{STEP, displacement, rotation};
+use crate::error::SolveError;
+use crate::math::quaternion::exp;
+use crate::math::{Quat, Vec3};
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+
+/// Largest rotation of a leg, rad.
+const LEG: f64 = 0.5;
+/// Legs at most; ways that turn further are not looked at.
+const MAX_LEGS: f64 = 64.0;
+/// Steps in which a leg must be gone.
+const MAX_STEPS: usize = 8;
+
+impl Engine {
+    /// Whether no strand passes another on the way from `start` to the engine's state, as far as one way tells; contact
+    /// geometry is that of the engine's state afterwards.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down at the engine's state.
+    pub(crate) fn is_way_free(&mut self, start: &State) -> Result<bool, SolveError> {
+        let end = self.state.clone();
+        // curves too coarse for contact on the way say nothing about its end
+        let free = self.walk(start, &end).unwrap_or(false);
+        self.update_contact(&end)?;
+        Ok(free)
+    }
+
+    fn walk(&mut self, start: &State, end: &State) -> Result<bool, SolveError> {
+        let increment = self.swings(start, end);
+        let largest = (0..self.num_nodes()).map(|n| rotation(&increment, n).norm()).fold(0.0, f64::max);
+        let legs = (largest / LEG).ceil().max(1.0);
+        if legs.is_nan() || legs > MAX_LEGS {
+            return Ok(false);
+        }
+        let mut state = start.clone();
+        for leg in 1..=legs as usize {
+            let to = self.between(start, end, &increment, leg as f64 / legs);
+            for step in 0.. {
+                self.look_at(&state)?;
+                let rest = to.increment_since(&state);
+                let fraction = self.fraction_keeping(&state, &rest, STEP)?;
+                state = state.retract(&rest, fraction);
+                if fraction == 1.0 {
+                    break;
+                }
+                if step == MAX_STEPS {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Brings to a state what the step bound looks at: curves and their turning, not the candidates.
+    fn look_at(&mut self, state: &State) -> Result<(), SolveError> {
+        let Some(mut side) = self.contact.take() else { return Ok(()) };
+        let turned = self.install(|| {
+            side.place(state);
+            side.exclusion.update(&side.set)
+        });
+        self.contact = Some(side);
+        turned
+    }
+
+    /// The increment between the states with the rotations that turn tangents only, whole turns added where those of
+    /// neighbouring nodes would be more than half a turn apart. Spin about the tangent moves no strand.
+    fn swings(&self, start: &State, end: &State) -> Vec<f64> {
+        let mut increment = Vec::with_capacity(6 * self.num_nodes());
+        for rod in 0..self.model.rods.len() {
+            let mut before = Vec3::zeros();
+            for node in self.nodes(rod) {
+                let [from, to] = [start, end].map(|s| s.frames[node] * Vec3::z());
+                let mut swing = Quat::rotation_between(&from, &to).map_or(before, |q| q.scaled_axis());
+                let angle = swing.norm();
+                let axis = if angle > 1e-9 { swing / angle } else { before.normalize() };
+                if (before - swing).norm() > PI {
+                    swing = axis * (angle + TAU * ((before.dot(&axis) - angle) / TAU).round());
+                }
+                increment.extend((end.positions[node] - start.positions[node]).iter().chain(swing.iter()));
+                before = swing;
+            }
+        }
+        increment
+    }
+
+    /// The state at t between 0 and 1 on the way.
+    fn between(&self, start: &State, end: &State, increment: &[f64], t: f64) -> State {
+        let mut state = start.retract(increment, t);
+        for (index, rod) in self.model.rods.iter().enumerate() {
+            let first = self.first_node[index];
+            let count = rod.num_segments();
+            let node = |k: usize| first + k % rod.num_nodes();
+            let mut offsets = vec![Vec3::zeros()];
+            for k in 0..count {
+                let (a, b) = (node(k), node(k + 1));
+                let mean = (rotation(increment, a) + rotation(increment, b)) * 0.5;
+                let chords = [start, end].map(|s| s.positions[b] - s.positions[a]);
+                let back = exp(&-mean) * chords[1];
+                offsets.push(offsets[k] + exp(&(mean * t)) * (chords[0] * (1.0 - t) + back * t));
+            }
+            // what is held at both ends stays so
+            let held = rod.closed || self.free[node(count)][..3] == [false; 3];
+            let straight = |k: usize| start.positions[node(k)] + displacement(increment, node(k)) * t;
+            let miss = if held { straight(count) - straight(0) - offsets[count] } else { Vec3::zeros() };
+            for k in 0..rod.num_nodes() {
+                state.positions[node(k)] = straight(0) + offsets[k] + miss * (k as f64 / count as f64);
+            }
+        }
+        state
+    }
+}

@@ -1,0 +1,273 @@
+//! The guarded search: Newton steps that the potential itself confirms.
+//!
+//! A rod is nearly inextensible and contact is nearly rigid: both confine the motion to a curved surface in the space
+//! of configurations. A straight Newton step leaves that surface by second order, which the large stiffnesses turn into
+//! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with e = ε(x ⊕
+//! Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the forces of gaps that did the same, it is
+//! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and
+//! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
+//! closes along the way the corrections may not converge; the best state they passed is as good as any if it lies low
+//! enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
+//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
+//! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
+//! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
+//!
+//! A search goes on for as long as it gets somewhere ([`patience`]): the potential falls, or supports advance.
+
+mod convergence;
+mod corrected_step;
+mod progress;
+mod radius;
+mod step;
+
+use crate::error::SolveError;
+use crate::rod::element::Stress;
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::search::newton::{
+    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, stress_about,
+};
+use convergence::{Accepted, Convergence};
+use corrected_step::CorrectedStep;
+use progress::Progress;
+use radius::{Outcome, TrustRegion};
+use step::Step;
+
+/// Steps rejected in a row, or taken but [stuck](Rest::is_stuck), before the search gives up.
+const MAX_REJECTIONS: usize = 30;
+/// Fractions of a step tried before the shift is raised.
+const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
+/// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is
+/// good enough.
+const ENOUGH: f64 = 0.1;
+/// Extent (see [`Step`]) of a response that is that of a nearly singular tangent.
+const TOO_FAR: f64 = 2.0;
+/// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one
+/// factorisation.
+const RELAXING: f64 = 0.5;
+/// Decrease of the potential, relative to the expected one, with which a step is accepted.
+const LEAST: f64 = 0.05;
+/// Smallest fraction of a prescribed motion taken at a time.
+const SHORTEST: f64 = 1e-3;
+/// Relative size of changes of the potential that rounding makes.
+const ROUNDING: f64 = 1e-11;
+/// Rounding of the potential, so many times over, is what its decrease does not tell from none.
+const UNSEEN: f64 = 10.0;
+
+/// A search under way.
+struct Search {
+    state: State,
+    /// Stresses that the next linearisation is about, three per element.
+    stress: Vec<[Stress; 3]>,
+    /// What is left of prescribed motions.
+    remaining: f64,
+    trust: TrustRegion,
+    rest: Convergence,
+    /// Steps rejected or stuck in a row.
+    rejections: usize,
+    report: NewtonReport,
+}
+
+impl Search {
+    fn new(engine: &Engine, drive: &PrescribedMotion, forces: &[[[f64; 3]; 3]], rest: Convergence) -> Self {
+        let state = engine.state.clone();
+        let stress = stress_about(engine, &state, forces);
+        let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
+        let report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
+        Self { state, stress, remaining, trust: TrustRegion::new(), rest, rejections: 0, report }
+    }
+
+    /// Supports have a way to go: the push does the work, and the potential may rise.
+    fn is_pushed(&self) -> bool {
+        self.remaining > 0.0
+    }
+
+    /// Whether a trial lies low enough, or, where the potential decides nothing, its corrections shrank; and takes no
+    /// strand through another.
+    fn accepts(
+        &self,
+        engine: &mut Engine,
+        residual: &Residual,
+        trial: &CorrectedStep,
+        size: f64,
+    ) -> Result<bool, SolveError> {
+        let acceptable = if self.rest.is_tiny(size, trial) {
+            true
+        } else if self.is_pushed() || !engine.is_conservative() {
+            trial.settled
+        } else {
+            gain(residual, trial) >= LEAST * trial.expected - noise(residual)
+        };
+        Ok(acceptable && (trial.rounds == 0 || engine.keeps_apart(&self.state, &trial.increment)?))
+    }
+}
+
+impl Workspace {
+    /// The guarded search. `forces`, if there are any, are the shear forces and the tension of the first linearisation.
+    /// Below the potential `floor` the search ends, not converged.
+    pub(crate) fn trust_region_search(
+        &mut self,
+        engine: &mut Engine,
+        drive: &PrescribedMotion,
+        options: &NewtonOptions,
+        (forces, floor): (&[[[f64; 3]; 3]], f64),
+    ) -> Result<NewtonReport, SolveError> {
+        let mut search = Search::new(engine, drive, forces, Convergence::new(options.tol_increment, self.rough));
+        self.shift = 0.0;
+        let mut progress = Progress::new(options.max_iterations);
+        'search: while !search.report.converged && !progress.is_over() {
+            self.refresh(engine, &search.state)?;
+            let drive_now = drive.scaled(search.remaining);
+            let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
+            if residual.potential.total() < floor {
+                break 'search;
+            }
+            progress.see(&residual, search.remaining);
+            let noise = noise(&residual);
+            let unbalanced = relative_residual(engine, &residual);
+            let mut longest = 1.0;
+            loop {
+                if self.must_stop(options) {
+                    return Ok(search.report);
+                }
+                let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
+                let at = search.report.iterations.len();
+                let step = self.step_within(engine, &residual, &drive_now, within, at)?;
+                let size = increment_size(engine, &step.increment);
+                let trial = self.try_step(engine, &search, &residual, &step, (size, longest))?;
+                let shift = self.shift;
+                let is_accepted = search.accepts(engine, &residual, &trial, size)?;
+                progress.count();
+                search.report.iterations.push(Iteration {
+                    increment: size,
+                    residual: unbalanced,
+                    fraction: if is_accepted { trial.fraction } else { 0.0 },
+                    shift,
+                    potential: residual.potential.total(),
+                    rounds: trial.rounds,
+                });
+                if is_accepted {
+                    search.remaining *= 1.0 - trial.fraction;
+                    let accepted = Accepted { size, unbalanced, noise, shift, goes_on: search.is_pushed() };
+                    search.report.converged = search.rest.is_reached(engine, &residual, (&step, &trial), &accepted);
+                    let stuck = search.rest.is_stuck(&accepted);
+                    self.accept(engine, &mut search, &residual, (&step, trial));
+                    search.rejections = if stuck { search.rejections + 1 } else { 0 };
+                    if search.rejections > MAX_REJECTIONS {
+                        break 'search;
+                    }
+                    break;
+                }
+                // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it
+                // says nothing): this is as far as rounding lets anyone go
+                let unseen = trial.expected.abs() < noise * trial.fraction * (2.0 - trial.fraction);
+                if shift == 0.0 && !search.is_pushed() && unseen {
+                    search.report.converged = true;
+                    break;
+                }
+                search.rejections += 1;
+                if search.rejections > MAX_REJECTIONS || progress.is_over() {
+                    break 'search;
+                }
+                if search.is_pushed() && step.extent > TOO_FAR {
+                    // no push leads that far: it is the response of a tangent that is nearly singular
+                    self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
+                } else if search.is_pushed() {
+                    // shifts do not shorten what is prescribed
+                    longest = 0.4 * trial.fraction;
+                    if longest < SHORTEST {
+                        break 'search;
+                    }
+                } else {
+                    search.trust.reject(step.extent);
+                    self.shift = self.shift_for(&step, step.extent / search.trust.radius).max(4.0 * self.shift);
+                }
+            }
+        }
+        self.finish(engine, search)
+    }
+
+    /// A step after its corrections; where these neither settle nor lead low enough, a shorter one along the same
+    /// direction, which costs no factorisation. At most the fraction `longest` of it, which is as long as `size`.
+    fn try_step(
+        &mut self,
+        engine: &mut Engine,
+        search: &Search,
+        residual: &Residual,
+        step: &Step,
+        (size, longest): (f64, f64),
+    ) -> Result<CorrectedStep, SolveError> {
+        let pushed = search.is_pushed();
+        let mut trial = self.trial(engine, &search.state, residual, step, longest, pushed)?;
+        for &shorter in if pushed { [].as_slice() } else { &SHORTER } {
+            let falls = gain(residual, &trial) >= ENOUGH * trial.expected - noise(residual);
+            if trial.settled || falls || search.rest.is_tiny(size, &trial) {
+                break;
+            }
+            trial = self.trial(engine, &search.state, residual, step, shorter, pushed)?;
+        }
+        Ok(trial)
+    }
+
+    /// Goes where an accepted step leads.
+    fn accept(
+        &mut self,
+        engine: &mut Engine,
+        search: &mut Search,
+        residual: &Residual,
+        (step, trial): (&Step, CorrectedStep),
+    ) {
+        let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
+        let unseen = trial.expected.abs() <= unseen(residual);
+        search.trust.accept(Outcome {
+            extent: step.extent,
+            fraction: trial.fraction,
+            rounds: trial.rounds,
+            gain: (!unseen).then_some(gain(residual, &trial) / trial.expected),
+        });
+        if hardened {
+            // the first step under a new law tells how far the strands have to go; what follows is no longer
+            search.trust.radius = search.trust.radius.min(step.extent);
+        }
+        self.shift *= RELAXING * (step.extent / search.trust.radius).min(1.0);
+        // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
+        // constraint surface makes of them
+        search.stress = engine.predicted_stress(&search.state, &trial.increment);
+        for (total, excess) in search.stress.iter_mut().zip(trial.excess.iter().flatten()) {
+            for (t, e) in total.iter_mut().flatten().zip(excess.iter().flatten()) {
+                *t += e;
+            }
+        }
+        search.state = trial.state;
+        engine.state = search.state.clone();
+    }
+
+    fn finish(&mut self, engine: &mut Engine, search: Search) -> Result<NewtonReport, SolveError> {
+        let mut report = search.report;
+        engine.state = search.state;
+        if let Some(side) = &mut engine.contact {
+            side.before = None;
+        }
+        self.shift = 0.0;
+        let state = engine.state.clone();
+        self.refresh(engine, &state)?;
+        report.num_unstable = self.count_unstable(engine)?;
+        Ok(report)
+    }
+}
+
+/// Decrease of the potential.
+fn gain(residual: &Residual, trial: &CorrectedStep) -> f64 {
+    residual.potential.total() - trial.potential
+}
+
+/// Changes of the potential that are not told from none.
+pub(in crate::solve) fn unseen(residual: &Residual) -> f64 {
+    UNSEEN * noise(residual)
+}
+
+/// Changes of the potential that rounding makes.
+fn noise(residual: &Residual) -> f64 {
+    ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
+}

@@ -1,0 +1,149 @@
+//! A step brought back to the surface that stretch and contact confine the motion to, by corrections on the
+//! factorisation at hand.
+
+use super::step::Step;
+use super::{gain, noise};
+use crate::error::SolveError;
+use crate::rod::element::{Strain, Stress};
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+use crate::solve::search::newton::Workspace;
+use crate::solve::search::timing::timed;
+
+/// Largest change of a contact force, over the largest, in a step that is corrected by all that is out of balance after
+/// it.
+const GENTLE: f64 = 0.1;
+/// Correction rounds per step.
+pub(super) const MAX_ROUNDS: usize = 10;
+/// A correction this small in energy, relative to the step, ends the rounds.
+const SMALL_CORRECTION: f64 = 1e-2;
+/// Each correction must be smaller than this times its predecessor (energies).
+const CONTRACTION: f64 = 0.4;
+
+/// A step after its corrections.
+#[derive(Clone)]
+pub(super) struct CorrectedStep {
+    pub(super) increment: Vec<f64>,
+    pub(super) state: State,
+    pub(super) potential: f64,
+    /// Decrease that the quadratic model expects.
+    pub(super) expected: f64,
+    pub(super) fraction: f64,
+    pub(super) rounds: usize,
+    /// Largest change of a contact force along the step over the largest contact force.
+    pub(super) contact_change: f64,
+    /// The corrections shrank.
+    pub(super) settled: bool,
+    /// C e of the last correction: with the linear prediction the stresses that balance the step.
+    pub(super) excess: Option<Vec<[Stress; 3]>>,
+}
+
+impl Workspace {
+    /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the
+    /// potential there. While supports are `pushed`, contact is left to the iterations after: its potential may rise,
+    /// the push does the work.
+    pub(super) fn trial(
+        &mut self,
+        engine: &mut Engine,
+        state: &State,
+        residual: &Residual,
+        step: &Step,
+        longest: f64,
+        pushed: bool,
+    ) -> Result<CorrectedStep, SolveError> {
+        let safe = timed(&mut self.timings.detection, || engine.step_fraction(state, &step.increment))?.min(longest);
+        let work = step.curvature + self.shift * step.inertia;
+        let base: Vec<f64> = step.increment.iter().map(|x| x * safe).collect();
+        let mut trial = CorrectedStep {
+            state: state.retract(&base, 1.0),
+            increment: base.clone(),
+            potential: f64::NAN,
+            expected: -safe * step.slope - 0.5 * safe * safe * step.curvature,
+            fraction: safe,
+            rounds: 0,
+            contact_change: 0.0,
+            settled: false,
+            excess: None,
+        };
+        let mut last = f64::INFINITY;
+        let mut best: Option<CorrectedStep> = None;
+        loop {
+            // contact that cannot be resolved there is a step too long, not the end
+            if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
+                break;
+            }
+            let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
+            trial.potential = there.potential.total();
+            trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
+            // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
+            let noise = noise(residual);
+            trial.settled |= trial.expected.abs() < noise && gain(residual, &trial) >= -noise;
+            if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
+                break;
+            }
+            // near rest all that is out of balance is corrected (a chord step)
+            let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= GENTLE;
+            let with_contact = !(pushed || gentle);
+            let (excess, second_order) = self.second_order(engine, state, residual, &there, &trial, with_contact);
+            let (from, correction) = if gentle {
+                let mut unbalanced = there.gradient;
+                self.zero_energy.remove_sliding_force(&mut unbalanced);
+                (&trial.increment, self.solve_last(engine, &unbalanced))
+            } else {
+                (&base, self.solve_last(engine, &second_order))
+            };
+            let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
+            let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
+            let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
+            if best.as_ref().is_none_or(|b: &CorrectedStep| trial.potential < b.potential) {
+                best = Some(trial.clone());
+            }
+            if size.is_nan() || size >= CONTRACTION * last {
+                break;
+            }
+            last = size;
+            trial.rounds += 1;
+            trial.settled = size < SMALL_CORRECTION;
+            trial.state = state.retract(&wanted, 1.0);
+            trial.increment = wanted;
+            trial.excess = Some(excess);
+        }
+        timed(&mut self.timings.detection, || engine.update_contact(state))?;
+        // among changes that rounding makes, the corrected state is the better one
+        Ok(match best {
+            Some(best) if !trial.settled && trial.expected > noise(residual) => best,
+            _ => trial,
+        })
+    }
+
+    /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
+    fn energy_norm_sq(&self, engine: &Engine, change: &[f64]) -> f64 {
+        let product = self.multiply(engine, &self.tangent.values, change);
+        self.free_dot(engine, change, |i| product[i] + self.shift * engine.metric[i] * change[i])
+    }
+
+    /// Forces that the linear prediction missed: BᵀC e of the rods, and Σ k e ∂gap/∂x of contact.
+    fn second_order(
+        &self,
+        engine: &Engine,
+        state: &State,
+        residual: &Residual,
+        there: &Residual,
+        trial: &CorrectedStep,
+        contact: bool,
+    ) -> (Vec<[Strain; 3]>, Vec<f64>) {
+        let (excess, mut out) = engine.elastic_second_order(state, &trial.state, &trial.increment);
+        if contact {
+            engine.add_contact_second_order(state, &trial.increment, residual, there, &mut out);
+        }
+        (excess, out)
+    }
+}
+
+/// Largest difference over the largest value before; 0 where all is 0.
+fn relative_change(before: &[f64], after: &[f64]) -> f64 {
+    let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
+    if change == 0.0 { 0.0 } else { change / largest }
+}

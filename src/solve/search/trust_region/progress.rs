@@ -1,0 +1,79 @@
+//! How long a search goes on: as long as it gets somewhere.
+
+use crate::solve::problem::assembly::Residual;
+
+/// Decrease of the potential over the energy stored in rods and contact, or of what is left of a prescribed motion over itself, that is
+/// progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
+const PROGRESS: f64 = 1e-2;
+
+/// Iterations since the last progress.
+#[derive(Debug)]
+pub(super) struct Progress {
+    allowed: usize,
+    idle: usize,
+    potential: f64,
+    remaining: f64,
+}
+
+impl Progress {
+    /// Allows so many iterations without progress.
+    pub(super) fn new(allowed: usize) -> Self {
+        Self { allowed, idle: 0, potential: f64::INFINITY, remaining: 1.0 }
+    }
+
+    /// Takes note of where the search is before an iteration.
+    pub(super) fn see(&mut self, residual: &Residual, remaining: f64) {
+        let potential = residual.potential.total();
+        let energy = residual.potential.elastic.iter().sum::<f64>() + residual.potential.contact.abs();
+        let falls = potential < self.potential - PROGRESS * energy;
+        let advances = remaining < (1.0 - PROGRESS) * self.remaining;
+        if falls || advances {
+            (self.idle, self.potential, self.remaining) = (0, potential, remaining);
+        }
+    }
+
+    /// Counts an iteration.
+    pub(super) fn count(&mut self) {
+        self.idle += 1;
+    }
+
+    /// Whether there was no progress for too long.
+    pub(super) fn is_over(&self) -> bool {
+        self.idle >= self.allowed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(potential: f64) -> Residual {
+        let mut residual = Residual::default();
+        residual.potential.elastic[0] = 1.0;
+        residual.potential.load = potential - 1.0;
+        residual
+    }
+
+    #[test]
+    fn descent_goes_on_and_standstill_does_not() {
+        let mut progress = Progress::new(3);
+        for k in 0..100 {
+            progress.see(&at(-0.01 * f64::from(k)), 0.0);
+            assert!(!progress.is_over(), "{k}");
+            progress.count();
+        }
+        (0..2).for_each(|_| progress.count());
+        progress.see(&at(-0.99 - 1e-4), 0.0);
+        assert!(progress.is_over());
+    }
+
+    #[test]
+    fn a_push_that_advances_is_progress() {
+        let mut progress = Progress::new(2);
+        for k in 1..100 {
+            progress.see(&at(f64::from(k)), 0.99f64.powi(k));
+            assert!(!progress.is_over(), "{k}");
+            progress.count();
+        }
+    }
+}

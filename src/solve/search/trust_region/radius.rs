@@ -1,0 +1,95 @@
+//! The trust region of the guarded search: how far a step may go, by what the last ones came to.
+
+use super::corrected_step::MAX_ROUNDS;
+
+/// Radius at the start and at most, rad.
+const FIRST: f64 = 0.5;
+const LARGEST: f64 = 2.0;
+/// Growth after a step that the model foresaw, over what the step took.
+const GROWTH: f64 = 3.0;
+/// Decrease of the potential over the expected one between which the model foresaw a step, and below which it did not.
+const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
+const MISJUDGED: f64 = 0.25;
+/// Correction rounds up to which a step is no surprise: half of those that a trial may take. (With three, a knot that
+/// slides through itself goes on by the same small step for hundreds of iterations; without any bound a hard penalty
+/// rattles.)
+const FEW_ROUNDS: usize = MAX_ROUNDS / 2;
+/// What is left of a step's extent after it was rejected.
+const REJECTED: f64 = 0.25;
+
+/// What a step came to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Outcome {
+    /// Largest rotation, rad, or relative displacement of strands in contact over their contact distance, of the whole
+    /// step.
+    pub(super) extent: f64,
+    /// Fraction of it that was taken.
+    pub(super) fraction: f64,
+    /// Correction rounds.
+    pub(super) rounds: usize,
+    /// Decrease of the potential over the expected one; `None` where rounding hides it, which says nothing against a
+    /// step.
+    pub(super) gain: Option<f64>,
+}
+
+#[derive(Debug)]
+pub(super) struct TrustRegion {
+    /// Extent that a step may have.
+    pub(super) radius: f64,
+}
+
+impl TrustRegion {
+    pub(super) fn new() -> Self {
+        Self { radius: FIRST }
+    }
+
+    /// After an accepted step.
+    pub(super) fn accept(&mut self, step: Outcome) {
+        let taken = step.fraction * step.extent;
+        if step.gain.is_none_or(|gain| step.rounds <= FEW_ROUNDS && FORESEEN.contains(&gain)) {
+            self.radius = self.radius.max(GROWTH * taken).min(LARGEST);
+        } else if step.gain.is_some_and(|gain| gain < MISJUDGED) {
+            self.radius = 0.5 * taken;
+        } else if step.fraction < 1.0 {
+            self.radius = taken;
+        }
+    }
+
+    /// After a step of this extent was rejected.
+    pub(super) fn reject(&mut self, extent: f64) {
+        self.radius = REJECTED * self.radius.min(extent);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP: Outcome = Outcome { extent: 0.1, fraction: 1.0, rounds: 1, gain: Some(1.0) };
+
+    #[test]
+    fn what_was_foreseen_makes_it_larger() {
+        let mut trust = TrustRegion::new();
+        trust.reject(0.01);
+        assert_eq!(trust.radius, 0.0025);
+        trust.accept(Outcome { extent: 0.0025, ..STEP });
+        assert_eq!(trust.radius, 0.0075);
+        trust.accept(Outcome { extent: 10.0, ..STEP });
+        assert_eq!(trust.radius, LARGEST);
+    }
+
+    #[test]
+    fn what_was_not_foreseen_makes_it_smaller() {
+        let after = |step: Outcome| {
+            let mut trust = TrustRegion::new();
+            trust.accept(step);
+            trust.radius
+        };
+        assert_eq!(after(STEP), 0.5); // larger than three times what was taken
+        assert_eq!(after(Outcome { gain: Some(0.1), ..STEP }), 0.05);
+        assert_eq!(after(Outcome { gain: Some(0.5), fraction: 0.2, ..STEP }), 0.2 * 0.1);
+        assert_eq!(after(Outcome { gain: Some(0.5), ..STEP }), 0.5);
+        assert_eq!(after(Outcome { gain: Some(1.0), rounds: 9, fraction: 0.5, ..STEP }), 0.05);
+        assert_eq!(after(Outcome { gain: None, rounds: 9, ..STEP }), 0.5);
+    }
+}

@@ -1,0 +1,154 @@
+//! The step of a guarded search: of the smallest shift that keeps the model convex and the step within the trust
+//! region.
+
+use crate::error::SolveError;
+use crate::math::Vec3;
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::PrescribedMotion;
+use crate::solve::search::newton::{NEUTRAL_SHIFT, Workspace};
+
+use super::unseen;
+
+/// Smallest shift that is tried, in units of B/L⁴.
+const FIRST_SHIFT: f64 = 10.0;
+/// Largest shift that is tried.
+const MAX_SHIFT: f64 = 1e30;
+/// Larger shifts tried to bring a step within the radius.
+const MAX_SHORTENINGS: usize = 3;
+
+/// A step and the quadratic model along it.
+pub(super) struct Step {
+    pub(super) increment: Vec<f64>,
+    /// The increment as it was solved for, neutral motions in it.
+    raw: Vec<f64>,
+    /// See [`extent`].
+    pub(super) extent: f64,
+    /// g·Δ.
+    pub(super) slope: f64,
+    /// ΔᵀKΔ.
+    pub(super) curvature: f64,
+    /// ΔᵀMΔ.
+    pub(super) inertia: f64,
+}
+
+impl Step {
+    /// Goes on along the step to where the model is lowest within the radius, if it falls on the way by more than
+    /// `unseen`. A shift that one direction asks for shortens steps in all: down a valley that hardly falls, a hundredfold.
+    fn lengthen(&mut self, radius: f64, unseen: f64) {
+        let lowest = if self.curvature > 0.0 { -self.slope / self.curvature } else { f64::INFINITY };
+        let longer = lowest.min(radius / self.extent);
+        let decrease = -longer * (self.slope + 0.5 * longer * self.curvature);
+        if !(longer > 1.0 && longer.is_finite() && decrease > unseen) {
+            return;
+        }
+        self.increment.iter_mut().chain(&mut self.raw).for_each(|x| *x *= longer);
+        self.extent *= longer;
+        self.slope *= longer;
+        self.curvature *= longer * longer;
+        self.inertia *= longer * longer;
+    }
+}
+
+impl Workspace {
+    /// Factorises with the present shift, raised until no eigenvalue is negative; a raised shift is then lowered to
+    /// half again as much as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of
+    /// a Newton step.
+    fn convexify(&mut self, engine: &Engine, iteration: usize) -> Result<(), SolveError> {
+        if self.shift < FIRST_SHIFT {
+            self.shift = 0.0;
+        }
+        if self.factorise(engine, self.shift) == Some(0) {
+            return Ok(());
+        }
+        let lower = self.shift;
+        self.shift = (4.0 * self.shift).max(FIRST_SHIFT);
+        while self.factorise(engine, self.shift) != Some(0) {
+            self.shift *= 8.0;
+            if self.shift > MAX_SHIFT {
+                return Err(SolveError::Factorisation { iteration, shift: self.shift });
+            }
+        }
+        let estimate = (1.5 * (self.shift - self.lowest_above(engine, 4))).max(1.5 * lower);
+        if estimate < 0.6 * self.shift {
+            let safe = self.shift;
+            self.shift = estimate.max(NEUTRAL_SHIFT);
+            if self.factorise(engine, self.shift) != Some(0) {
+                self.shift = safe;
+                self.factorise(engine, safe);
+            }
+        }
+        Ok(())
+    }
+
+    /// The Newton step with the factorisation at hand and what the model says of it.
+    fn model_step(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        drive: &PrescribedMotion,
+        iteration: usize,
+    ) -> Result<Step, SolveError> {
+        let raw = self.raw_step(engine, residual);
+        let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
+        let work = -slope - self.free_dot(engine, &raw, |i| self.tangent.drive[i]);
+        let inertia = self.free_dot(engine, &raw, |i| engine.metric[i] * raw[i]);
+        let increment = self.finished_step(raw.clone(), drive, iteration)?;
+        let extent = extent(engine, residual, &increment);
+        Ok(Step { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
+    }
+
+    /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is
+    /// near enough), lengthened to the lowest of the model along it.
+    pub(super) fn step_within(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        drive: &PrescribedMotion,
+        radius: f64,
+        at: usize,
+    ) -> Result<Step, SolveError> {
+        // the shift of the step before says nothing where none is needed
+        let remembered = std::mem::take(&mut self.shift);
+        let mut step = if self.factorise(engine, 0.0) == Some(0) {
+            self.model_step(engine, residual, drive, at)?
+        } else {
+            self.shift = remembered;
+            self.convexify(engine, at)?;
+            self.model_step(engine, residual, drive, at)?
+        };
+        for _ in 0..MAX_SHORTENINGS {
+            if step.extent <= 1.5 * radius {
+                break;
+            }
+            self.shift = self.shift_for(&step, step.extent / radius).max(2.0 * self.shift);
+            self.factorise(engine, self.shift);
+            step = self.model_step(engine, residual, drive, at)?;
+        }
+        if radius.is_finite() && self.shift > 0.0 {
+            step.lengthen(radius, unseen(residual));
+        }
+        Ok(step)
+    }
+
+    /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that
+    /// the step has.
+    pub(super) fn shift_for(&self, step: &Step, shorter: f64) -> f64 {
+        let ratio = step.curvature / step.inertia;
+        let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
+        ((stiffness + self.shift) * shorter - stiffness).max(FIRST_SHIFT)
+    }
+}
+
+/// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
+/// over their contact distance.
+fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
+    let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
+    let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
+    let Some(side) = &engine.contact else { return turn };
+    let sliding = |term: &crate::contact::potential::ContactPair| {
+        let [a, _, b, _] = side.nodes_of(term);
+        (part(a, 0) - part(b, 0)).norm() / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
+    };
+    residual.contact_pairs.iter().map(sliding).fold(turn, f64::max)
+}
