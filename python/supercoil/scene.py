@@ -316,7 +316,7 @@ class Result:
         ``writhe`` in turns and ``seam_moment`` [F·L], with ``_NAME`` of the rod behind if there are several."""
         steps = self.steps
         table = {name: np.array([step[name] for step in steps]) for name in ("step", "stage", "fraction")}
-        for kind in ("stretch", "shear", "bend", "twist", "contact", "total"):
+        for kind in ("stretch", "shear", "bend", "twist", "contact", "electrostatic", "total"):
             table["energy_" + kind] = np.array([step["energies"][kind] for step in steps])
         gaps = [step["min_gap"]["lower"] if step["min_gap"] else np.nan for step in steps]
         table["min_gap"] = np.array(gaps)

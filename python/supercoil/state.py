@@ -117,7 +117,7 @@ class State:
 
     @property
     def energies(self) -> dict[str, float]:
-        """Energies [F·L]: stretch, shear, bend, twist, contact, total."""
+        """Energies [F·L]: stretch, shear, bend, twist, contact, electrostatic, total."""
         return dict(self.observation["energies"])
 
     def _link_number(self, name: str) -> float:

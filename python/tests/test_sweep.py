@@ -66,7 +66,7 @@ def test_the_table_has_every_case_and_its_failures(tmp_path: Path) -> None:
     result.save(tmp_path / "table.parquet")
     frame = pandas.read_parquet(tmp_path / "table.parquet")
     assert list(frame.columns) == list(result.table) and len(frame) == len(converged)
-    assert frame["total"].to_numpy().tobytes() == result.table["total"].tobytes()
+    assert frame["total_energy"].to_numpy().tobytes() == result.table["total_energy"].tobytes()
     assert frame["case"].tolist() == result.table["case"].tolist()
 
 

@@ -26,6 +26,9 @@ const UNRESISTED: f64 = 1e-2;
 /// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
 const TOL_GAP: f64 = 1e-10;
 
+/// Part of a length that a sum of lengths may be off by.
+const ROUNDING: f64 = 1e-12;
+
 /// [`Observation::status`] of a state at rest in which tubes are inside each other where contact does not resist it.
 pub const OVERLAP: &str = "overlap";
 
@@ -213,7 +216,8 @@ fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>
 
 /// Whether a gap is that of an open rod's end to a place nearer along the rod than half a turn about its own radius.
 fn is_of_end(rod: &Rod, gap: &GapReport) -> bool {
-    let is_end = |arc: f64| arc <= 0.0 || arc >= rod.length;
+    // arcs are sums of lengths of segments
+    let is_end = |arc: f64| arc <= ROUNDING * rod.length || arc >= (1.0 - ROUNDING) * rod.length;
     let along = (gap.arc_a - gap.arc_b).abs();
     gap.rod_a == gap.rod_b
         && !rod.closed

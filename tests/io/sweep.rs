@@ -143,7 +143,7 @@ fn a_case_is_the_run_of_its_scene() {
     assert!(rows.num_rows() == outcome.steps.len() && rows.num_rows() == 3);
     for (row, step) in outcome.steps.iter().enumerate() {
         let number = |name: &str| rows.column(name).unwrap().number(row).unwrap();
-        assert_eq!(number("total").to_bits(), step.energies.total.to_bits());
+        assert_eq!(number("total_energy").to_bits(), step.energies.total.to_bits());
         assert_eq!((number("step"), number("iterations")), (step.step as f64, step.iterations as f64));
     }
     assert_eq!(rows.column("rods.rod.elements").unwrap().number(0), Some(4.0));
@@ -209,7 +209,7 @@ fn collect_refuses_rows_that_differ_for_one_case() {
     let case = &plan.cases()[0];
     let rows = plan.run(case, &Default::default()).unwrap();
     let mut columns = rows.columns().to_vec();
-    let energy = columns.iter_mut().find(|column| column.name == "total").unwrap();
+    let energy = columns.iter_mut().find(|column| column.name == "total_energy").unwrap();
     let Values::Number(values) = &mut energy.values else { panic!("{energy:?}") };
     values[1] = values[1].map(|x| x * (1.0 + f64::EPSILON));
     let other = Table::new(columns.clone());
@@ -221,7 +221,8 @@ fn collect_refuses_rows_that_differ_for_one_case() {
     // wall times do differ
     let seconds = columns.iter_mut().find(|column| column.name == "seconds").unwrap();
     seconds.values = Values::Number(vec![Some(1.0); rows.num_rows()]);
-    columns.iter_mut().find(|column| column.name == "total").unwrap().values = rows.column("total").unwrap().clone();
+    columns.iter_mut().find(|column| column.name == "total_energy").unwrap().values =
+        rows.column("total").unwrap().clone();
     assert!(merge(&plan, &[rows, Table::new(columns)]).is_ok());
     std::fs::remove_dir_all(dir).unwrap();
 }
@@ -293,12 +294,15 @@ fn the_command_line_says_how_it_went() {
     let csv = dir.join("table.csv");
     assert_eq!(output(&["collect", &sweep, "--csv", csv.to_str().unwrap()]).0, 0);
     assert!(std::fs::read_to_string(&csv).unwrap().starts_with("case,stages.0.ramp.load,rods.rod.elements,"));
-    let plot = ["plot", &sweep, "-x", "stages.0.ramp.load", "-y", "bend", "--by"];
+    let plot = ["plot", &sweep, "-x", "stages.0.ramp.load", "-y", "bending_energy", "--by"];
     assert_eq!(output(&[&plot[..], &["rods.rod.elements"]].concat()).0, 0);
-    assert!(std::fs::read_to_string(Path::new(&sweep).join("bend.svg")).unwrap().contains("elements = 4"));
+    assert!(std::fs::read_to_string(Path::new(&sweep).join("bending_energy.svg")).unwrap().contains("elements = 4"));
     for (wrong, reason) in [
         (output(&[&plot[..], &["nothing"]].concat()), "by = \"nothing\": must be case, "),
-        (output(&["plot", &sweep, "-x", "status", "-y", "bend"]), "x = \"status\": must be a column of numbers"),
+        (
+            output(&["plot", &sweep, "-x", "status", "-y", "bending_energy"]),
+            "x = \"status\": must be a column of numbers",
+        ),
         (output(&["run", &sweep, "--shard", "4/4"]), "must be i/n"),
         (output(&["run", dir.to_str().unwrap()]), "plan.jsonl: is not there: supercoil sweep plan makes it"),
     ] {

@@ -54,7 +54,7 @@ impl Columns {
         all.prescribed(model, stages, &names);
         all.links(model, relaxed_links, &names);
         all.ends(model, &names);
-        all.energies(&names, thermal);
+        all.energies(&names, model.electrostatics.is_some(), thermal);
         all.contact(&names);
         all.reactions(model, stages, &names);
         all.knots(model);
@@ -150,13 +150,18 @@ impl Columns {
         }
     }
 
-    fn energies(&mut self, names: &Names, thermal: Option<f64>) {
+    fn energies(&mut self, names: &Names, charged: bool, thermal: Option<f64>) {
         let unit = &names.moment;
         self.add("stretching_energy", unit, "½∫EA (Γ3 − 1)²", |step| number(step.energies.stretch));
         self.add("shearing_energy", unit, "½∫GA Γ²", |step| number(step.energies.shear));
         self.add("bending_energy", unit, "½∫EI K²", |step| number(step.energies.bend));
         self.add("twisting_energy", unit, "½∫GJ K3²", |step| number(step.energies.twist));
         self.add("contact_energy", unit, "stored in the contact law", |step| number(step.energies.contact));
+        if charged {
+            self.add("electrostatic_energy", unit, "of charges along strands", |step| {
+                number(step.energies.electrostatic)
+            });
+        }
         self.add("total_energy", unit, "sum of these; work of loads not included", |step| number(step.energies.total));
         if let Some(thermal) = thermal {
             self.add("total_energy_kT", "kT", "the same at the scene's temperature", move |step| {

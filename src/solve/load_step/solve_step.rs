@@ -255,7 +255,9 @@ impl Solver {
         if self.augments() && self.is_near_contact()? {
             self.options.newton.tol_increment = tol.sqrt();
         }
+        self.workspace.near_rest = true;
         let outcome = self.search(drive, report);
+        self.workspace.near_rest = false;
         self.options.newton.tol_increment = tol;
         outcome
     }

@@ -84,6 +84,8 @@ pub(crate) struct Workspace {
     /// Shear forces and tension, per element and integration point, that the next search starts from instead of those
     /// of the state; empty: of the state.
     pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
+    /// The next search starts from a state at rest under pressures that are hardly others: its first steps are plain.
+    pub(crate) near_rest: bool,
     /// Bases of the unknowns of the last linearisation.
     bases: Bases,
     /// A search was given up because it was asked to.
@@ -92,7 +94,7 @@ pub(crate) struct Workspace {
 
 /// Iterations allowed to the search without shifts.
 const MAX_DIRECT: usize = 15;
-/// Two steps in a row that are longer than this times their predecessors are not those of Newton's method converging.
+/// Two steps in a row that are longer than this times their predecessors are not those of Newton's method near a solution.
 const CONTRACTION: f64 = 0.5;
 
 impl Workspace {
@@ -121,20 +123,19 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
-        if options.stable_only && leaving.is_none() && self.rough.is_none() {
-            let plain = if near_contact {
-                self.direct_in_contact(engine, drive, options, &forces, &mut spent)?
-            } else if engine.contact.is_some() {
-                self.direct_apart(engine, drive, options, &mut spent)?
-            } else {
-                None
-            };
-            if let Some(report) = plain {
-                return Ok(report);
-            }
-            engine.state = start.clone();
-            self.refresh(engine, &start)?;
+        let may_be_plain = options.stable_only && leaving.is_none();
+        let plain = if may_be_plain && near_contact && self.near_rest {
+            self.direct_in_contact(engine, drive, options, &forces, &mut spent)?
+        } else if engine.contact.is_some() && !(near_contact || leaving.is_some()) {
+            self.direct_apart(engine, drive, options, &mut spent)?
+        } else {
+            None
+        };
+        if let Some(report) = plain {
+            return Ok(report);
         }
+        engine.state = start.clone();
+        self.refresh(engine, &start)?;
         if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
             let direct = NewtonOptions {
                 stable_only: false,
@@ -265,7 +266,7 @@ impl Workspace {
             cut_steps = if fraction < 1.0 { cut_steps + 1 } else { 0 };
             growing = if increment > CONTRACTION * last { growing + 1 } else { 0 };
             last = increment;
-            if may_give_up && (cut_steps >= 2 || growing >= 2) {
+            if may_give_up && (cut_steps >= 2 || self.near_rest && growing >= 2) {
                 return Ok(report);
             }
         }

@@ -108,15 +108,8 @@ impl Workspace {
         radius: f64,
         at: usize,
     ) -> Result<Step, SolveError> {
-        // the shift of the step before says nothing where none is needed
-        let remembered = std::mem::take(&mut self.shift);
-        let mut step = if self.factorise(engine, 0.0) == Some(0) {
-            self.model_step(engine, residual, drive, at)?
-        } else {
-            self.shift = remembered;
-            self.convexify(engine, at)?;
-            self.model_step(engine, residual, drive, at)?
-        };
+        self.convexify(engine, at)?;
+        let mut step = self.model_step(engine, residual, drive, at)?;
         for _ in 0..MAX_SHORTENINGS {
             if step.extent <= 1.5 * radius {
                 break;
