@@ -222,7 +222,7 @@ fn collect_refuses_rows_that_differ_for_one_case() {
     let seconds = columns.iter_mut().find(|column| column.name == "seconds").unwrap();
     seconds.values = Values::Number(vec![Some(1.0); rows.num_rows()]);
     columns.iter_mut().find(|column| column.name == "total_energy").unwrap().values =
-        rows.column("total").unwrap().clone();
+        rows.column("total_energy").unwrap().clone();
     assert!(merge(&plan, &[rows, Table::new(columns)]).is_ok());
     std::fs::remove_dir_all(dir).unwrap();
 }
