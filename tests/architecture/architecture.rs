@@ -144,6 +144,31 @@ fn the_page_on_architecture_names_what_is_there() {
     assert_eq!(missing_paths("see `src/lib.rs` and `src/gone.rs`"), ["src/gone.rs"]);
 }
 
+/// Constants of a source, tests left out, as rows of the page begin: file, name, value.
+fn constants(file: &str, text: &str) -> Vec<String> {
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    let constant = |start: usize| {
+        let (name, rest) = code[start..].split_once(':')?;
+        let (_, value) = rest.split_once(" = ")?;
+        let value = value.split(';').next()?.split_whitespace().collect::<Vec<_>>().join(" ");
+        let named = name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+        named.then(|| format!("| `{}` | `{name}` | `{value}` |", file.trim_start_matches("solve/")))
+    };
+    code.match_indices("const ").filter_map(|(at, word)| constant(at + word.len())).collect()
+}
+
+/// `tools/constants` writes the page again.
+#[test]
+fn the_page_of_constants_has_every_constant_of_the_solver() {
+    let page = std::fs::read_to_string(source().join("../docs/SOLVER_CONSTANTS.md")).unwrap();
+    let solver = sources().into_iter().filter(|(file, _)| file.starts_with("solve/") && !file.ends_with("tests.rs"));
+    let mut there: Vec<String> = solver.flat_map(|(file, text)| constants(&file, &text)).collect();
+    assert!(there.len() > 50);
+    there.retain(|row| !page.contains(row.as_str()));
+    assert!(there.is_empty(), "not on the page, or with another value: {there:#?}");
+    assert_eq!(constants("solve/a.rs", "const A: f64 = 1e-3;\nfn f() {}"), ["| `a.rs` | `A` | `1e-3` |"]);
+}
+
 #[test]
 fn a_broken_layer_is_seen() {
     assert_eq!(offences("math/mod.rs", "use crate::solve::Engine;"), ["math/mod.rs uses solve"]);
