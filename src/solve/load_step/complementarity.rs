@@ -14,10 +14,10 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Gap that an offset may hold open, relative to the contact radius: it makes the rod thicker by this much.
+/// Gap that an offset may hold open, over the contact radius. It acts as a rod that is thicker by this part.
 pub(in crate::solve) const TOL_OPENING: f64 = 1e-6;
-/// Work that offsets may do on what they hold open and could let go, over the elastic energy: what the energy is too
-/// high by.
+/// Work of offsets on gaps that they hold open and could close, over the elastic energy. The energy is too high by this
+/// part.
 pub(in crate::solve) const TOL_COMPLEMENTARITY: f64 = 1e-9;
 
 /// Contacts that carry force over a gap.

@@ -16,16 +16,20 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::PrescribedMotion;
 
-/// Pressure over the law's own with which touching strands are probed, and the largest result.
+/// Pressure, over the law's own, at which touching strands are probed: small, so that strands nearby stay apart.
 const PROBING_PRESSURE: f64 = 0.01;
+/// Largest pressure of an estimate, over the law's own.
 const LARGEST_PRESSURE: f64 = 0.5;
-/// Stiffness of contact in the balance, over the law's pressure and the contact distance.
+/// Stiffness of contact in the estimate, over the law's pressure and the contact distance: stiff beside the rods, so
+/// that gaps stay.
 const STIFFNESS: f64 = 100.0;
-/// Stiffness of the law that the geometric part of contact is taken from: next to nothing.
+/// Stiffness, over the same, of the law that gives the geometric part of contact: next to nothing, because pressures
+/// are not known yet.
 const SLACK: f64 = 1e-9;
-/// Wavelength over 2π, in contact distances, beyond which inertia holds the rods.
+/// Wavelength over 2π, in contact distances, beyond which inertia holds the rods. Longer waves are motions of the
+/// shape, not forces in it.
 const HELD: f64 = 30.0;
-/// Balances at most: after each, strands that would pull are let go.
+/// Estimates at most: after each, strands that would pull are let go.
 const ROUNDS: usize = 3;
 
 /// Forces of a state in balance.

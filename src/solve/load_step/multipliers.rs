@@ -9,15 +9,15 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::{self, ContactField};
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Pressure over that of a core law at which its stiffness is taken.
+/// Pressure, over a core law's own, at which its stiffness is read.
 const USUAL_PRESSURE: f64 = 0.1;
-/// Largest growth of a pace from one augmentation to the next.
+/// Largest growth of a secant step from one augmentation to the next. A secant through two nearly equal gaps would
+/// overshoot.
 const FASTER: f64 = 2.0;
-/// How often offsets of contacts held open are lowered before these are left as they are.
+/// Times that offsets of open contacts are lowered at most, before these are left as they are.
 const MAX_RELEASES: usize = 10;
-/// In how many of the first rounds they are lowered along with what else is left to do, since offsets then come from
-/// the law before, which gave them by the window. Later they are when nothing else is left: lowering one and raising
-/// its neighbours at once may go on for ever (a ply of three strands).
+/// First rounds in which offsets are lowered and raised at once, because they come from another law. Later rounds lower
+/// only when nothing is left to raise: doing both at once may go on for ever (a ply of three strands).
 const EARLY: usize = 3;
 
 /// How far the contact conditions are from met, by nodes and in all.

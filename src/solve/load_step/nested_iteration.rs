@@ -29,9 +29,9 @@ use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{PrescribedMotion, State};
 
-/// How many times fewer elements a coarse mesh may have.
+/// Factors between the elements of the mesh and of a coarse one.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
-/// How far centrelines on two meshes may be from each other, contact radii.
+/// Distance of centrelines on two meshes, in contact radii, up to which they are the same shape.
 const SAME: f64 = 0.1;
 
 impl Solver {

@@ -14,9 +14,10 @@ use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Evaluations of the forces by which d is corrected; the exponent of F in δ is known from the second on.
+/// Evaluations of forces for the distance d. The exponent of F in δ is measured from the second on; the third confirms
+/// it.
 const ROUNDS: usize = 3;
-/// Exponent of F in δ at a point that is far from opening.
+/// Exponent of F in δ at a point of contact that is far from opening: its zone grows as √δ.
 const AT_POINTS: f64 = 1.5;
 
 /// A run of segments of one strand that touch another.

@@ -37,28 +37,28 @@ use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::search::timing::Timings;
 
-/// Turns of the superhelix that the short rod keeps, more if it does not come to rest, and contact distances of strand
-/// for its end loops.
+/// Turns of the superhelix that the short rod keeps. More are tried where fewer do not come to rest.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
+/// Strand kept for each end loop, in contact distances: the loop and its transition to the regular superhelix.
 const LOOPS: f64 = 60.0;
-/// Rods at least so many times as long as the short one are shortened.
+/// Length over that of the short rod from which a rod is shortened.
 const LONG: usize = 2;
-/// Turns of the superhelix over which the screw motion is measured.
+/// Turns of the superhelix over which its screw motion is measured: ripples of elements average out.
 const MEASURED_TURNS: f64 = 4.0;
-/// Deviation, in node spacings and rad, up to which a state is what its shortened one becomes when it is lengthened
-/// again.
+/// Deviation, in node spacings and rad, up to which a state counts as its own shortened state lengthened again.
 const SAME: f64 = 1e-3;
-/// Elements put in to measure what they add to the link.
+/// Elements that are put in to measure their link.
 const PROBE: usize = 64;
-/// Penetration of the short rod, over the one asked for, and the least: what is left of it in its middle is out of
-/// balance all along the long one.
+/// Penetration of the short rod over the one asked for. Its remainder in the middle is out of balance all along the
+/// long rod.
 const CLOSER: f64 = 1e-3;
+/// Smallest penetration asked of the short rod, in contact radii.
 const CLOSEST: f64 = 1e-11;
-/// The link of the long rod that is left to it to put right, turns, and how often the short one's is changed for it at
-/// most.
+/// Link, in turns, that the long rod may be off by at its start.
 const TOL_LINK: f64 = 1e-3;
+/// Corrections of the short rod's link at most.
 const MAX_ROUNDS: usize = 8;
-/// How often the pressures of the short rod are made smooth.
+/// Times that the pressures of the short rod are smoothed: ripples of elements would add up along the long rod.
 const SMOOTHINGS: usize = 3;
 
 /// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about

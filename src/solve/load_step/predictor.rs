@@ -30,7 +30,7 @@ const FARTHEST: f64 = 2.0;
 /// 120 steps of a minicircle, a thin ring and pUC19 all but three predictions below it came to rest in at most 30
 /// iterations, none above it did.
 const UNCERTAIN: f64 = 0.15;
-/// Relative deviation of controls from a line that rounding makes of ramps.
+/// Relative deviation of prescribed values from a line that counts as rounding of ramps.
 const COLLINEAR: f64 = 1e-6;
 /// Sine of the angle between tangent and axis up to which a support turns a rod about its own tangent.
 const ABOUT_TANGENT: f64 = 1e-9;

@@ -23,17 +23,19 @@ use crate::solve::search::trust_region::unseen;
 /// Depth of the core law that a load step with contact begins under, over the contact distance. With .1 in its place
 /// pUC19 given all of its link takes 464 iterations for 335, a minicircle 442 for 404, tweezers do not come to their end.
 const DEPTH: f64 = 0.4;
-/// Overlap relative to the contact radius up to which pressures are taken for those of a state at rest.
+/// Overlap, over the contact radius, up to which pressures count as those of a state at rest.
 pub(in crate::solve) const AT_REST: f64 = 1e-2;
-/// Tolerance of the searches on the way.
+/// Tolerance, in extents of a step, of searches that only prepare the next one.
 const TOL_ON_THE_WAY: f64 = 1e-2;
-/// Factor between the stiffnesses that are tried where the mesh does not carry the one asked for, and how often.
+/// Factor between the penalties that are tried where the mesh does not carry the one asked for.
 const STIFFNESS_RATIO: f64 = 10.0;
+/// Reductions of the penalty at most.
 const MAX_REDUCTIONS: i32 = 3;
 /// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
 /// given ten turns at once would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
-/// Iterations without progress that a predicted state, one made on another mesh, or a law is given to come to rest.
+/// Iterations without progress that a search from a prediction, from another mesh or under another law may take before
+/// another start is tried.
 pub(in crate::solve) const RESETTLING_ITERATIONS: usize = 100;
 
 /// Snapshot that a failed step returns to.

@@ -35,8 +35,9 @@ use crate::solve::search::timing::Instant;
 const AIM: f64 = 5.0;
 /// Steps whose tangent turns by more than this are taken again, shorter, rad in the metric of the arc length.
 const MAX_TURN: f64 = 0.5;
-/// Where steps shorter than this share of the first fail, a corner is looked for, and within so many of their lengths.
+/// Step, over the first one, below which a failing step is taken for a corner of the path, and the corner is located.
 const NEAR_CORNER: f64 = 1e-2;
+/// Lengths of such a step within which the corner is sought.
 const CORNER_REACH: f64 = 4.0;
 /// Longest chord of a step in units of its length along the tangent: beyond it Newton has gone to another path.
 const MAX_CHORD: f64 = 1.25;

@@ -10,7 +10,7 @@ use crate::solve::search::newton::{NewtonOptions, relative_residual};
 
 /// Width of the interval that encloses the deepest overlap, relative to the smallest contact radius.
 const TOL_DEPTH: f64 = 1e-3;
-/// Forces out of balance by less than this, relative to those there are, have no place worth naming.
+/// Relative residual below which the place of the largest imbalance is rounding and is not told.
 const NOTABLE_RESIDUAL: f64 = 1e-10;
 
 /// A place on a rod.

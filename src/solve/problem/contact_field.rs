@@ -14,8 +14,8 @@ use crate::math::Vec3;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry:
-/// what an offset towards another one would be felt by is nearer.
+/// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry.
+/// Farther away no offset is felt.
 const REMEMBERED: f64 = 2.0;
 
 /// A place on a strand that a node touches.

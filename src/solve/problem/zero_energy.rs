@@ -27,17 +27,16 @@ use several::Several;
 
 mod several;
 
-/// Rods that touch other free rods have rigid motions that contact may resist: but for one of them, their springs are
-/// only this strong, a proximal term that shortens steps a little.
+/// Strength, over the usual one, of springs on all but one of several free rods that touch. Contact may resist their
+/// rigid motions; weak springs shorten steps only a little.
 const SHARED: f64 = 1e-9;
-/// A motion whose part not spanned by the others is smaller than this is no motion of its own: a flat ring slides by
-/// turning.
+/// Part of a motion outside the span of the others, below which it is not counted. A flat ring slides by turning.
 const DEPENDENT: f64 = 1e-3;
-/// Squares of motions where a rod is held, over the largest of all: below the first a combination of them may pass, and
-/// does if what is left of it is below the second.
+/// Square of a motion where a rod is held, over the largest, below which a combination of motions is tried.
 const MAY_PASS: f64 = 1e-12;
+/// The same of a combination, below which supports let it pass: the square of rounding.
 const PASSES: f64 = 1e-24;
-/// Work of a load on a motion, relative to the largest it could do, that rounding makes.
+/// Work of a load on a motion, over the largest that it could do, that counts as rounding.
 const UNLOADED: f64 = 1e-9;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {

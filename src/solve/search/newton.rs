@@ -92,9 +92,10 @@ pub(crate) struct Workspace {
     pub(crate) interrupted: bool,
 }
 
-/// Iterations allowed to the search without shifts.
+/// Iterations of the plain search at most.
 const MAX_DIRECT: usize = 15;
-/// Two steps in a row that are longer than this times their predecessors are not those of Newton's method near a solution.
+/// Ratio of two increments above which Newton's method does not converge yet. Near a state at rest, two such ratios in
+/// a row end the plain search.
 const CONTRACTION: f64 = 0.5;
 
 impl Workspace {

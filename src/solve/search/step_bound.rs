@@ -32,9 +32,9 @@ struct Keep {
     turned: f64,
 }
 
-/// For a step before it is corrected for curvature.
+/// Bounds for a step before it is corrected.
 const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, turned: 0.45 * TAU };
-/// For the step as it is taken: corrections may use up half of what the step left.
+/// Bounds for a corrected step: corrections may use half of the room that the step left.
 const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, turned: 0.48 * TAU };
 /// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod
 /// bulges by much more than the rod's thickness: with that for an error no step near contact would be left.

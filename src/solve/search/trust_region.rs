@@ -34,25 +34,26 @@ use progress::Progress;
 use radius::{Outcome, TrustRegion};
 use step::Step;
 
-/// Steps rejected in a row, or taken but [stuck](Rest::is_stuck), before the search gives up.
+/// Rejected or stuck steps in a row after which the search gives up. Thirty reductions shorten a step to rounding.
 const MAX_REJECTIONS: usize = 30;
-/// Fractions of a step tried before the shift is raised.
+/// Fractions of a step that are tried before the shift is raised. A fraction costs an evaluation, a shift a
+/// factorisation.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
-/// Decrease of the potential, relative to the expected one, with which a fraction whose corrections did not converge is
-/// good enough.
+/// Decrease of the potential, over the expected one, that makes a fraction acceptable although its corrections did not
+/// converge.
 const ENOUGH: f64 = 0.1;
-/// Extent (see [`Step`]) of a response that is that of a nearly singular tangent.
+/// Extent of a pushed step above which the tangent counts as nearly singular, and is shifted: two radians.
 const TOO_FAR: f64 = 2.0;
-/// Factor on the shift after a step as long as the radius; a shift that turns out too small for the next costs one
+/// Factor on the shift after a step as long as the radius. If the smaller shift does not do, it costs one
 /// factorisation.
 const RELAXING: f64 = 0.5;
-/// Decrease of the potential, relative to the expected one, with which a step is accepted.
+/// Decrease of the potential, over the expected one, with which a step is accepted.
 const LEAST: f64 = 0.05;
-/// Smallest fraction of a prescribed motion taken at a time.
+/// Smallest fraction of a prescribed motion that is taken at a time.
 const SHORTEST: f64 = 1e-3;
-/// Relative size of changes of the potential that rounding makes.
+/// Relative change of the potential that counts as rounding.
 const ROUNDING: f64 = 1e-11;
-/// Rounding of the potential, so many times over, is what its decrease does not tell from none.
+/// Roundings of the potential below which a decrease cannot be told from none.
 const UNSEEN: f64 = 10.0;
 
 /// A search under way.

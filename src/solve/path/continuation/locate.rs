@@ -5,7 +5,7 @@ use crate::error::SolveError;
 use crate::solve::path::continuation::PointKind;
 use crate::solve::path::continuation::corrector::{Motion, Plane, Point, Tracer};
 
-/// Trials per location.
+/// Trials per location; halving alone would need 50.
 const MAX_TRIALS: usize = 60;
 /// Branch points, or corners, located between two points of a path before the rest is left unlocated.
 const MAX_CROSSINGS: usize = 8;

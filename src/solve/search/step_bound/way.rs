@@ -13,11 +13,11 @@ use crate::math::{Quat, Vec3};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
-/// Largest rotation of a leg, rad.
+/// Largest rotation of a leg, rad: within it a chord stands for the arc.
 const LEG: f64 = 0.5;
-/// Legs at most; ways that turn further are not looked at.
+/// Legs at most. Motions that turn further are not examined, and refused.
 const MAX_LEGS: f64 = 64.0;
-/// Steps in which a leg must be gone.
+/// Bounded steps in which a leg must be completed.
 const MAX_STEPS: usize = 8;
 
 impl Engine {

@@ -5,22 +5,22 @@ use super::step::Step;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 
-/// At rest no contact force changes by more than this in the last step, relative to the largest: where contact is
-/// lightly loaded, increments far below any length of the rods still matter to it.
+/// Change of contact forces in the last step, over the largest force, up to which a state is at rest. Lightly loaded
+/// contact feels increments far below the tolerance.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
-/// A search that only prepares the next one goes on while a step changes contact forces by more than this, relative to
-/// the largest.
+/// The same for a search that only prepares the next one.
 const STEADY: f64 = 0.3;
-/// Increments this much below the tolerance are rest where contact forces changed in the last step by no more than
-/// [`NEARLY_BALANCED`], relative, and are out of balance by no more, or where contact bends nothing by more than
-/// [`UNLOADED`], rad: strands that touch without a load press by rounding alone.
+/// Increment, over the tolerance, below which a state is at rest although contact forces still change: strands that
+/// touch without load press by rounding alone. Forces must be nearly balanced, or contact unloaded.
 const IMMOBILE: f64 = 1e-4;
+/// Change and imbalance of contact forces, relative, up to which they are nearly balanced.
 const NEARLY_BALANCED: f64 = 1e-3;
+/// Rotation, rad, that the largest contact force can cause, up to which contact is unloaded.
 const UNLOADED: f64 = 1e-6;
-/// Relative residual below which shifted steps that stay tiny are taken for rest at a saddle.
+/// Relative residual below which shifted steps that stay tiny mean rest at a saddle.
 const TOL_SADDLE: f64 = 1e-8;
-/// Decrements that the potential cannot see and that fall by less than this in three steps, nor under a shift rise by
-/// more than its inverse, are made of rounding.
+/// Ratio of expected decreases over three steps. Decreases too small for the potential that fall by less (or, under a
+/// shift, grow by less than the inverse) are rounding.
 const SETTLING: f64 = 0.1;
 
 /// A step that was accepted, in numbers.

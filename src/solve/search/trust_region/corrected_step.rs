@@ -11,14 +11,14 @@ use crate::solve::problem::state::State;
 use crate::solve::search::newton::Workspace;
 use crate::solve::search::timing::timed;
 
-/// Largest change of a contact force, over the largest, in a step that is corrected by all that is out of balance after
-/// it.
+/// Change of contact forces in a step, over the largest force, up to which the whole residual is corrected, not only
+/// its second-order part.
 const GENTLE: f64 = 0.1;
-/// Correction rounds per step.
+/// Correction rounds per step at most.
 pub(super) const MAX_ROUNDS: usize = 10;
-/// A correction this small in energy, relative to the step, ends the rounds.
+/// Energy of a correction over that of its step that ends the rounds.
 const SMALL_CORRECTION: f64 = 1e-2;
-/// Each correction must be smaller than this times its predecessor (energies).
+/// Energy of a correction over that of the one before, above which the rounds do not converge.
 const CONTRACTION: f64 = 0.4;
 
 /// A step after its corrections.

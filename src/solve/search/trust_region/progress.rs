@@ -2,8 +2,8 @@
 
 use crate::solve::problem::assembly::Residual;
 
-/// Decrease of the potential over the energy stored in rods and contact, or of what is left of a prescribed motion over itself, that is
-/// progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
+/// Decrease of the potential over the stored energy, or advance of a prescribed motion over its remainder, that counts
+/// as progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
 const PROGRESS: f64 = 1e-2;
 
 /// Iterations since the last progress.

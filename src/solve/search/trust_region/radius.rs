@@ -2,19 +2,20 @@
 
 use super::corrected_step::MAX_ROUNDS;
 
-/// Radius at the start and at most, rad.
+/// Radius at the start, rad.
 const FIRST: f64 = 0.5;
+/// Largest radius, rad.
 const LARGEST: f64 = 2.0;
-/// Growth after a step that the model foresaw, over what the step took.
+/// Radius after a foreseen step, over the extent that was taken.
 const GROWTH: f64 = 3.0;
-/// Decrease of the potential over the expected one between which the model foresaw a step, and below which it did not.
+/// Decrease of the potential over the expected one of a foreseen step.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
+/// The same below which the model misjudged the step, and the radius shrinks.
 const MISJUDGED: f64 = 0.25;
-/// Correction rounds up to which a step is no surprise: half of those that a trial may take. (With three, a knot that
-/// slides through itself goes on by the same small step for hundreds of iterations; without any bound a hard penalty
-/// rattles.)
+/// Correction rounds of a foreseen step at most: half of those allowed. (With three, a knot that slides through itself
+/// repeats the same small step for hundreds of iterations; without a bound a hard penalty rattles.)
 const FEW_ROUNDS: usize = MAX_ROUNDS / 2;
-/// What is left of a step's extent after it was rejected.
+/// Radius after a rejected step, over the step's extent.
 const REJECTED: f64 = 0.25;
 
 /// What a step came to.

@@ -10,11 +10,11 @@ use crate::solve::search::newton::{NEUTRAL_SHIFT, Workspace};
 
 use super::unseen;
 
-/// Smallest shift that is tried, in units of B/L⁴.
+/// Smallest shift that is tried, in units of B/L⁴: that of the softest bending of a rod.
 const FIRST_SHIFT: f64 = 10.0;
-/// Largest shift that is tried.
+/// Largest shift that is tried; a matrix that is not convex then has broken down.
 const MAX_SHIFT: f64 = 1e30;
-/// Larger shifts tried to bring a step within the radius.
+/// Shifts raised at most to bring a step within the radius; half again as far is near enough.
 const MAX_SHORTENINGS: usize = 3;
 
 /// A step and the quadratic model along it.
