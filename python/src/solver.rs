@@ -1,12 +1,13 @@
 //! The solver driven by hand.
 
+use std::ops::ControlFlow;
 use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use supercoil::io::run::options;
 use supercoil::observe::observe;
 use supercoil::scene;
-use supercoil::solve::{self, Interrupt, Progress, StepReport};
+use supercoil::solve::{self, FollowOptions, Interrupt, PathPoint, PointKind, Progress, StepReport};
 
 use crate::refuse;
 use crate::scene::Scene;
@@ -87,10 +88,52 @@ impl Solver {
         })
     }
 
+    /// Follows the path of equilibria with the first ramp of `[[stages]]` in `text` as its parameter. Returns how it
+    /// ended, and of every point its kind, the parameter, unstable directions and the state.
+    #[allow(clippy::type_complexity)]
+    fn follow(
+        &self,
+        py: Python,
+        text: &str,
+        steps: (f64, f64),
+        max_points: usize,
+    ) -> PyResult<(String, Vec<(&'static str, f64, usize, State)>)> {
+        let stages = self.scene.stages_from_toml(text).map_err(refuse::input)?;
+        let ramp = stages.into_iter().flat_map(|stage| stage.ramps).next();
+        let ramp = ramp.ok_or_else(|| refuse::damaged("follow", "has no ramp"))?;
+        let options = FollowOptions { step: steps.0, max_step: steps.1, max_points, ..FollowOptions::default() };
+        if self.lock()?.report.is_none() {
+            self.step_to(py, None)?;
+        }
+        let mut driven = self.lock()?;
+        let (driven, interrupt) = (&mut *driven, &self.interrupt);
+        let mut points = Vec::new();
+        let work = |_: std::sync::mpsc::Sender<()>| {
+            driven.solver.follow(&ramp, &options, &mut |point: &PathPoint| {
+                let state = State::of(point.engine(), observe(&point.progress));
+                points.push((kind(point.kind), point.value, point.num_unstable(), state));
+                if interrupt.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+        };
+        let report = supervised(py, &self.interrupt, work, |()| Ok(()))?.map_err(refuse::input)?;
+        Ok((format!("{:?}", report.end), points))
+    }
+
     /// Unstable directions of the present state.
     fn num_unstable(&self, py: Python) -> PyResult<usize> {
         let mut driven = self.lock()?;
         let driven = &mut *driven;
         py.detach(|| driven.solver.num_unstable()).map_err(refuse::solve)
+    }
+}
+
+fn kind(kind: PointKind) -> &'static str {
+    match kind {
+        PointKind::Start => "start",
+        PointKind::Regular => "regular",
+        PointKind::Limit => "limit",
+        PointKind::Branch { .. } => "branch",
+        PointKind::Corner => "corner",
+        PointKind::Target => "target",
     }
 }

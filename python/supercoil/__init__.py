@@ -3,13 +3,15 @@
 from . import contact
 from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
-from .scene import LineLoad, Load, Result, Rod, Scene, Solver, Stage, StepReport, Support
+from .scene import EquilibriumPath, LineLoad, Load, PathPoint, Result, Rod, Scene, Solver, Stage, StepReport, Support
 from .state import State
 
 __all__ = [
+    "EquilibriumPath",
     "InputError",
     "LineLoad",
     "Load",
+    "PathPoint",
     "Result",
     "Rod",
     "Scene",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import pickle
@@ -352,8 +353,22 @@ class Result:
         state = self.state._native.to_bytes()
         return _result_of, (self.scene, state, self._steps, self.status, self.failure, self.seconds)
 
+    def plot(self, x: str, y: str, ax: Any = None) -> Any:
+        """Draws two columns of :attr:`table` against each other; returns the matplotlib axes. Needs matplotlib."""
+        if ax is None:
+            import matplotlib.pyplot
+
+            ax = matplotlib.pyplot.figure().add_subplot()
+        ax.plot(self.table[x], self.table[y], marker=".")
+        ax.set_xlabel(x)
+        ax.set_ylabel(y)
+        return ax
+
     def _repr_png_(self) -> bytes:
         return self.state._repr_png_()
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self))}</p>{self.state._repr_html_()}"
 
     def __repr__(self) -> str:
         return f"<Result: {self.status} after {len(self.steps) - 1} steps, {self.seconds:.2f} s>"
@@ -384,6 +399,27 @@ class StepReport:
     def converged(self) -> bool:
         """Whether the state is at rest at its target."""
         return self.status == "converged"
+
+
+@dataclass(frozen=True)
+class PathPoint:
+    """A point of a path of equilibria."""
+
+    #: "start", "regular", "limit", "branch", "corner" or "target".
+    kind: str
+    #: The parameter in the ramp's own unit.
+    value: float
+    num_unstable: int
+    state: State
+
+
+@dataclass(frozen=True)
+class EquilibriumPath:
+    """A path of equilibria."""
+
+    #: "Target", "MaxPoints", "StepTooSmall", "NoStart", "Stopped" or "BrokeDown".
+    end: str
+    points: list[PathPoint]
 
 
 class Solver:
@@ -423,6 +459,30 @@ class Solver:
             link=link,
         )
         return StepReport(*self._native.step_to(tomli_w.dumps({"stages": [stage._table()]})))
+
+    def follow(
+        self,
+        *,
+        excess_link: float | Table | None = None,
+        rotation: Table | None = None,
+        displacement: Table | None = None,
+        load: float | None = None,
+        pressure: float | Table | None = None,
+        step: float = 0.05,
+        max_step: float = 0.2,
+        max_points: int = 500,
+    ) -> EquilibriumPath:
+        """Follows the path of equilibria past limit points, stable or not, with one ramp as its parameter.
+
+        ``step`` and ``max_step`` are arc lengths of the path: ds² = mean |δr|²/L² + mean |θ|² + (δλ/range)². The solver
+        keeps the last point.
+        """
+        stage = Stage(
+            excess_link=excess_link, rotation=rotation, displacement=displacement, load=load, pressure=pressure
+        )
+        text = tomli_w.dumps({"stages": [stage._table()]})
+        end, points = self._native.follow(text, (step, max_step), max_points)
+        return EquilibriumPath(end, [PathPoint(kind, value, unstable, State(state)) for kind, value, unstable, state in points])
 
     @property
     def state(self) -> State:

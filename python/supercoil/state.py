@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import html
 import json
 import tempfile
 from functools import cached_property
@@ -172,6 +174,26 @@ class State:
             path = Path(folder) / "state.png"
             self.save_picture(path, 600, 450)
             return path.read_bytes()
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self._repr_png_()).decode()
+        energies = "".join(f"<tr><td>{kind}</td><td>{value:.6g}</td></tr>" for kind, value in self.energies.items())
+        return (
+            f'<p>{html.escape(repr(self))}</p><img src="data:image/png;base64,{picture}"/>'
+            f"<table><tr><th>energy</th><th>F·L</th></tr>{energies}</table>"
+        )
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the centrelines, axes to scale; returns the matplotlib axes. Needs matplotlib."""
+        if ax is None:
+            import matplotlib.pyplot
+
+            ax = matplotlib.pyplot.figure().add_subplot(projection="3d")
+        for name, (first, end), rod in zip(self.rod_names, self.node_ranges, self._native.rods(), strict=True):
+            nodes = [*range(first, end), *([first] if rod[1] else [])]
+            ax.plot(*self.positions[nodes].T, label=name)
+        ax.set_aspect("equal")
+        return ax
 
     def to_pyvista(self) -> Any:
         """The centrelines as a ``pyvista.PolyData`` with frames and contact force; needs pyvista."""

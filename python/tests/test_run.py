@@ -167,6 +167,30 @@ def test_a_picture_is_a_png_of_the_size_asked_for(result: Result, tmp_path: Path
     assert result._repr_png_()[:4] == b"\x89PNG"
 
 
+def test_results_show_themselves_in_notebooks(result: Result) -> None:
+    shown = result._repr_html_()
+    assert "data:image/png;base64," in shown and "&lt;Result: converged" in shown and "<td>twist</td>" in shown
+    axes = result.plot("excess_link", "writhe")
+    assert list(axes.lines[0].get_ydata()) == list(result.table["writhe"]) and axes.get_ylabel() == "writhe"
+    line = result.state.plot().lines[0]
+    closed = np.vstack([result.state.positions, result.state.positions[:1]])
+    assert np.array_equal(np.array(line.get_data_3d()).T, closed)
+
+
+def test_a_path_passes_the_branch_point_of_a_twisted_ring() -> None:
+    """Michell and Zajac: a ring buckles at excess link √3 B/C, here 1.1547.
+
+    That it stretches and shears moves it by some (2π)² B/(EA L²).
+    """
+    path = ring().solver().follow(excess_link=1.3, max_step=0.1)
+    kinds = [point.kind for point in path.points]
+    assert path.end == "Target" and kinds[0] == "start" and kinds[-1] == "target" and kinds.count("branch") == 1
+    branch = path.points[kinds.index("branch")]
+    assert branch.value == pytest.approx(3**0.5 / 1.5, abs=(2 * np.pi) ** 2 / 1e4)
+    assert [point.num_unstable > 0 for point in (path.points[0], path.points[-1])] == [False, True]
+    assert path.points[-1].state.links[0]["excess_link"] == pytest.approx(1.3, rel=1e-12)
+
+
 def test_progress_prints_a_line_a_step(capsys: pytest.CaptureFixture[str]) -> None:
     result = ring(excess_link=0.5, steps=2).run(progress=True)
     lines = capsys.readouterr().err.splitlines()
