@@ -168,3 +168,61 @@ fn changes_without_sense_are_refused() {
         assert!(message.contains(reason), "{stage}: {message}");
     }
 }
+
+/// Two beams, one across the middle of the other, that are apart at the start: clamped at both ends.
+const CROSSED: &str = r#"
+[[rods]]
+name = "lower"
+shape = { kind = "line", start = [-0.5, 0.0, 0.0], direction = [1.0, 0.0, 0.0], length = 1.0 }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }
+elements = 8
+[[rods]]
+name = "upper"
+shape = { kind = "line", start = [0.0, -0.5, 0.05], direction = [0.0, 1.0, 0.0], length = 1.0 }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }
+elements = 8
+[[supports]]
+rod = ["lower", "upper"]
+at = "start"
+position = true
+rotation = true
+[[supports]]
+rod = ["lower", "upper"]
+at = "end"
+position = true
+rotation = true
+"#;
+
+/// A rod may grow until it touches one that touches another already.
+#[test]
+fn a_rod_that_grows_until_it_touches_is_a_thick_rod() {
+    let touching = CROSSED.replace("contact_radius = 0.01", "contact_radius = 0.0255");
+    let third = |radius: f64| {
+        let supports = touching.find("[[supports]]").unwrap();
+        let (rods, supports) = touching.split_at(supports);
+        let third = rods[rods.find("[[rods]]\nname = \"upper\"").unwrap()..].replace("upper", "third");
+        let third = third.replace("-0.5, 0.05", "-0.5, -0.06").replace("0.0255", &format!("{radius:?}"));
+        format!("{rods}{third}{}", supports.replace("\"upper\"", "\"upper\", \"third\""))
+    };
+    let stage = "[[stages]]\nramp = { section = { rod = \"third\", contact_radius = 0.04 } }\nsteps = 1\n";
+    let (_, grown) = run(&format!("{}{stage}", third(0.01)));
+    let (_, thick) = run(&third(0.04));
+    let [first, grown, thick] = [&grown[0], grown.last().unwrap(), thick.last().unwrap()];
+    assert!(first.num_sites == 1 && thick.num_sites == 2, "{} {}", first.num_sites, thick.num_sites);
+    let apart = grown.energies.bend / thick.energies.bend - 1.0;
+    assert!(apart.abs() < 1e-4, "{apart:e}");
+}
+
+/// Symptom: charges were lost where a rod's contact radius changed.
+#[test]
+fn rods_that_grow_keep_their_charges() {
+    let charges = "[contact]\nelectrostatics = { strength = 0.05, debye_length = 0.02 }\n";
+    let stage = |to: f64| {
+        format!("[[stages]]\nramp = {{ section = {{ rod = \"lower\", contact_radius = {to:?} }} }}\nsteps = 2\n")
+    };
+    let (_, still) = run(&format!("{CROSSED}{charges}"));
+    let (_, grown) = run(&format!("{CROSSED}{charges}{}", stage(0.012)));
+    let [still, grown] = [&still, &grown].map(|seen| seen.last().unwrap().energies.electrostatic);
+    assert!(still > 1e-6, "{still:e}");
+    assert!((grown / still - 1.0).abs() < 1e-9, "{grown:e} {still:e}");
+}

@@ -9,8 +9,7 @@ use crate::contact::screened::{Repulsion, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::math::two_sum::two_sum;
-use crate::rod::Rod;
-use crate::scene::Electrostatics;
+use crate::scene::{Electrostatics, Model};
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::State;
 
@@ -32,6 +31,8 @@ pub(crate) struct ContactSide {
     pub(crate) broad_phase: BroadPhase,
     /// Screened repulsion of the strands, if it is asked for.
     pub(crate) repulsion: Option<Repulsion>,
+    /// Generations of the sides that this one has replaced.
+    generations_before: u64,
     /// Pressure against overlap.
     pub(crate) law: Law,
     /// Offsets c \[L\] (zero for a plain penalty).
@@ -48,19 +49,19 @@ pub(crate) struct ContactSide {
 
 impl ContactSide {
     /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε the
-    /// smallest radius, B `bending`; `None` if no rod has one.
+    /// smallest radius, B `bending`, with the model's charges; `None` if no rod has one.
     ///
     /// # Errors
     /// Curves that [`CurveSet::new`] refuses.
     pub(crate) fn new(
-        rods: &[Rod],
+        model: &Model,
         first_node: &[usize],
         state: &State,
         (dimensionless, bending): (f64, f64),
     ) -> Result<Option<Self>, InputError> {
         let mut inputs = Vec::new();
         let (mut nodes, mut touching) = (Vec::new(), Vec::new());
-        for (index, rod) in rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
+        for (index, rod) in model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
             let count = rod.num_segments();
             let first = first_node[index];
             let own: Vec<[usize; 2]> = (0..count).map(|k| [first + k, first + (k + 1) % rod.num_nodes()]).collect();
@@ -80,13 +81,16 @@ impl ContactSide {
         let min_radius = inputs.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
         let mut set = CurveSet::new(inputs)?;
         set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
+        let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
+        let repulsion = model.electrostatics.map(|charges| Repulsion::new(screened(charges), &set));
         Ok(Some(Self {
             set,
             nodes,
             rods: touching,
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
-            repulsion: None,
+            repulsion,
+            generations_before: 0,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
             offsets: ContactField::uniform(state.positions.len(), 0.0),
             before: None,
@@ -95,9 +99,9 @@ impl ContactSide {
         }))
     }
 
-    /// Adds screened repulsion.
-    pub(crate) fn charge(&mut self, Electrostatics { strength, debye_length }: Electrostatics) {
-        self.repulsion = Some(Repulsion::new(Screened { strength, debye_length }, &self.set));
+    /// Takes the place of another one that rods with other numbers had: its generations are not counted again.
+    pub(crate) fn replaces(&mut self, other: &Self) {
+        self.generations_before = other.generation();
     }
 
     /// Whether strands may push each other at all.
@@ -107,7 +111,9 @@ impl ContactSide {
 
     /// Changes with the pairs of segments that the tangent couples.
     pub(crate) fn generation(&self) -> u64 {
-        self.broad_phase.generation() + self.repulsion.as_ref().map_or(0, Repulsion::generation)
+        self.generations_before
+            + self.broad_phase.generation()
+            + self.repulsion.as_ref().map_or(0, Repulsion::generation)
     }
 
     /// Pairs of segments that the tangent couples; some may be there twice.

@@ -87,6 +87,11 @@ impl Reference {
         }
     }
 
+    /// Of a rod that is evenly curved by nature.
+    pub(crate) fn curved([k1, k2, k3]: [f64; 3]) -> Self {
+        Self::Uniform([0.0, 0.0, 1.0, k1, k2, k3])
+    }
+
     pub(crate) fn of(&self, element: usize) -> [Strain; 3] {
         match self {
             Self::Uniform(six) => [*six; 3],
@@ -149,10 +154,6 @@ impl Engine {
         }
         let num_nodes = first_node[model.rods.len()];
         let master = masters(&model, &first_node, num_nodes);
-        let equations = free_unknowns(&model, &first_node, &master);
-        let swivels = Swivel::all(&model, &equations, &master);
-        let mut free = equations.clone();
-        swivels.iter().for_each(|swivel| free[swivel.nodes[0]][3 + swivel.axis] = true);
         let state = State {
             remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
@@ -176,21 +177,19 @@ impl Engine {
             model,
             first_node,
             elements,
-            free,
-            equations,
-            swivels,
+            free: Vec::new(),
+            equations: Vec::new(),
+            swivels: Vec::new(),
             master,
             state,
             scales,
             pool,
         };
+        engine.find_unknowns();
         engine.reference = engine.build_reference();
         if let Some(stiffness) = engine.model.contact.law.stiffness() {
-            let (rods, first_node, bending) = (&engine.model.rods, &engine.first_node, engine.scales.bending);
-            engine.contact = ContactSide::new(rods, first_node, &engine.state, (stiffness, bending))?;
-            if let (Some(side), Some(charges)) = (&mut engine.contact, engine.model.electrostatics) {
-                side.charge(charges);
-            }
+            let law = (stiffness, engine.scales.bending);
+            engine.contact = ContactSide::new(&engine.model, &engine.first_node, &engine.state, law)?;
         }
         Ok(engine)
     }
@@ -338,8 +337,8 @@ impl Engine {
         self.planes = planes(&self.model);
     }
 
-    /// Unknowns of a model whose supports have changed.
-    pub(crate) fn hold_again(&mut self) {
+    /// Tells by the supports which components of the nodes are unknown.
+    pub(crate) fn find_unknowns(&mut self) {
         self.equations = free_unknowns(&self.model, &self.first_node, &self.master);
         self.swivels = Swivel::all(&self.model, &self.equations, &self.master);
         self.free.clone_from(&self.equations);
@@ -417,10 +416,9 @@ impl Engine {
         let mut first = 0;
         let mut all = Vec::new();
         for (index, rod) in self.model.rods.iter().enumerate() {
-            let straight = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
             all.push(match &rod.natural {
-                Natural::Straight => Reference::Uniform(straight),
-                Natural::Uniform { kappa } => Reference::Uniform([0.0, 0.0, 1.0, kappa[0], kappa[1], kappa[2]]),
+                Natural::Straight => Reference::curved([0.0; 3]),
+                Natural::Uniform { kappa } => Reference::curved(*kappa),
                 Natural::Varying(along) => {
                     let strains = (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into));
                     Reference::PerElement(first, strains.collect())

@@ -7,6 +7,10 @@ use crate::scene::{Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoa
 
 /// Two free rings that overlap, with dead loads and pressure, moved off every symmetry.
 fn engine() -> Engine {
+    engine_with(None)
+}
+
+fn engine_with(electrostatics: Option<Electrostatics>) -> Engine {
     let section = Section { bending: [1.0, 1.3], ..Section::isotropic(1.0, 1.5, 900.0, 700.0, 0.06) };
     let ring = |name: &str, center: Vec3, normal: Vec3| {
         let shape = Shape::Circle { length: 2.0, center, normal };
@@ -14,7 +18,8 @@ fn engine() -> Engine {
     };
     let rods = vec![ring("a", Vec3::zeros(), Vec3::z()), ring("b", Vec3::new(0.55, 0.0, 0.02), Vec3::y())];
     let law = ContactLaw::Penalty { stiffness: 0.5 };
-    let mut engine = Engine::new(Model { rods, contact: Contact { law }, ..Model::default() }, None).unwrap();
+    let model = Model { rods, contact: Contact { law }, electrostatics, ..Model::default() };
+    let mut engine = Engine::new(model, None).unwrap();
     // loads and pressure belong to supported or planar scenes; here only their derivatives are of interest
     let node = NodeRef { rod: 0, node: 5 };
     engine.model.loads.push(NodeLoad { node, force: Vec3::new(1.0, -2.0, 0.5), moment: Vec3::zeros() });
@@ -74,10 +79,8 @@ fn gradient_and_tangent_of_the_whole_problem_match_finite_differences() {
 /// The rings with charges: they feel each other, and themselves.
 #[test]
 fn gradient_and_tangent_with_charges_match_finite_differences() {
-    let mut engine = engine();
     // range of .3: the rings have a circumference of 2
-    let charges = Electrostatics { strength: 200.0, debye_length: 0.03 };
-    engine.contact.iter_mut().for_each(|side| side.charge(charges));
+    let mut engine = engine_with(Some(Electrostatics { strength: 200.0, debye_length: 0.03 }));
     let state = engine.state.clone();
     let potential = at(&mut engine, &state).potential;
     assert!(potential.electrostatic > 0.05 * potential.total(), "{potential:?}");
