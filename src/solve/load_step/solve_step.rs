@@ -92,11 +92,11 @@ impl Solver {
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
         let before = self.snapshot();
-        let progress = self.be_patient_for(iterations);
+        let allowed = self.be_patient_for(iterations);
         // a path that ends here is left by the descent from where it was stable last
         let escapes = std::mem::take(&mut self.options.max_escapes);
         let outcome = self.search_from_prediction(drive, prediction, report);
-        self.options.newton.max_iterations = progress;
+        self.options.newton.max_iterations = allowed;
         self.options.max_escapes = escapes;
         if outcome.is_ok() && report.status == Status::Converged {
             report.predicted = true;
@@ -283,9 +283,9 @@ impl Solver {
         let before = self.snapshot();
         for softer in 0..=MAX_REDUCTIONS {
             self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer) }, &[]);
-            let progress = self.be_patient_for(RESETTLING_ITERATIONS);
+            let allowed = self.be_patient_for(RESETTLING_ITERATIONS);
             let outcome = self.search(&PrescribedMotion::default(), report);
-            self.options.newton.max_iterations = progress;
+            self.options.newton.max_iterations = allowed;
             if outcome.is_ok() && report.status == Status::Converged || softer == MAX_REDUCTIONS {
                 return outcome;
             }

@@ -248,7 +248,7 @@ impl Solver {
         options.check()?;
         self.engine.model.check_stages(&[Stage { ramps: vec![ramp.clone()], steps: 1 }])?;
         let parameter = Parameter::new(self, ramp)?;
-        let mut tracer = Tracer { solver: self, parameter: parameter.clone(), iterations: 0, zero_energy: 0.0 };
+        let mut tracer = Tracer { solver: self, parameter: parameter.clone(), iterations: 0, eigenvalue_noise: 0.0 };
         let mut reporter = Reporter { observer, points: 0, started: Instant::now() };
         let mut report =
             FollowReport { end: PathEnd::NoStart, value: parameter.start, num_points: 0, iterations: 0, error: None };

@@ -102,9 +102,9 @@ impl Workspace {
     /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
     ///
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
-    /// one step, passing tangents that are indefinite although both ends of the way are stable. If it does not
-    /// converge, or if strands are near or would touch or pass each other, or when leaving an unstable state
-    /// (`leaving`), the guarded search does the work. That ends, not converged, when the potential falls below the value
+    /// one step, passing tangents that are indefinite although both ends of the way are stable. It comes first, too,
+    /// near a state at rest. If it does not converge, or if strands would touch or pass each other, or when leaving an
+    /// unstable state (`leaving`), the guarded search does the work. That ends, not converged, when the potential falls below the value
     /// given: whoever only asks whether a motion is neutral need not follow it.
     ///
     /// # Errors
@@ -124,26 +124,21 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
-        let may_be_plain = options.stable_only && leaving.is_none();
-        let plain = if may_be_plain && near_contact && self.near_rest {
-            self.direct_in_contact(engine, drive, options, &forces, &mut spent)?
-        } else if engine.contact.is_some() && !(near_contact || leaving.is_some()) {
-            self.direct_apart(engine, drive, options, &mut spent)?
-        } else {
-            None
-        };
-        if let Some(report) = plain {
-            return Ok(report);
+        if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
+            let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
+            if let Some(report) = plain(self, engine, drive, options, &mut spent)? {
+                return Ok(report);
+            }
+            engine.state = start.clone();
+            self.refresh(engine, &start)?;
         }
-        engine.state = start.clone();
-        self.refresh(engine, &start)?;
         if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
             let direct = NewtonOptions {
                 stable_only: false,
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
                 ..options.clone()
             };
-            match self.direct(engine, drive, &direct, &[], options.stable_only) {
+            match self.direct(engine, drive, &direct, options.stable_only) {
                 Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
@@ -171,7 +166,7 @@ impl Workspace {
         let start = engine.state.clone();
         let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         let side = engine.contact.take();
-        let outcome = self.direct(engine, drive, &direct, &[], true);
+        let outcome = self.direct(engine, drive, &direct, true);
         engine.contact = side;
         // numbers that broke down on the way are for the other searches to mend
         let Ok(mut report) = outcome else { return Ok(None) };
@@ -195,13 +190,12 @@ impl Workspace {
         engine: &mut Engine,
         drive: &PrescribedMotion,
         options: &NewtonOptions,
-        forces: &[[[f64; 3]; 3]],
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
         let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         // numbers that broke down on the way are for the guarded search to mend
-        if let Ok(mut report) = self.direct(engine, drive, &direct, forces, true) {
+        if let Ok(mut report) = self.direct(engine, drive, &direct, true) {
             if report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
             }
@@ -213,20 +207,18 @@ impl Workspace {
         Ok(None)
     }
 
-    /// Plain mixed-integration-point Newton: no shift, no descent test. `forces`, if there are any, are the shear forces
-    /// and the tension of the first linearisation.
+    /// Plain mixed-integration-point Newton: no shift, no descent test.
     fn direct(
         &mut self,
         engine: &mut Engine,
         drive: &PrescribedMotion,
         options: &NewtonOptions,
-        forces: &[[[f64; 3]; 3]],
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let (mut remaining, mut cut_steps, mut growing, mut last) = (1.0, 0, 0, f64::INFINITY);
         let mut state = engine.state.clone();
-        let mut stress = stress_about(engine, &state, forces);
+        let mut stress = engine.actual_stress(&state);
         for iteration in 0..options.max_iterations {
             if self.must_stop(options) {
                 return Ok(report);
@@ -460,15 +452,6 @@ impl Workspace {
         let shift = if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT };
         self.factorise(engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
-}
-
-/// Stresses at a state, three per element, with other shear forces and tensions if `forces` has any.
-pub(crate) fn stress_about(engine: &Engine, state: &State, forces: &[[[f64; 3]; 3]]) -> Vec<[Stress; 3]> {
-    let mut stress = engine.actual_stress(state);
-    for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
-        point[..3].copy_from_slice(force);
-    }
-    stress
 }
 
 /// A constraint that holds the neutral sliding motion, with its response K⁻¹c.

@@ -26,11 +26,11 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::search::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual, stress_about,
+    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual,
 };
 use convergence::{Accepted, Convergence};
 use corrected_step::CorrectedStep;
-use progress::Progress;
+use progress::SearchProgress;
 use radius::{Outcome, TrustRegion};
 use step::Step;
 
@@ -73,7 +73,10 @@ struct Search {
 impl Search {
     fn new(engine: &Engine, drive: &PrescribedMotion, forces: &[[[f64; 3]; 3]], rest: Convergence) -> Self {
         let state = engine.state.clone();
-        let stress = stress_about(engine, &state, forces);
+        let mut stress = engine.actual_stress(&state);
+        for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
+            point[..3].copy_from_slice(force);
+        }
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         Self { state, stress, remaining, trust: TrustRegion::new(), rest, rejections: 0, report }
@@ -116,7 +119,7 @@ impl Workspace {
     ) -> Result<NewtonReport, SolveError> {
         let mut search = Search::new(engine, drive, forces, Convergence::new(options.tol_increment, self.rough));
         self.shift = 0.0;
-        let mut progress = Progress::new(options.max_iterations);
+        let mut progress = SearchProgress::new(options.max_iterations);
         'search: while !search.report.converged && !progress.is_over() {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);

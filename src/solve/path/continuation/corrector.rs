@@ -81,7 +81,7 @@ pub(super) struct Tracer<'a> {
     /// Newton iterations so far, failed points included.
     pub(super) iterations: usize,
     /// Eigenvalues above minus this count as neutral, in units of B/L⁴.
-    pub(super) zero_energy: f64,
+    pub(super) eigenvalue_noise: f64,
 }
 
 impl Tracer<'_> {
@@ -305,8 +305,8 @@ impl Tracer<'_> {
         let solver = &mut *self.solver;
         let stress = solver.engine.actual_stress(state);
         solver.workspace.linearise(&solver.engine, state, &stress, &self.parameter.drive());
-        self.zero_energy = solver.workspace.rounding_of_eigenvalues(&solver.engine).max(NEUTRAL_SHIFT);
-        let shift = self.zero_energy;
+        self.eigenvalue_noise = solver.workspace.rounding_of_eigenvalues(&solver.engine).max(NEUTRAL_SHIFT);
+        let shift = self.eigenvalue_noise;
         solver.workspace.factorise(&solver.engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
 
@@ -314,7 +314,7 @@ impl Tracer<'_> {
     /// its vector.
     pub(super) fn critical_eigenvalue(&mut self) -> f64 {
         let solver = &mut *self.solver;
-        solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - self.zero_energy
+        solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - self.eigenvalue_noise
     }
 
     /// Unit critical direction at a branch point in which the solver stands, normal to the path through it.

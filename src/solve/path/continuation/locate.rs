@@ -202,7 +202,7 @@ impl Tracer<'_> {
             };
             // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to
             // pass, its sign decides
-            let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.zero_energy);
+            let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.eigenvalue_noise);
             let passes =
                 clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
             let belongs_low = match test {

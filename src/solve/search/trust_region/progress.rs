@@ -8,14 +8,14 @@ const PROGRESS: f64 = 1e-2;
 
 /// Iterations since the last progress.
 #[derive(Debug)]
-pub(super) struct Progress {
+pub(super) struct SearchProgress {
     allowed: usize,
     idle: usize,
     potential: f64,
     remaining: f64,
 }
 
-impl Progress {
+impl SearchProgress {
     /// Allows so many iterations without progress.
     pub(super) fn new(allowed: usize) -> Self {
         Self { allowed, idle: 0, potential: f64::INFINITY, remaining: 1.0 }
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn descent_goes_on_and_standstill_does_not() {
-        let mut progress = Progress::new(3);
+        let mut progress = SearchProgress::new(3);
         for k in 0..100 {
             progress.see(&at(-0.01 * f64::from(k)), 0.0);
             assert!(!progress.is_over(), "{k}");
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn a_push_that_advances_is_progress() {
-        let mut progress = Progress::new(2);
+        let mut progress = SearchProgress::new(2);
         for k in 1..100 {
             progress.see(&at(f64::from(k)), 0.99f64.powi(k));
             assert!(!progress.is_over(), "{k}");
