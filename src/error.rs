@@ -100,6 +100,11 @@ fn legible(text: &str) -> String {
 }
 
 impl InputError {
+    /// Values or keys that do not fit each other.
+    pub(crate) fn inconsistent(field: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::Inconsistent { field: field.into(), reason: reason.into() }
+    }
+
     /// Refuses `value` unless it is finite and `ok`.
     pub(crate) fn check(field: &str, value: f64, ok: bool, allowed: &'static str) -> Result<(), Self> {
         if value.is_finite() && ok { Ok(()) } else { Err(Self::Value { field: field.to_owned(), value, allowed }) }

@@ -13,7 +13,6 @@
 //! there is a whole one. What cannot be read back exactly as it was written is refused.
 
 use std::fs::File;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -24,6 +23,7 @@ use crate::scene::file::SolverChoice;
 use crate::solve::Restart;
 
 use super::record::RecordState;
+use super::replace::fill_and_rename;
 
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
@@ -190,19 +190,7 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if beside.symlink_metadata().is_ok() {
         std::fs::remove_file(&beside)?;
     }
-    let mut file = File::create_new(&beside)?;
-    file.write_all(bytes)?;
-    file.sync_all()?;
-    drop(file);
-    std::fs::rename(&beside, path)?;
-    // the new name, too, has to reach the disk; where folders cannot be opened this is left to the system
-    if let Some(folder) = path.parent() {
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        if let Ok(folder) = File::open(folder) {
-            folder.sync_all().ok();
-        }
-    }
-    Ok(())
+    fill_and_rename(File::create_new(&beside)?, &beside, path, bytes)
 }
 
 #[cfg(test)]

@@ -21,6 +21,8 @@ pub mod plot_run;
 #[cfg(feature = "runs")]
 pub mod record;
 #[cfg(feature = "runs")]
+mod replace;
+#[cfg(feature = "runs")]
 pub mod run;
 #[cfg(feature = "runs")]
 pub mod schema;

@@ -10,7 +10,7 @@
 //! fonts are needed.
 
 pub(super) mod camera;
-pub(super) mod legend;
+mod legend;
 pub(super) mod palette;
 mod plot;
 mod raster;

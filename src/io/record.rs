@@ -225,9 +225,9 @@ impl Record {
         &self.steps
     }
 
-    /// Whether tubes are inside each other in the last state, see [`OVERLAP`](crate::observe::OVERLAP).
+    /// See [`Observation::overlaps`], of the last state.
     pub fn overlaps(&self) -> bool {
-        self.steps.last().is_some_and(|last| last.status == crate::observe::OVERLAP)
+        self.steps.last().is_some_and(Observation::overlaps)
     }
 
     /// A rod with length and radius as they are in a step.

@@ -98,7 +98,7 @@ pub struct SceneRun {
 impl Outcome {
     /// Whether the final state came to rest with tubes inside each other where contact does not resist it.
     pub fn overlaps(&self) -> bool {
-        self.status == Status::Converged && self.steps.last().is_some_and(|last| last.status == observe::OVERLAP)
+        self.status == Status::Converged && self.steps.last().is_some_and(Observation::overlaps)
     }
 }
 

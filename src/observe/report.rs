@@ -302,3 +302,10 @@ pub struct Observation {
     /// Wall time spent on this step \[s\].
     pub seconds: f64,
 }
+
+impl Observation {
+    /// Whether the state is at rest with tubes inside each other where contact does not resist it.
+    pub fn overlaps(&self) -> bool {
+        self.status == super::OVERLAP
+    }
+}

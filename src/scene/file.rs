@@ -10,7 +10,6 @@ mod help;
 mod memory;
 mod mesh;
 mod poses;
-mod refuse;
 mod section;
 mod set;
 mod shapes;

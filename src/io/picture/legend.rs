@@ -60,10 +60,3 @@ fn short(x: f64) -> String {
         format!("{x:.2e}")
     }
 }
-
-/// The longest of 1, 2, 5 times a power of ten that is not longer.
-#[cfg(feature = "runs")]
-pub(in crate::io) fn round_below(length: f64) -> f64 {
-    let power = 10_f64.powf(length.log10().floor());
-    [5.0, 2.0].into_iter().map(|m| m * power).find(|round| *round <= length).unwrap_or(power)
-}

@@ -1,7 +1,6 @@
 //! Pictures of a run: final shape, film strip, writhe against excess link.
 
 use crate::error::InputError;
-use crate::io::picture::legend::round_below;
 use crate::io::picture::{
     Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
     film_strip, plot_lines,
@@ -215,4 +214,10 @@ fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Ve
     let mut axes = [0, 1, 2];
     axes.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
     [0, 1].map(|k| eigen.eigenvectors.column(axes[k]).into_owned())
+}
+
+/// The longest of 1, 2, 5 times a power of ten that is not longer.
+fn round_below(length: f64) -> f64 {
+    let power = 10_f64.powf(length.log10().floor());
+    [5.0, 2.0].into_iter().map(|m| m * power).find(|round| *round <= length).unwrap_or(power)
 }

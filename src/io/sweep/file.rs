@@ -102,7 +102,7 @@ impl SweepText {
         let mut keys: Vec<&String> = self.set.keys().chain(self.axes.keys()).chain(linked).chain(drawn).collect();
         keys.sort_unstable();
         match keys.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(inconsistent(pair[0], "is given twice: once in set, axes, linked or random")),
+            Some(pair) => Err(InputError::inconsistent(pair[0], "is given twice: once in set, axes, linked or random")),
             None => Ok(()),
         }
     }
@@ -117,7 +117,7 @@ impl SweepText {
         let axes = self.all_axes()?;
         let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.len()));
         let Some(count) = count.filter(|&count| count <= MOST_CASES) else {
-            return Err(inconsistent("axes", "make more than 10 million cases"));
+            return Err(InputError::inconsistent("axes", "make more than 10 million cases"));
         };
         let case = |mut index: usize| {
             let mut groups: Vec<&Vec<String>> = Vec::new();
@@ -153,17 +153,17 @@ fn linked(group: &BTreeMap<String, AxisText>) -> Result<Axis, InputError> {
         }
         if axis.len() != values.len() {
             let reason = format!("has {} values, but it is linked with a key of {}", values.len(), axis.len());
-            return Err(inconsistent(key, &reason));
+            return Err(InputError::inconsistent(key, &reason));
         }
         axis.iter_mut().zip(&values).for_each(|(case, value)| case.push(assignment(key, value)));
     }
-    if axis.is_empty() { Err(inconsistent("linked", "a group has no keys")) } else { Ok(axis) }
+    if axis.is_empty() { Err(InputError::inconsistent("linked", "a group has no keys")) } else { Ok(axis) }
 }
 
 impl AxisText {
     fn values(&self, key: &str) -> Result<Vec<Value>, InputError> {
         match self {
-            Self::List(values) if values.is_empty() => Err(inconsistent(key, "has no values")),
+            Self::List(values) if values.is_empty() => Err(InputError::inconsistent(key, "has no values")),
             Self::List(values) => Ok(values.clone()),
             Self::Range(range) => range.values(key),
         }
@@ -210,7 +210,7 @@ impl RandomText {
 
 impl DrawText {
     fn check(&self, key: &str) -> Result<(), InputError> {
-        let refuse = |reason: &str| Err(inconsistent(key, reason));
+        let refuse = |reason: &str| Err(InputError::inconsistent(key, reason));
         match self {
             Self::Uniform([low, high]) if !(low.is_finite() && high.is_finite() && low < high) => {
                 refuse("uniform must be [low, high], finite, low below high")
@@ -243,10 +243,6 @@ impl DrawText {
 
 fn assignment(key: &str, value: &Value) -> String {
     format!("{key}={value}")
-}
-
-fn inconsistent(field: &str, reason: &str) -> InputError {
-    InputError::Inconsistent { field: field.to_owned(), reason: reason.to_owned() }
 }
 
 #[cfg(test)]

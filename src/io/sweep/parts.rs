@@ -1,13 +1,13 @@
 //! The folder of parts: files that are there whole or not at all.
 
 use std::fs::File;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use twox_hash::XxHash3_128;
 
 use crate::error::InputError;
 
+use super::super::replace::fill_and_rename;
 use super::columns::Table;
 use super::parquet::{from_bytes, to_bytes};
 
@@ -77,19 +77,12 @@ pub(super) fn sweep_temporaries(dir: &Path) -> Result<usize, InputError> {
 /// Writes a file so that at every moment either the old or the new content is found under its name, whoever else writes
 /// it. The file being written is locked.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let (beside, mut file) = temporary(path)?;
+    let (beside, file) = temporary(path)?;
     // file systems that know no locks have temporaries that nobody sweeps
     file.try_lock().ok();
-    let written = file.write_all(bytes).and_then(|()| file.sync_all()).and_then(|()| std::fs::rename(&beside, path));
-    if written.is_err() {
+    fill_and_rename(file, &beside, path, bytes).inspect_err(|_| {
         std::fs::remove_file(&beside).ok();
-        return written;
-    }
-    // the new name, too, has to reach the disk; where folders cannot be opened this is left to the system
-    if let Some(folder) = path.parent().and_then(|folder| File::open(folder).ok()) {
-        folder.sync_all().ok();
-    }
-    Ok(())
+    })
 }
 
 /// A new file beside `path`. Processes of several machines may have the same number: names are tried until one is free.

@@ -14,7 +14,6 @@ use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLo
 
 use super::FollowChoice;
 use super::dna::{Dna, electrostatics};
-use super::refuse::inconsistent;
 use super::section::section;
 use super::shapes::{Wound, shape};
 use super::text::{
@@ -39,7 +38,7 @@ pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
         if rod.name.is_empty() {
             let reason = "missing: where there are several rods, each needs a name, by which supports, loads, joints and \
                 stages call it";
-            return Err(inconsistent(field(), reason));
+            return Err(InputError::inconsistent(field(), reason));
         }
         if rods[..i].iter().any(|other| other.name == rod.name) {
             let allowed = "a name that no other rod has".to_owned();
@@ -86,7 +85,7 @@ fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support
     let (position, rotation) = (text.position.0, text.rotation.0);
     if (position, rotation) == ([false; 3], [false; 3]) {
         let reason = "names no component: set position or rotation to true or a list of axes";
-        return Err(inconsistent(field.to_owned(), reason));
+        return Err(InputError::inconsistent(field.to_owned(), reason));
     }
     let nodes = nodes(rods, field, &text.rod, text.at)?;
     Ok(nodes.into_iter().map(|node| Support { node, position, rotation }).collect())
@@ -101,7 +100,7 @@ pub(super) fn stages(
     let loaded = !model.loads.is_empty() || !model.line_loads.is_empty();
     if loaded && !stages.iter().flat_map(|stage| &stage.ramps).any(|ramp| matches!(ramp, Ramp::Load { .. })) {
         let reason = "loads or line_loads are given but no stage ramps their factor from 0: add ramp = { load = 1.0 }";
-        return Err(inconsistent("stages".into(), reason));
+        return Err(InputError::inconsistent("stages", reason));
     }
     Ok(stages)
 }
@@ -135,7 +134,7 @@ pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<Foll
     let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
     let field = format!("stages[{place}].follow");
     if place + 1 < text.len() {
-        return Err(inconsistent(field, "is only for the last stage: a path may end anywhere"));
+        return Err(InputError::inconsistent(field, "is only for the last stage: a path may end anywhere"));
     }
     let steady = |ramp: &Ramp| {
         matches!(
@@ -150,7 +149,7 @@ pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<Foll
     if !matches!(stages[place].ramps.as_slice(), [only] if steady(only)) {
         let reason =
             "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or pressure";
-        return Err(inconsistent(field, reason));
+        return Err(InputError::inconsistent(field, reason));
     }
     text[place].follow.map(|choice| choice.check().map(|()| choice)).transpose()
 }
@@ -166,7 +165,8 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
         let field = format!("{field}.sigma");
         let rod = find_rod(rods, &field, ramp.rod.as_deref())?;
         InputError::check(&format!("{field}.to"), ramp.to, true, "a finite number")?;
-        let relaxed = relaxed_links.get(rod).copied().flatten().ok_or_else(|| inconsistent(field, NEEDS_DNA))?;
+        let relaxed =
+            relaxed_links.get(rod).copied().flatten().ok_or_else(|| InputError::inconsistent(field, NEEDS_DNA))?;
         ramps.push(Ramp::ExcessLink { rod, to: ramp.to * relaxed });
     }
     for ramp in &text.link.0 {
@@ -208,7 +208,7 @@ fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, Inpu
         let given = numbers.iter().filter_map(|&(which, to)| to.map(|to| Ramp::Number { rod, which, to }));
         let before = ramps.len();
         ramps.extend(given);
-        if ramps.len() == before { Err(inconsistent(field, "names no number to ramp")) } else { Ok(()) }
+        if ramps.len() == before { Err(InputError::inconsistent(field, "names no number to ramp")) } else { Ok(()) }
     };
     for ramp in &text.section.0 {
         let (bending, shearing) = (ramp.bending.map(|pair| pair.0), ramp.shearing.map(|pair| pair.0));
@@ -254,7 +254,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let natural = match (&text.natural, helix) {
         (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
         (_, Some(_)) => {
-            return Err(inconsistent(format!("{path}.natural"), "the sequence gives the natural strains: remove it"));
+            return Err(InputError::inconsistent(
+                format!("{path}.natural"),
+                "the sequence gives the natural strains: remove it",
+            ));
         }
         (NaturalText::Straight, None) => Natural::Straight,
         (NaturalText::AsShaped, None) => Natural::AsShaped,
@@ -282,7 +285,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
             }
             (None, None) => {
                 let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
-                return Err(inconsistent(format!("{path}.elements"), reason));
+                return Err(InputError::inconsistent(format!("{path}.elements"), reason));
             }
         };
         check_memory(elements)?;
@@ -299,7 +302,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
             rod.with_excess_link(turns)?
         }
         (None, None, Some(turns)) => rod.with_twist(turns)?,
-        _ => return Err(inconsistent(path, LINK_TWICE)),
+        _ => return Err(InputError::inconsistent(path, LINK_TWICE)),
     };
     if let Some(dna) = &dna {
         dna.check_length(rod.length).map_err(inside)?;
@@ -327,14 +330,14 @@ fn section_or_dna(
         (None, Some(_)) if by_sequence.is_some() => {
             let reason =
                 "the sequence gives length, stiffness and natural strains: give it with section = { contact_radius }";
-            Err(inconsistent("dna".to_owned(), reason))
+            Err(InputError::inconsistent("dna", reason))
         }
         (None, Some(dna)) => Ok((dna.section, None)),
         (Some(_), Some(_)) => {
             let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
-            Err(inconsistent("section".to_owned(), reason))
+            Err(InputError::inconsistent("section", reason))
         }
-        (None, None) => Err(inconsistent("section".to_owned(), "missing: give a section, or dna")),
+        (None, None) => Err(InputError::inconsistent("section", "missing: give a section, or dna")),
     }
 }
 
@@ -346,8 +349,8 @@ fn excess_link(path: &str, text: &RodText, dna: Option<&Dna>) -> Result<Option<f
             InputError::check(&format!("{path}.sigma"), sigma, true, "a finite number")?;
             Ok(Some(sigma * dna.relaxed_link))
         }
-        (None, Some(_), None) => Err(inconsistent(format!("{path}.sigma"), NEEDS_DNA)),
-        (Some(_), Some(_), _) => Err(inconsistent(path.to_owned(), LINK_TWICE)),
+        (None, Some(_), None) => Err(InputError::inconsistent(format!("{path}.sigma"), NEEDS_DNA)),
+        (Some(_), Some(_), _) => Err(InputError::inconsistent(path.to_owned(), LINK_TWICE)),
     }
 }
 
@@ -360,7 +363,7 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
     let sequence = match (&text.fasta, &text.letters) {
         (Some(file), None) => Sequence::read_fasta(&base_dir.join(file))?,
         (None, Some(letters)) => Sequence::parse(letters)?,
-        _ => return Err(inconsistent("sequence".into(), "give either fasta = file or letters")),
+        _ => return Err(InputError::inconsistent("sequence", "give either fasta = file or letters")),
     };
     let steps = match text.steps.as_str() {
         "ideal" => Steps::ideal(),
@@ -377,7 +380,10 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
 
 fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Result<Contact, InputError> {
     let unused = |key: &str, law: &str| {
-        Err(inconsistent(format!("contact.{key}"), &format!("has no meaning with law = \"{law}\": remove it")))
+        Err(InputError::inconsistent(
+            format!("contact.{key}"),
+            format!("has no meaning with law = \"{law}\": remove it"),
+        ))
     };
     let least = fidelity.map_or(Contact::DEFAULT_LEAST_STIFFNESS, Fidelity::least_stiffness);
     let law = match text.law {
@@ -407,7 +413,7 @@ fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, Inpu
         || format!("one of {}", rods.iter().map(|rod| format!("\"{}\"", rod.name)).collect::<Vec<_>>().join(", "));
     match name {
         None if rods.len() == 1 => Ok(0),
-        None => Err(inconsistent(format!("{field}.rod"), &format!("missing: {}", allowed()))),
+        None => Err(InputError::inconsistent(format!("{field}.rod"), format!("missing: {}", allowed()))),
         Some(name) => rods.iter().position(|rod| rod.name == name).ok_or_else(|| InputError::Name {
             field: format!("{field}.rod"),
             name: name.to_owned(),
@@ -440,7 +446,7 @@ fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, Inpu
         At::End if rod.closed => {
             let reason =
                 format!("rod \"{}\" is closed and has no end: use \"start\", a node index or {{ arc = s }}", rod.name);
-            return Err(inconsistent(format!("{field}.at"), &reason));
+            return Err(InputError::inconsistent(format!("{field}.at"), &reason));
         }
         At::End => rod.num_nodes() - 1,
         At::Node(node) if node >= rod.num_nodes() => {

@@ -6,7 +6,6 @@ use crate::error::InputError;
 use crate::rod::Section;
 use crate::scene::{Electrostatics, Units};
 
-use super::refuse::inconsistent;
 use super::text::{DnaText, ElectrostaticsText, SceneText};
 
 /// Salt of a scene that says nothing of it, mmol/l: physiological.
@@ -57,7 +56,7 @@ impl Dna {
         }
         let reason =
             format!("are {} nm long, but the shape is {length} nm long: they are to agree within 1 %", self.length);
-        Err(inconsistent("dna.base_pairs".to_owned(), &reason))
+        Err(InputError::inconsistent("dna.base_pairs", &reason))
     }
 }
 
@@ -83,18 +82,18 @@ pub(super) fn electrostatics(text: ElectrostaticsText) -> Result<Electrostatics,
         (None, Some(strength), Some(debye_length)) if text.charge.is_none() => {
             Ok(Electrostatics { strength, debye_length })
         }
-        _ => Err(inconsistent(FIELD.to_owned(), "give salt_mM (and charge), or strength and debye_length")),
+        _ => Err(InputError::inconsistent(FIELD.to_owned(), "give salt_mM (and charge), or strength and debye_length")),
     }
 }
 
 fn diameter(text: &DnaText, charged: bool) -> Result<f64, InputError> {
     if charged && text.salt.is_some() {
         let reason = "is part of the effective diameter, but strands repel each other: contact.electrostatics says it";
-        return Err(inconsistent("dna.salt_mM".to_owned(), reason));
+        return Err(InputError::inconsistent("dna.salt_mM", reason));
     }
     match (text.diameter, text.salt) {
         (None, None) if charged => Ok(dna::BARE_DIAMETER),
-        (Some(_), Some(_)) => Err(inconsistent("dna.diameter".to_owned(), "follows from salt_mM: give one of them")),
+        (Some(_), Some(_)) => Err(InputError::inconsistent("dna.diameter", "follows from salt_mM: give one of them")),
         (Some(diameter), None) => InputError::positive("dna.diameter", diameter).map(|()| diameter),
         (None, salt) => {
             let salt = salt.unwrap_or(SALT);
@@ -113,7 +112,7 @@ pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
     let Units { length, force } = &text.units;
     let needs = |field: &str, what: &str| {
         let reason = format!("{what} counts in nm and pN, but units are {length} and {force}");
-        inconsistent(field.to_owned(), &reason)
+        InputError::inconsistent(field.to_owned(), &reason)
     };
     if dna && !text.units.are_molecular() {
         return Err(needs("rods.dna", "dna"));

@@ -7,7 +7,6 @@ use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
 use crate::rod::{Natural, Rod, Section, within};
 
-use super::refuse::inconsistent;
 use super::text::RodText;
 use super::values::NaturalText;
 
@@ -40,7 +39,7 @@ pub(super) fn rod(
     let rod = if wanted.is_none_or(|wanted| wanted == segments) {
         if !segments.is_multiple_of(text.order.max(1)) {
             let reason = format!("the base pairs make {segments} segments, no multiple of the order: give elements");
-            return Err(inconsistent(format!("{field}.elements"), &reason));
+            return Err(InputError::inconsistent(format!("{field}.elements"), &reason));
         }
         from(text.order, positions, frames)?
     } else {

@@ -2,8 +2,6 @@
 
 use crate::error::InputError;
 
-use super::refuse::inconsistent;
-
 /// Least memory that a node takes in a run, bytes: in space, in the plane. Rings of 12000 nodes at a single step take
 /// 7500 to 10000 and 4000 to 5000; contact and long runs take more.
 const BYTES_A_NODE: [f64; 2] = [7000.0, 4000.0];
@@ -24,7 +22,7 @@ pub(super) fn check(field: String, elements: usize, nodes: usize, planar: bool) 
                 "{elements} elements are too many: {nodes} nodes take at least {needed:.1} GiB, and {available:.1} GiB \
                  are available"
             );
-            Err(inconsistent(field, &reason))
+            Err(InputError::inconsistent(field, &reason))
         }
         _ => Ok(()),
     }

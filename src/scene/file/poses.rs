@@ -8,7 +8,6 @@ use crate::error::InputError;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::scene::{Model, NodeRef, Pose, PosePath};
 
-use super::refuse::inconsistent;
 use super::text::{PathText, PoseText};
 use super::values::List;
 
@@ -42,7 +41,7 @@ fn rotation(field: &str, text: &PoseText) -> Result<(Option<Quat>, Vec3), InputE
         (Some(List(q)), None, None) => Ok((Some(quaternion(field, q)?), none)),
         (None, Some(List([x, y, z, turns])), None) => axis_angle(field, Vec3::new(x, y, z), turns),
         (None, None, Some(List(rows))) => Ok((Some(matrix(field, rows.map(|row| row.0))?), none)),
-        _ => Err(inconsistent(field.to_owned(), ONE_ROTATION)),
+        _ => Err(InputError::inconsistent(field.to_owned(), ONE_ROTATION)),
     }
 }
 
@@ -52,7 +51,7 @@ fn quaternion(field: &str, [w, x, y, z]: [f64; 4]) -> Result<Quat, InputError> {
         return Ok(Unit::new_normalize(q));
     }
     let reason = format!("[{w}, {x}, {y}, {z}] has length {}: a rotation is [w, x, y, z] of length 1", q.norm());
-    Err(inconsistent(format!("{field}.quaternion"), &reason))
+    Err(InputError::inconsistent(format!("{field}.quaternion"), &reason))
 }
 
 fn axis_angle(field: &str, axis: Vec3, turns: f64) -> Result<(Option<Quat>, Vec3), InputError> {
@@ -78,5 +77,5 @@ fn matrix(field: &str, rows: [[f64; 3]; 3]) -> Result<Quat, InputError> {
         "is no rotation (determinant {}, products of columns off by {off}): give its rows; columns are d1, d2, d3",
         matrix.determinant()
     );
-    Err(inconsistent(format!("{field}.matrix"), &reason))
+    Err(InputError::inconsistent(format!("{field}.matrix"), &reason))
 }

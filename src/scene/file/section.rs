@@ -6,7 +6,6 @@ use crate::error::InputError;
 use crate::rod::{Along, CrossSection, Section, Stiffness, check_stiffness};
 use crate::scene::read_stiffness;
 
-use super::refuse::inconsistent;
 use super::text::SectionText;
 use super::values::List;
 
@@ -28,7 +27,7 @@ pub(super) fn section(
         (None, None) if !contact => 0.0,
         (None, None) => {
             let reason = "missing: the radius within which other strands touch this rod (0 = takes no part in contact)";
-            return Err(inconsistent("section.contact_radius".into(), reason));
+            return Err(InputError::inconsistent("section.contact_radius", reason));
         }
     };
     let moduli = [text.young, text.poisson, text.shear_modulus, text.circle, text.shear_correction];
@@ -37,14 +36,14 @@ pub(super) fn section(
         || [text.bending, text.shearing].iter().any(Option::is_some);
     let full = match (full_stiffness(text, base_dir)?, by_sequence) {
         (Some(_), Some(_)) => {
-            return Err(inconsistent("section".into(), BY_SEQUENCE));
+            return Err(InputError::inconsistent("section", BY_SEQUENCE));
         }
-        (None, Some(_)) if stiff || geometric => return Err(inconsistent("section".into(), BY_SEQUENCE)),
+        (None, Some(_)) if stiff || geometric => return Err(InputError::inconsistent("section", BY_SEQUENCE)),
         (own, by_sequence) => own.or(by_sequence),
     };
     if let Some(along) = full {
         if stiff || geometric {
-            return Err(inconsistent("section".into(), &format!("keys of several kinds: {SECTION_WAYS}")));
+            return Err(InputError::inconsistent("section", format!("keys of several kinds: {SECTION_WAYS}")));
         }
         // replaced by the mean over the rod, whose length is not known here
         let section = Section::of_diagonal(&along.at(0.0), radius);
@@ -53,8 +52,8 @@ pub(super) fn section(
     match (stiff, geometric) {
         (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
         (false, true) => moduli_section(text, radius).map(|section| (section, None)),
-        (true, true) => Err(inconsistent("section".into(), &format!("keys of both kinds: {SECTION_WAYS}"))),
-        (false, false) => Err(inconsistent("section".into(), &format!("nothing given: {SECTION_WAYS}"))),
+        (true, true) => Err(InputError::inconsistent("section", format!("keys of both kinds: {SECTION_WAYS}"))),
+        (false, false) => Err(InputError::inconsistent("section", format!("nothing given: {SECTION_WAYS}"))),
     }
 }
 
@@ -67,7 +66,7 @@ fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<St
             let matrix = Stiffness::from_fn(|i, j| rows[i].0[j]);
             check_stiffness("section.stiffness", &matrix).map(|()| Some(Along::constant(matrix)))
         }
-        (Some(_), Some(_)) => Err(inconsistent("section".into(), "give either a table or a stiffness")),
+        (Some(_), Some(_)) => Err(InputError::inconsistent("section", "give either a table or a stiffness")),
     }
 }
 
@@ -91,12 +90,17 @@ fn moduli_section(text: &SectionText, contact_radius: f64) -> Result<Section, In
             InputError::check("section.poisson", poisson, ok, "greater than -1 and at most 0.5")?;
             young / (2.0 * (1.0 + poisson))
         }
-        _ => return Err(inconsistent("section".into(), "give either poisson or shear_modulus")),
+        _ => return Err(InputError::inconsistent("section", "give either poisson or shear_modulus")),
     };
     let cross_section = match (text.circle, text.rectangle) {
         (Some(radius), None) => CrossSection::Circle { radius },
         (None, Some(List([width, height]))) => CrossSection::Rectangle { width, height },
-        _ => return Err(inconsistent("section".into(), "give either circle = radius or rectangle = [width, height]")),
+        _ => {
+            return Err(InputError::inconsistent(
+                "section",
+                "give either circle = radius or rectangle = [width, height]",
+            ));
+        }
     };
     let poisson = young / (2.0 * shear_modulus) - 1.0;
     let shear_correction = text.shear_correction.unwrap_or_else(|| cross_section.shear_correction(poisson));
@@ -104,5 +108,5 @@ fn moduli_section(text: &SectionText, contact_radius: f64) -> Result<Section, In
 }
 
 fn present<T>(key: &str, value: Option<T>) -> Result<T, InputError> {
-    value.ok_or_else(|| inconsistent(format!("section.{key}"), &format!("missing: {SECTION_WAYS}")))
+    value.ok_or_else(|| InputError::inconsistent(format!("section.{key}"), format!("missing: {SECTION_WAYS}")))
 }

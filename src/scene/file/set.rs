@@ -4,11 +4,9 @@ use toml::{Table, Value};
 
 use crate::error::InputError;
 
-use super::refuse::inconsistent;
-
 /// Replaces or adds one value; what it means is judged when the scene is read from the table.
 pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputError> {
-    let refuse = |reason: &str| inconsistent(format!("set {assignment}"), reason);
+    let refuse = |reason: &str| InputError::inconsistent(format!("set {assignment}"), reason);
     let (key, value) = assignment.split_once('=').ok_or_else(|| refuse("must be KEY=VALUE"))?;
     let mut steps = key.trim().split('.');
     let mut place = scene.entry(steps.next().unwrap_or_default()).or_insert_with(|| Table::new().into());

@@ -9,7 +9,6 @@ use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::{Import, read_points_with};
 
-use super::refuse::inconsistent;
 use super::text::ShapeText;
 use super::values::List;
 
@@ -28,7 +27,7 @@ pub(super) struct Wound<'a> {
 impl Wound<'_> {
     fn length(&self, given: Option<f64>) -> Result<f64, InputError> {
         let missing =
-            || inconsistent("shape.length".into(), "missing: the length of the rod, unless dna has base_pairs");
+            || InputError::inconsistent("shape.length", "missing: the length of the rod, unless dna has base_pairs");
         given.or(self.length).ok_or_else(missing)
     }
 }
@@ -43,7 +42,9 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
                 (Some(length), None) => length,
                 (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius)?,
                 (None, None) if wound.length.is_some() => wound.length(None)?,
-                _ => return Err(inconsistent("shape".into(), "a circle is given by its length or by its radius")),
+                _ => {
+                    return Err(InputError::inconsistent("shape", "a circle is given by its length or by its radius"));
+                }
             };
             Shape::Circle { length, center: center.into(), normal: normal.into() }
         }
@@ -60,7 +61,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             let path = base_dir.join(file);
             let three = |names: Vec<String>| {
                 let refuse =
-                    |_| inconsistent("shape.columns".into(), "takes three names: of the columns of x, y and z");
+                    |_| InputError::inconsistent("shape.columns", "takes three names: of the columns of x, y and z");
                 <[String; 3]>::try_from(names).map_err(refuse)
             };
             let columns = columns.clone().map(three).transpose()?;
@@ -78,7 +79,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             Shape::Points(points)
         }
         ShapeText::State { .. } | ShapeText::Frames { .. } => {
-            return Err(inconsistent("shape".into(), "a state is nodes with frames, no curve"));
+            return Err(InputError::inconsistent("shape", "a state is nodes with frames, no curve"));
         }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
@@ -101,7 +102,7 @@ fn drop_closing_point(points: &mut Vec<Vec3>) {
 
 fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape, InputError> {
     let ShapeText::Plectoneme { length, distance, turns, angle, center, direction, ref axis } = *text else {
-        return Err(inconsistent("shape".into(), "is no plectoneme"));
+        return Err(InputError::inconsistent("shape", "is no plectoneme"));
     };
     let length = wound.length(length)?;
     let distance = match distance {
@@ -110,7 +111,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         None => {
             let reason =
                 "missing: the distance between the strands (by default twice the contact radius, which is 0 here)";
-            return Err(inconsistent("shape.distance".into(), reason));
+            return Err(InputError::inconsistent("shape.distance", reason));
         }
     };
     let plectoneme = match (turns, angle, wound.excess_link) {
@@ -125,7 +126,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         _ => {
             let reason =
                 "how tightly is it wound? Give excess_link of the rod, or turns or angle of the shape (one of them)";
-            return Err(inconsistent("shape".into(), reason));
+            return Err(InputError::inconsistent("shape", reason));
         }
     };
     let axis = match (axis, center, direction) {
@@ -133,7 +134,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
             Axis::Along(Box::new(shape(axis, base_dir, &Wound { length: None, closed: false, ..*wound })?))
         }
         (Some(_), _, _) => {
-            return Err(inconsistent("shape.axis".into(), "has its own place: remove center and direction"));
+            return Err(InputError::inconsistent("shape.axis", "has its own place: remove center and direction"));
         }
         (None, center, direction) => Axis::Straight {
             center: center.unwrap_or_default().into(),

@@ -10,7 +10,6 @@ use crate::rod::{Natural, Rod, Section, within};
 use crate::scene::points::named_columns;
 use crate::text::read_regular;
 
-use super::refuse::inconsistent;
 use super::text::RodText;
 
 /// Columns of a final state that are read; quaternions scalar part first.
@@ -50,7 +49,7 @@ pub(super) fn rod(
     if wanted.is_none_or(|wanted| wanted == segments) {
         if !segments.is_multiple_of(text.order.max(1)) {
             let reason = format!("the state has {segments} segments, no multiple of the order: give elements");
-            return Err(inconsistent(format!("{path}.elements"), &reason));
+            return Err(InputError::inconsistent(format!("{path}.elements"), &reason));
         }
         return from(text.order, positions, frames);
     }

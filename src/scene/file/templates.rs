@@ -13,7 +13,10 @@ pub struct Template {
 
 macro_rules! template {
     ($name:literal, $about:literal) => {
-        Template { name: $name, about: $about, text: include_str!(concat!("../../../assets/scenes/", $name, ".toml")) }
+        template!($name, $about, "assets/scenes")
+    };
+    ($name:literal, $about:literal, $folder:literal) => {
+        Template { name: $name, about: $about, text: include_str!(concat!("../../../", $folder, "/", $name, ".toml")) }
     };
 }
 
@@ -22,7 +25,7 @@ pub const TEMPLATES: [Template; 6] = [
     template!("minicircle", "a DNA minicircle supercoils"),
     template!("plasmid", "a plasmid, from the flat circle to a plectoneme"),
     template!("loop", "DNA between two sites that a protein holds: both ends' poses"),
-    template!("tweezers", "DNA pulled and turned until it winds up"),
+    template!("tweezers", "DNA pulled and turned until it winds up", "examples"),
     template!("knot", "a closed trefoil knot comes to rest"),
     template!("cable", "three wires twisted into a cable"),
 ];

@@ -95,7 +95,7 @@ impl Model {
             if stage.ramps.is_empty() {
                 let reason = "nothing to do: ramp at least one of excess_link, rotation, displacement, pose, load, pressure, section, length, \
                      natural, or hold or release something";
-                return Err(inconsistent(&format!("stages[{i}].ramp"), reason));
+                return Err(InputError::inconsistent(format!("stages[{i}].ramp"), reason));
             }
             if stage.ramps.iter().any(|ramp| matches!(ramp, Ramp::Hold(_) | Ramp::Release(_))) {
                 model.to_mut().check_supports_changed(&format!("stages[{i}]"), &stage.ramps)?;
@@ -103,7 +103,10 @@ impl Model {
             for (k, ramp) in stage.ramps.iter().enumerate() {
                 model.check_ramp(&format!("stages[{i}].ramp"), ramp, &stage.ramps)?;
                 if stage.ramps[..k].iter().any(|other| same_quantity(other, ramp)) {
-                    return Err(inconsistent(&format!("stages[{i}].ramp"), "the same quantity is ramped twice"));
+                    return Err(InputError::inconsistent(
+                        format!("stages[{i}].ramp"),
+                        "the same quantity is ramped twice",
+                    ));
                 }
             }
         }
@@ -121,13 +124,13 @@ impl Model {
             let after = self.fixed(support.node);
             if after == before {
                 let reason = "changes nothing: what is to be held is held already, or what is to be let go is free";
-                return Err(inconsistent(&field, reason));
+                return Err(InputError::inconsistent(&field, reason));
             }
             let held = |rotation: [bool; 3]| rotation.iter().filter(|held| **held).count();
             if !self.planar && held(after.1) == 1 && after.1 != before.1 {
                 let reason = "leaves rotation about one axis held, a joint of constant velocity, which is only for whole runs: \
                               hold all rotations or none, or two";
-                return Err(inconsistent(&field, reason));
+                return Err(InputError::inconsistent(&field, reason));
             }
         }
         (0..self.rods.len()).try_for_each(|rod| match self.pushed_by(rod) {
@@ -183,7 +186,10 @@ impl Model {
                 let field = format!("{stage}.load");
                 InputError::check(&field, to, true, "a finite number")?;
                 if self.loads.is_empty() && self.line_loads.is_empty() {
-                    return Err(inconsistent(&field, "there are no loads to ramp: add loads or line_loads"));
+                    return Err(InputError::inconsistent(
+                        &field,
+                        "there are no loads to ramp: add loads or line_loads",
+                    ));
                 }
                 Ok(())
             }
@@ -216,7 +222,7 @@ impl Model {
         self.check_node(field, node)?;
         let rod = &self.rods[node.rod];
         if (pose.position, pose.frame, pose.turns) == (None, None, None) {
-            return Err(inconsistent(field, "goes nowhere: give a position, a rotation, or both"));
+            return Err(InputError::inconsistent(field, "goes nowhere: give a position, a rotation, or both"));
         }
         if let Some(position) = pose.position {
             finite(&format!("{field}.position"), &position)?;
@@ -271,7 +277,11 @@ impl Model {
     }
 
     fn require(&self, ok: bool, field: &str, rod: usize, reason: &str) -> Result<(), InputError> {
-        if ok { Ok(()) } else { Err(inconsistent(field, &format!("rod \"{}\" {reason}", self.rods[rod].name))) }
+        if ok {
+            Ok(())
+        } else {
+            Err(InputError::inconsistent(field, format!("rod \"{}\" {reason}", self.rods[rod].name)))
+        }
     }
 
     fn check_rod(&self, field: &str, rod: usize) -> Result<(), InputError> {
@@ -296,23 +306,26 @@ impl Model {
         let [a, b] = nodes.map(|node| &self.rods[node.rod]);
         let apart = (a.positions[joint.a.node] - b.positions[joint.b.node]).norm();
         if apart > TOL_JOINT * a.length.max(b.length) {
-            return Err(inconsistent(field, &format!("joins nodes that are {apart} apart: they must coincide")));
+            return Err(InputError::inconsistent(
+                field,
+                format!("joins nodes that are {apart} apart: they must coincide"),
+            ));
         }
         if joint.a.rod == joint.b.rod {
             if joint.a == joint.b {
-                return Err(inconsistent(field, "joins a node to itself"));
+                return Err(InputError::inconsistent(field, "joins a node to itself"));
             }
             let between = joint.a.node.abs_diff(joint.b.node);
             let around = if a.closed { a.num_nodes() - between } else { between };
             if between.min(around) <= a.order {
-                return Err(inconsistent(field, "joins nodes of one element"));
+                return Err(InputError::inconsistent(field, "joins nodes of one element"));
             }
         }
         let touches = |rod: &Rod| rod.section.contact_radius > 0.0 && self.contact.law.is_on();
         if touches(a) && touches(b) {
             let reason =
                 "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
-            return Err(inconsistent(field, reason));
+            return Err(InputError::inconsistent(field, reason));
         }
         self.check_supported(joint.a.rod, &format!("{field} joins it to a rod"))
     }
@@ -325,7 +338,7 @@ impl Model {
         let radius = radii.fold(f64::INFINITY, f64::min);
         if !self.contact.law.is_on() || radius.is_infinite() {
             let reason = "charged rods need contact: without it strands could pass through each other";
-            return Err(inconsistent("electrostatics", reason));
+            return Err(InputError::inconsistent("electrostatics", reason));
         }
         let (least, most) = (LEAST_DEBYE * radius, MOST_DEBYE * radius);
         let allowed = "between .01 and 100 contact radii";
@@ -353,7 +366,7 @@ impl Model {
         for rod in &self.rods {
             let refuse = |node: usize, what: &str| {
                 let reason = format!("planar = true, but {what} at node {node}");
-                Err(inconsistent(&format!("rods.{}", rod.name), &reason))
+                Err(InputError::inconsistent(format!("rods.{}", rod.name), reason))
             };
             if rod.stiffness.is_some() {
                 return refuse(0, "the full stiffness may couple bending in the plane with that out of it: found");
@@ -380,7 +393,7 @@ impl Model {
         let in_plane = |field: String, force: &Vec3, moment: &Vec3| {
             let ok = force.z == 0.0 && moment.xy() == Vec3::zeros().xy();
             let reason = "planar = true: forces act in the x-y plane, moments about z";
-            if ok { Ok(()) } else { Err(inconsistent(&field, reason)) }
+            if ok { Ok(()) } else { Err(InputError::inconsistent(&field, reason)) }
         };
         for (i, load) in self.loads.iter().enumerate() {
             in_plane(format!("loads[{i}]"), &load.force, &load.moment)?;
@@ -417,7 +430,7 @@ impl Model {
             "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports{}",
             if self.rods.len() > 1 && self.contact.law.is_on() { CARRIED_BY_CONTACT } else { "" }
         );
-        Err(inconsistent(&format!("rods.{}", self.rods[rod].name), &reason))
+        Err(InputError::inconsistent(format!("rods.{}", self.rods[rod].name), reason))
     }
 
     /// A rigid motion of `rod` that no support stops, in words.
@@ -492,10 +505,6 @@ fn finite(field: &str, value: &Vec3) -> Result<(), InputError> {
         return Ok(());
     }
     Err(InputError::Vector { field: field.into(), value: (*value).into(), allowed: "three finite numbers" })
-}
-
-fn inconsistent(field: &str, reason: &str) -> InputError {
-    InputError::Inconsistent { field: field.to_owned(), reason: reason.to_owned() }
 }
 
 fn check_penetration(tol: f64) -> Result<(), InputError> {
