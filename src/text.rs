@@ -13,14 +13,21 @@ const MOST_BYTES: u64 = 256 << 20;
 
 /// The text of a file that somebody names: no more than is sensible, whatever it is.
 pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
+    String::from_utf8(read_bytes(path)?).map_err(|_| {
+        let reason = "stream did not contain valid UTF-8".to_owned();
+        InputError::File { path: path.to_owned(), reason }
+    })
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
     let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
-    let mut text = String::new();
-    file.take(MOST_BYTES + 1).read_to_string(&mut text).map_err(|e| refuse(e.to_string()))?;
-    if text.len() as u64 > MOST_BYTES {
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
+    if bytes.len() as u64 > MOST_BYTES {
         return Err(refuse(format!("holds more than {} MiB", MOST_BYTES >> 20)));
     }
-    Ok(text)
+    Ok(bytes)
 }
 
 /// The text of a regular file.
@@ -32,14 +39,7 @@ pub(crate) fn read_regular(path: &Path) -> Result<String, InputError> {
 /// The bytes of a regular file.
 pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     check_regular(path)?;
-    let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
-    let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
-    let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(refuse(format!("holds more than {} MiB", MOST_BYTES >> 20)));
-    }
-    Ok(bytes)
+    read_bytes(path)
 }
 
 fn check_regular(path: &Path) -> Result<(), InputError> {
