@@ -30,6 +30,7 @@ use super::exclusion::Exclusion;
 use super::law::potential::Hessian;
 use super::law::potential::stiffness::{Coordinates, PairStiffness, PairTangent};
 use crate::error::InputError;
+use crate::math::bernstein::cubic_weights;
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3, parallel};
 
@@ -285,9 +286,7 @@ fn points(length: f64, piece: f64) -> Vec<Point> {
     let of_part = |part: usize| {
         rule.points.iter().zip(rule.weights).map(move |(x, w)| {
             let u = (part as f64 + x) / parts;
-            let left = 1.0 - u;
-            let shape = [left * left * left, 3.0 * u * left * left, 3.0 * u * u * left, u * u * u];
-            Point { u, weight: w * length / parts, shape }
+            Point { u, weight: w * length / parts, shape: cubic_weights(u) }
         })
     };
     (0..parts as usize).flat_map(of_part).collect()
