@@ -11,6 +11,7 @@ pub(crate) mod quadrature;
 pub(crate) mod quaternion;
 #[cfg(test)]
 pub(crate) mod random;
+pub(crate) mod screw;
 pub(crate) mod shape_functions;
 pub(crate) mod two_sum;
 

@@ -3,12 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::math::quaternion::spin;
+use crate::math::screw::{screw, unscrew};
 use crate::math::{Quat, Vec3};
 
 /// A turn by less than half a turn less this, rad, is the shorter one without a doubt.
 const HALF_TURN: f64 = 1e-6;
-/// Angle, rad, below which the screw's series stands for its closed form: their difference is rounding.
-const SMALL_ANGLE: f64 = 1e-4;
 /// Parts of a velocity below this, relative to the whole, count as rounding where ways are compared.
 const ROUNDING: f64 = 1e-9;
 
@@ -104,32 +103,6 @@ impl Way {
     }
 }
 
-/// Where a point gets in the time 1 that sets out with a velocity on the screw of a rotation vector θ:
-/// (1 + (1 − cos θ)/θ² [θ] + (θ − sin θ)/θ³ [θ]²) v.
-fn screw(rotation: &Vec3, velocity: &Vec3) -> Vec3 {
-    let angle = rotation.norm();
-    let once = rotation.cross(velocity);
-    let twice = rotation.cross(&once);
-    let (a, b) = match angle < SMALL_ANGLE {
-        true => (0.5 - angle.powi(2) / 24.0, 1.0 / 6.0 - angle.powi(2) / 120.0),
-        // 1 − cos θ without cancellation
-        false => (2.0 * (0.5 * angle).sin().powi(2) / angle.powi(2), (angle - angle.sin()) / angle.powi(3)),
-    };
-    velocity + once * a + twice * b
-}
-
-/// The inverse of [`screw`]: (1 − ½ [θ] + (1 − ½ θ cot ½θ)/θ² [θ]²) u.
-fn unscrew(rotation: &Vec3, displacement: &Vec3) -> Vec3 {
-    let angle = rotation.norm();
-    let once = rotation.cross(displacement);
-    let twice = rotation.cross(&once);
-    let b = match angle < SMALL_ANGLE {
-        true => 1.0 / 12.0 + angle.powi(2) / 720.0,
-        false => (1.0 - 0.5 * angle / (0.5 * angle).tan()) / angle.powi(2),
-    };
-    displacement - once * 0.5 + twice * b
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,15 +158,6 @@ mod tests {
             let way = pose.way(&Vec3::x(), &Vec3::zeros(), &Quat::identity(), 0.0);
             let middle = Vec3::x() + way.displacement(0.5);
             assert!((middle + Vec3::z() * side).norm() < 1e-14, "{middle}");
-        }
-    }
-
-    #[test]
-    fn screws_of_small_angles_are_those_of_the_series() {
-        let (v, axis) = (Vec3::new(0.3, 1.0, -2.0), Vec3::new(1.0, 2.0, 2.0) / 3.0);
-        for angle in [0.0, 1e-9, 0.99e-4, 1.01e-4, 1e-2, 1.0, 3.1] {
-            let there = screw(&(axis * angle), &v);
-            assert!((unscrew(&(axis * angle), &there) - v).norm() < 1e-12, "{angle}");
         }
     }
 }

@@ -14,8 +14,10 @@ const USUAL_PRESSURE: f64 = 0.1;
 /// Largest growth of a secant step from one augmentation to the next. A secant through two nearly equal gaps would
 /// overshoot.
 const FASTER: f64 = 2.0;
-/// Times that offsets of open contacts are lowered at most, before these are left as they are.
-const MAX_RELEASES: usize = 10;
+/// Releases in a row, none of which brings the work of offsets on what they hold open below half of its least, after which
+/// no more is released: on lines of contact along a coarse mesh the ripples of elements stay open. The secant takes
+/// that many to find how fast a gap closes.
+const IN_VAIN: usize = 2;
 /// First rounds in which offsets are lowered and raised at once, because they come from another law. Later rounds lower
 /// only when nothing is left to raise: doing both at once may go on for ever (a ply of three strands).
 const EARLY: usize = 3;
@@ -177,9 +179,11 @@ impl Solver {
         if secant_steps.rounds < EARLY || met {
             let Complementarity { work, releasable, gaps: own } = self.complementarity(&residual);
             outstanding.complementarity = met.then_some(work);
-            releases = releasable > TOL_COMPLEMENTARITY && secant_steps.releases < MAX_RELEASES;
+            if met {
+                secant_steps.note(releasable);
+            }
+            releases = releasable > TOL_COMPLEMENTARITY && secant_steps.in_vain < IN_VAIN;
             if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
-                secant_steps.releases += 1;
                 let own = own.at_places_of(&side.set, &gaps).values;
                 gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
             }
@@ -211,18 +215,32 @@ impl Solver {
 /// How fast offsets that hold gaps open are lowered: a secant on offset and gap. At the edge of a zone, or between two
 /// nodes that carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for
 /// ever to let go.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(in crate::solve) struct SecantSteps {
     secant_steps: ContactField,
     /// Gap at the augmentation before, and by how much it lowered the offset \[L\].
     before: Option<[ContactField; 2]>,
-    /// How often contacts held open were released.
-    releases: usize,
+    /// Least work of offsets on what they hold open and could release, over the elastic energy.
+    least: f64,
+    /// Releases in a row that did not halve it.
+    in_vain: usize,
     /// How often it was asked what is left to do.
     rounds: usize,
 }
 
+impl Default for SecantSteps {
+    fn default() -> Self {
+        Self { secant_steps: ContactField::default(), before: None, least: f64::INFINITY, in_vain: 0, rounds: 0 }
+    }
+}
+
 impl SecantSteps {
+    /// Takes note of the work that is left to release where the contact conditions are met.
+    fn note(&mut self, work: f64) {
+        self.in_vain = if work > 0.5 * self.least { self.in_vain + 1 } else { 0 };
+        self.least = self.least.min(work);
+    }
+
     /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what
     /// would have closed it, at most [`FASTER`] than before.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {

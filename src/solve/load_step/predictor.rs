@@ -1,25 +1,31 @@
 //! Where a path is heading: the next state extrapolated from the last accepted ones, and what is prescribed lifted from
 //! the supports to the rods.
 //!
-//! A polynomial through the last two or three states, for positions and for quaternions (as vectors of ℝ⁴ with aligned
-//! signs, normalised afterwards). Its parameter is what is prescribed: states count as long as their controls (seams,
+//! A polynomial through the last two or three states: each node's pose is the last one, moved along a screw whose velocity
+//! and rotation vector are polynomials (an interpolation in the exponential coordinates of SE(3)). Its parameter is what is
+//! prescribed: states count as long as their controls (seams,
 //! turns, displacements and poses of supports, load factor, pressures) lie on one line that the target goes on. So a path has
 //! no memory of stages, and single steps are predicted as those of a run. Turns are brought to their target in all
-//! states first, so that only the rods' answer is extrapolated.
+//! states first, so that only the rods' answer is extrapolated. The centreline may go round with the sections (a cable
+//! that is laid by turning its end: its strands move on arcs, which chords would leave by (2 sin ½φ)³ of their radius) or
+//! not (a rod that is twisted): of the two screws, with and without the prescribed spin, that one is taken which would
+//! have foretold the last state better from the two before it.
 //!
 //! Extrapolated strains mean nothing: a parabola stretches a rod by the cube of its turn, times a stiffness that knows
 //! no small number. Shear forces and tension, multipliers of nearly rigid constraints, are smooth along a path, so they
 //! are extrapolated, too, and the first linearisation is made about them.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use nalgebra::Unit;
 
-use crate::math::quaternion::spin;
+use crate::math::quaternion::{exp, spin};
+use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{Moved, PrescribedMotion, State, Target};
+use crate::solve::problem::state::{Moved, PrescribedMotion, State, Target, seam_shares};
 
 /// States kept: a parabola needs three.
 const KEPT: usize = 3;
@@ -164,12 +170,15 @@ impl History {
         }
         let target = Visited { state, moved };
         let (place, line) = self.line(&target)?;
-        let (predicted, forces) = extrapolated(engine, &present, &target, place, &line);
-        let (simpler, _) = extrapolated(engine, &present, &target, place, &line[..line.len() - 1]);
-        if largest_turn(&predicted.increment_since(&simpler)) > UNCERTAIN {
+        let turning = matches!(line[..], [(_, last), (before, middle), (first, earliest)]
+            if goes_round(engine, last, -before, &[(0.0, middle), (first - before, earliest)]));
+        let mut increment = extrapolated(engine, &target, place, &line, turning);
+        let forces = extrapolated_forces(engine, place, &line);
+        let simpler = extrapolated(engine, &target, place, &line[..line.len() - 1], turning);
+        let apart: Vec<f64> = increment.iter().zip(&simpler).map(|(a, b)| a - b).collect();
+        if largest_turn(&apart) > UNCERTAIN {
             return None;
         }
-        let mut increment = predicted.increment_since(&present);
         for (node, free) in engine.free.iter().enumerate() {
             for k in (0..6).filter(|&k| !free[k]) {
                 increment[6 * node + k] = 0.0;
@@ -180,17 +189,73 @@ impl History {
     }
 }
 
-/// The polynomial through states at places on a line, at another place; with shear forces and tension.
-fn extrapolated(
-    engine: &Engine,
-    present: &State,
-    target: &Visited,
-    place: f64,
-    line: &[(f64, &Visited)],
-) -> (State, Vec<[[f64; 3]; 3]>) {
-    let mut predicted = present.clone();
-    predicted.positions.iter_mut().chain(&mut predicted.remainders).for_each(|r| *r = Vec3::zeros());
-    let mut frames = vec![nalgebra::Vector4::zeros(); present.frames.len()];
+/// Whether centrelines go round with the sections: whether that foretells a state better from those before it.
+fn goes_round(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Visited)]) -> bool {
+    let [error, turning] = [false, true].map(|turning| {
+        let increment = extrapolated(engine, target, place, line, turning);
+        let missed = |node: usize| {
+            let by = target.state.positions[node] - line[0].1.state.positions[node];
+            (by - Vec3::from_column_slice(&increment[6 * node..6 * node + 3])).norm_squared()
+        };
+        (0..engine.num_nodes()).map(missed).sum::<f64>()
+    });
+    turning < error
+}
+
+/// The increment from the last state of a line, its frames spun as the target's are, to where the polynomial through the
+/// line's states leads at a place; on screws with the spin in them if centrelines go round (`turning`) with the sections.
+fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Visited)], turning: bool) -> Vec<f64> {
+    let last = line[0].1;
+    let ahead = last.spins_to(engine, target);
+    let present: Vec<Quat> = spun(&last.state.frames, &ahead);
+    let mut screws = vec![[Vec3::zeros(); 2]; present.len()];
+    for (index, (_, visited)) in line.iter().enumerate().skip(1) {
+        let weight = lagrange_weight(line.len(), |k| line[k].0, index, place);
+        let spins = visited.spins_to(engine, target);
+        let frames = spun(&visited.state.frames, &spins);
+        for (node, sum) in screws.iter_mut().enumerate() {
+            let mut rotation = (frames[node] * present[node].inverse()).scaled_axis();
+            if turning {
+                let about = rotation + present[node] * Vec3::z() * (ahead[node] - spins[node]);
+                let raw = (visited.state.frames[node] * last.state.frames[node].inverse()).scaled_axis();
+                rotation = nearest_turn(raw, &about);
+            }
+            let state = &visited.state;
+            let displacement = (state.positions[node] - last.state.positions[node])
+                + (state.remainders[node] - last.state.remainders[node]);
+            sum[0] += weight * unscrew(&rotation, &displacement);
+            sum[1] += weight * rotation;
+        }
+    }
+    let mut increment = Vec::with_capacity(6 * present.len());
+    for (node, [velocity, rotation]) in screws.iter().enumerate() {
+        let displacement = screw(rotation, velocity);
+        let rotation = match turning {
+            true => (exp(rotation) * last.state.frames[node] * present[node].inverse()).scaled_axis(),
+            false => *rotation,
+        };
+        increment.extend(displacement.iter().chain(rotation.iter()));
+    }
+    increment
+}
+
+/// Frames spun about their own d3 by angles, rad.
+fn spun(frames: &[Quat], angles: &[f64]) -> Vec<Quat> {
+    frames.iter().zip(angles).map(|(frame, angle)| frame * spin(*angle)).collect()
+}
+
+/// The rotation vector, rad, of the same rotation that is nearest to another vector.
+fn nearest_turn(rotation: Vec3, to: &Vec3) -> Vec3 {
+    let angle = rotation.norm();
+    if angle == 0.0 {
+        return rotation;
+    }
+    let axis = rotation / angle;
+    axis * (angle + TAU * ((axis.dot(to) - angle) / TAU).round())
+}
+
+/// Shear forces and tension of the polynomial through states at places on a line, at another place.
+fn extrapolated_forces(engine: &Engine, place: f64, line: &[(f64, &Visited)]) -> Vec<[[f64; 3]; 3]> {
     let mut forces = vec![[[0.0; 3]; 3]; engine.elements.len()];
     for (index, (_, visited)) in line.iter().enumerate() {
         let weight = lagrange_weight(line.len(), |k| line[k].0, index, place);
@@ -199,18 +264,8 @@ fn extrapolated(
                 sum.iter_mut().zip(stress).for_each(|(sum, x)| *sum += weight * x);
             }
         }
-        let state = visited.turned_to(engine, target);
-        for (node, sum) in frames.iter_mut().enumerate() {
-            predicted.positions[node] += state.positions[node] * weight;
-            let q = state.frames[node].coords;
-            let sign = if q.dot(&present.frames[node].coords) < 0.0 { -1.0 } else { 1.0 };
-            *sum += q * (sign * weight);
-        }
     }
-    for (frame, sum) in predicted.frames.iter_mut().zip(frames) {
-        *frame = Unit::new_normalize(*Quat::new_unchecked(nalgebra::Quaternion::from(sum)));
-    }
-    (predicted, forces)
+    forces
 }
 
 /// Largest rotation of a node in an increment, rad.
@@ -219,16 +274,22 @@ fn largest_turn(increment: &[f64]) -> f64 {
 }
 
 impl Visited {
-    /// The state with its seams and spins turned as they are in another.
-    fn turned_to(&self, engine: &Engine, target: &Self) -> State {
-        let mut state = self.state.clone();
-        for rod in 0..state.seams.len() {
-            state.twist(rod, engine.nodes(rod), target.state.seams[rod] - self.state.seams[rod]);
+    /// Angles about d3, rad, by which seams and supports spin the frames of the nodes on the way to another state.
+    fn spins_to(&self, engine: &Engine, target: &Self) -> Vec<f64> {
+        let mut spins = vec![0.0; engine.num_nodes()];
+        for (rod, (from, to)) in self.state.seams.iter().zip(&target.state.seams).enumerate() {
+            let nodes = engine.nodes(rod);
+            for (node, share) in nodes.clone().zip(seam_shares(nodes.len())) {
+                spins[node] += (to - from) * share;
+            }
         }
         for (&node, angle) in &target.moved.spun {
-            spin_evenly(engine, &mut state, node, angle - self.moved.spun.get(&node).copied().unwrap_or(0.0));
+            let by = angle - self.moved.spun.get(&node).copied().unwrap_or(0.0);
+            for (other, share) in spin_shares(engine, node) {
+                spins[other] += by * share;
+            }
         }
-        state
+        spins
     }
 }
 
@@ -272,22 +333,24 @@ pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -
 /// Spins the frames of an open rod about their tangents: those of `node` by an angle, the others by shares that fall
 /// evenly to zero at the next nodes on both sides whose rotation is held.
 fn spin_evenly(engine: &Engine, state: &mut State, node: usize, angle: f64) {
+    for (k, share) in spin_shares(engine, node).filter(|(_, share)| *share != 0.0) {
+        let turned = state.frames[k] * spin(angle * share);
+        state.frames[k] = Unit::new_normalize(turned.into_inner());
+    }
+}
+
+/// Shares, by node, of the rod in a spin of one of its nodes.
+fn spin_shares(engine: &Engine, node: usize) -> impl Iterator<Item = (usize, f64)> {
     let nodes = engine.nodes(engine.rod_of(node));
     let held = |n: &usize| engine.is_turning_held(*n);
     let before = (nodes.start..node).rev().find(held);
     let after = (node + 1..nodes.end).find(held);
-    let share = |k: usize| match (k.cmp(&node), before, after) {
+    let share = move |k: usize| match (k.cmp(&node), before, after) {
         (std::cmp::Ordering::Less, Some(held), _) => (k.saturating_sub(held)) as f64 / (node - held) as f64,
         (std::cmp::Ordering::Greater, _, Some(held)) => (held.saturating_sub(k)) as f64 / (held - node) as f64,
         _ => 1.0,
     };
-    for k in nodes.clone() {
-        let part = share(k);
-        if part != 0.0 {
-            let turned = state.frames[k] * spin(angle * part);
-            state.frames[k] = Unit::new_normalize(turned.into_inner());
-        }
-    }
+    nodes.map(move |k| (k, share(k)))
 }
 
 #[cfg(test)]
@@ -327,6 +390,37 @@ mod tests {
         let Lifted { state, drive: left, spun } = lifted(&engine, &engine.state, &drive(Vec3::y()));
         assert_eq!((left.nodes.len(), spun.len()), (1, 0));
         assert_eq!(state, engine.state);
+    }
+
+    /// A rod that turns about an axis as a whole, by a spin of its end and the motion that goes with it, is foretold to
+    /// rounding, by much more than a chord; one that is only spun stays where it is.
+    #[test]
+    fn rods_that_go_round_are_foretold_on_arcs() {
+        let engine = Engine::new(clamped(false), None).unwrap();
+        let through = Vec3::new(0.0, 0.3, -0.2);
+        let at = |step: f64, goes_round: bool| {
+            let angle = 0.6 * step;
+            let mut state = engine.state.clone();
+            for node in 0..=36 {
+                let turn = exp(&(Vec3::x() * (angle * node as f64 / 36.0)));
+                if goes_round {
+                    state.positions[node] = through + turn * (engine.state.positions[node] - through);
+                }
+                state.frames[node] = turn * engine.state.frames[node];
+            }
+            Visited { state, moved: Moved { spun: [(36, angle)].into(), ..Moved::default() } }
+        };
+        for round in [true, false] {
+            let [first, before, last, next] = [0.0, 1.0, 2.0, 3.0].map(|step| at(step, round));
+            assert_eq!(goes_round(&engine, &last, 1.0, &[(0.0, &before), (-1.0, &first)]), round);
+            let line = [(0.0, &last), (-1.0, &before), (-2.0, &first)];
+            let increment = extrapolated(&engine, &next, 1.0, &line, round);
+            let mut lifted = last.state.clone();
+            spin_evenly(&engine, &mut lifted, 36, 0.6);
+            let there = lifted.retract(&increment, 1.0);
+            let missed = there.increment_since(&next.state).iter().fold(0.0f64, |a, x| a.max(x.abs()));
+            assert!(missed < 1e-12, "{round} {missed:e}");
+        }
     }
 
     /// The way is told by what is prescribed: not by other loads, not backwards, not much farther than the last step.

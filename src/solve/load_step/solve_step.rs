@@ -144,8 +144,7 @@ impl Solver {
     ) -> Result<(), SolveError> {
         let engine = &mut self.engine;
         let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
-        engine.update_contact(&state)?;
-        let fraction = engine.step_fraction(&state, &prediction.increment)?;
+        let fraction = engine.free_fraction(&state, &prediction.increment)?;
         engine.state = state.retract(&prediction.increment, fraction);
         self.workspace.start_forces.clone_from(&prediction.forces);
         self.search(&drive.scaled(1.0 - fraction), report)?;

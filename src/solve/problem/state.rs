@@ -147,6 +147,11 @@ impl PrescribedMotion {
     }
 }
 
+/// Shares of the nodes of a closed rod in the turn of its seam, which twists it evenly.
+pub(crate) fn seam_shares(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| k as f64 / count as f64 - 0.5)
+}
+
 impl State {
     /// Moves every node by `t` times its six increments (displacement, rotation vector; multiplicative update
     /// q ← exp(tθ/2) q).
@@ -191,9 +196,8 @@ impl State {
     /// start for others.
     pub fn twist(&mut self, rod: usize, nodes: std::ops::Range<usize>, angle: f64) {
         self.seams[rod] += angle;
-        let count = nodes.len() as f64;
-        for (k, node) in nodes.enumerate() {
-            let turned = self.frames[node] * spin(angle * (k as f64 / count - 0.5));
+        for (share, node) in seam_shares(nodes.len()).zip(nodes) {
+            let turned = self.frames[node] * spin(angle * share);
             self.frames[node] = Unit::new_normalize(turned.into_inner());
         }
     }

@@ -92,6 +92,10 @@ pub(crate) struct Workspace {
     pub(crate) interrupted: bool,
 }
 
+/// What a search sets out with: motions of supports, and the shear forces and the tension of the first linearisation, if
+/// there are any.
+type Start<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
+
 /// Iterations of the plain search at most.
 const MAX_DIRECT: usize = 15;
 /// Ratio of two increments above which Newton's method does not converge yet. Near a state at rest, two such ratios in
@@ -126,7 +130,7 @@ impl Workspace {
         let mut spent = Vec::new();
         if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
             let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
-            if let Some(report) = plain(self, engine, drive, options, &mut spent)? {
+            if let Some(report) = plain(self, engine, (drive, &forces), options, &mut spent)? {
                 return Ok(report);
             }
             engine.state = start.clone();
@@ -138,7 +142,7 @@ impl Workspace {
                 max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
                 ..options.clone()
             };
-            match self.direct(engine, drive, &direct, options.stable_only) {
+            match self.direct(engine, (drive, &forces), &direct, options.stable_only) {
                 Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
@@ -159,19 +163,19 @@ impl Workspace {
     fn direct_apart(
         &mut self,
         engine: &mut Engine,
-        drive: &PrescribedMotion,
+        start: Start,
         options: &NewtonOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
-        let start = engine.state.clone();
+        let before = engine.state.clone();
         let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         let side = engine.contact.take();
-        let outcome = self.direct(engine, drive, &direct, true);
+        let outcome = self.direct(engine, start, &direct, true);
         engine.contact = side;
         // numbers that broke down on the way are for the other searches to mend
         let Ok(mut report) = outcome else { return Ok(None) };
         if report.converged
-            && timed(&mut self.timings.detection, || engine.is_way_free(&start)).unwrap_or(false)
+            && timed(&mut self.timings.detection, || engine.is_way_free(&before)).unwrap_or(false)
             && !engine.is_touching()
         {
             if engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()) {
@@ -188,14 +192,14 @@ impl Workspace {
     fn direct_in_contact(
         &mut self,
         engine: &mut Engine,
-        drive: &PrescribedMotion,
+        start: Start,
         options: &NewtonOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
         let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         // numbers that broke down on the way are for the guarded search to mend
-        if let Ok(mut report) = self.direct(engine, drive, &direct, true) {
+        if let Ok(mut report) = self.direct(engine, start, &direct, true) {
             if report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
             }
@@ -211,14 +215,14 @@ impl Workspace {
     fn direct(
         &mut self,
         engine: &mut Engine,
-        drive: &PrescribedMotion,
+        (drive, forces): Start,
         options: &NewtonOptions,
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let (mut remaining, mut cut_steps, mut growing, mut last) = (1.0, 0, 0, f64::INFINITY);
         let mut state = engine.state.clone();
-        let mut stress = engine.actual_stress(&state);
+        let mut stress = engine.stress_with(&state, forces);
         for iteration in 0..options.max_iterations {
             if self.must_stop(options) {
                 return Ok(report);

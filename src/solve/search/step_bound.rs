@@ -36,6 +36,12 @@ struct Keep {
 const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, turned: 0.45 * TAU };
 /// Bounds for a corrected step: corrections may use half of the room that the step left.
 const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, turned: 0.48 * TAU };
+/// Bounds for a predicted state: it may turn strands in contact round each other, but not press them together.
+const PREDICTED: Keep = Keep { distance: 0.9, ..STEP };
+/// Times that a step is bounded at most.
+const MAX_ADVANCES: usize = 8;
+/// Part of a step for which it is not bounded once more.
+const SMALL_ADVANCE: f64 = 0.02;
 /// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod
 /// bulges by much more than the rod's thickness: with that for an error no step near contact would be left.
 const TOL_DISTANCE: f64 = 0.05;
@@ -58,6 +64,47 @@ impl Engine {
             Some(side) => Ok(t.min(self.install(|| side.passage_fraction(state, increment, keep))?)),
             None => Ok(t),
         }
+    }
+
+    /// Largest t ≤ 1 up to which strands keep apart on the way of an increment: the way is bounded anew from where the
+    /// bound allows it to (conservative advancement), so that strands which turn round each other in contact are free.
+    /// Contact geometry is anybody's afterwards.
+    pub(crate) fn free_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
+        self.advance(state, increment, PREDICTED)
+    }
+
+    fn advance(&mut self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        let longest = rotation_fraction(self, state, increment, keep);
+        let mut t = 0.0;
+        for _ in 0..MAX_ADVANCES {
+            let here = state.retract(increment, t);
+            self.look_at(&here)?;
+            let Some(side) = &self.contact else { return Ok(longest) };
+            let rest: Vec<f64> = increment.iter().map(|x| x * (1.0 - t)).collect();
+            let part = self.install(|| side.passage_fraction(&here, &rest, keep))?;
+            if part == 1.0 {
+                return Ok(longest);
+            }
+            t += part * (1.0 - t);
+            if t >= longest {
+                return Ok(longest);
+            }
+            if part * (1.0 - t) < SMALL_ADVANCE {
+                break;
+            }
+        }
+        Ok(t)
+    }
+
+    /// Brings to a state what the step bound looks at: curves and their turning, not the candidates.
+    fn look_at(&mut self, state: &State) -> Result<(), SolveError> {
+        let Some(mut side) = self.contact.take() else { return Ok(()) };
+        let turned = self.install(|| {
+            side.place(state);
+            side.exclusion.update(&side.set)
+        });
+        self.contact = Some(side);
+        turned
     }
 }
 

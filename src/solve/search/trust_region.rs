@@ -73,10 +73,7 @@ struct Search {
 impl Search {
     fn new(engine: &Engine, drive: &PrescribedMotion, forces: &[[[f64; 3]; 3]], rest: Convergence) -> Self {
         let state = engine.state.clone();
-        let mut stress = engine.actual_stress(&state);
-        for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
-            point[..3].copy_from_slice(force);
-        }
+        let stress = engine.stress_with(&state, forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         Self { state, stress, remaining, trust: TrustRegion::new(), rest, rejections: 0, report }

@@ -109,6 +109,15 @@ impl Engine {
         self.install(|| parallel::map(self.elements.len(), GRAIN, &stress))
     }
 
+    /// [`Engine::actual_stress`] with shear forces and tension from elsewhere, if there are any.
+    pub(crate) fn stress_with(&self, state: &State, forces: &[[[f64; 3]; 3]]) -> Vec<[Stress; 3]> {
+        let mut stress = self.actual_stress(state);
+        for (point, force) in stress.iter_mut().flatten().zip(forces.iter().flatten()) {
+            point[..3].copy_from_slice(force);
+        }
+        stress
+    }
+
     /// Strains minus reference at the points of an element.
     pub(crate) fn element_strain(&self, e: usize, state: &State) -> [Strain; 3] {
         let element = &self.elements[e];

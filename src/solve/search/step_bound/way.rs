@@ -17,8 +17,6 @@ use crate::solve::problem::state::State;
 const LEG: f64 = 0.5;
 /// Legs at most. Motions that turn further are not examined, and refused.
 const MAX_LEGS: f64 = 64.0;
-/// Bounded steps in which a leg must be completed.
-const MAX_STEPS: usize = 8;
 
 impl Engine {
     /// Whether no strand passes another on the way from `start` to the engine's state, as far as one way tells; contact
@@ -44,31 +42,13 @@ impl Engine {
         let mut state = start.clone();
         for leg in 1..=legs as usize {
             let to = self.between(start, end, &increment, leg as f64 / legs);
-            for step in 0.. {
-                self.look_at(&state)?;
-                let rest = to.increment_since(&state);
-                let fraction = self.fraction_keeping(&state, &rest, STEP)?;
-                state = state.retract(&rest, fraction);
-                if fraction == 1.0 {
-                    break;
-                }
-                if step == MAX_STEPS {
-                    return Ok(false);
-                }
+            let rest = to.increment_since(&state);
+            if self.advance(&state, &rest, STEP)? < 1.0 {
+                return Ok(false);
             }
+            state = to;
         }
         Ok(true)
-    }
-
-    /// Brings to a state what the step bound looks at: curves and their turning, not the candidates.
-    fn look_at(&mut self, state: &State) -> Result<(), SolveError> {
-        let Some(mut side) = self.contact.take() else { return Ok(()) };
-        let turned = self.install(|| {
-            side.place(state);
-            side.exclusion.update(&side.set)
-        });
-        self.contact = Some(side);
-        turned
     }
 
     /// The increment between the states with the rotations that turn tangents only, whole turns added where those of
