@@ -18,6 +18,7 @@ use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::search::newton::NewtonReport;
+use crate::solve::search::trust_region::progress::{PROGRESS, stored_energy};
 use crate::solve::search::trust_region::unseen;
 
 /// Depth of the core law that a load step with contact begins under, over the contact distance. With .1 in its place
@@ -333,8 +334,9 @@ impl Solver {
         let mut outcome = self.equilibrate(drive, None, report)?;
         // without a potential the inertia of the symmetric part decides nothing
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
+        let mut idle = 0;
         while outcome.converged && outcome.num_unstable > 0 && leaves && !self.ended_roughly(&outcome) {
-            let may_leave = report.escapes < self.options.max_escapes;
+            let may_leave = idle < self.options.max_escapes;
             let (before, potential) = (self.engine.state.clone(), self.engine.residual(&self.engine.state));
             let direction = self.workspace.negative_direction(&mut self.engine)?;
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.escape_step).collect();
@@ -349,6 +351,7 @@ impl Solver {
             if may_leave && !is_neutral {
                 report.escapes += 1;
                 report.energy_released += fall;
+                idle = if fall > PROGRESS * stored_energy(&potential) { 0 } else { idle + 1 };
                 outcome = left;
                 continue;
             }

@@ -16,7 +16,7 @@
 
 mod convergence;
 mod corrected_step;
-mod progress;
+pub(in crate::solve) mod progress;
 mod radius;
 mod step;
 

@@ -4,7 +4,12 @@ use crate::solve::problem::assembly::Residual;
 
 /// Decrease of the potential over the stored energy, or advance of a prescribed motion over its remainder, that counts
 /// as progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
-const PROGRESS: f64 = 1e-2;
+pub(in crate::solve) const PROGRESS: f64 = 1e-2;
+
+/// Energy of rods and contact at a state.
+pub(in crate::solve) fn stored_energy(residual: &Residual) -> f64 {
+    residual.potential.elastic.iter().sum::<f64>() + residual.potential.contact.abs()
+}
 
 /// Iterations since the last progress.
 #[derive(Debug)]
@@ -24,8 +29,7 @@ impl SearchProgress {
     /// Takes note of where the search is before an iteration.
     pub(super) fn see(&mut self, residual: &Residual, remaining: f64) {
         let potential = residual.potential.total();
-        let energy = residual.potential.elastic.iter().sum::<f64>() + residual.potential.contact.abs();
-        let falls = potential < self.potential - PROGRESS * energy;
+        let falls = potential < self.potential - PROGRESS * stored_energy(residual);
         let advances = remaining < (1.0 - PROGRESS) * self.remaining;
         if falls || advances {
             (self.idle, self.potential, self.remaining) = (0, potential, remaining);
