@@ -13,7 +13,7 @@ use supercoil::contact::Cubic;
 use supercoil::contact::Law;
 use supercoil::contact::Want;
 use supercoil::internals::curve::{CurveInput, CurveSet};
-use supercoil::internals::element::{self, ElementNodes, ElementOutput, ElementProperties, Plane};
+use supercoil::internals::element::{self, ElementNodes, ElementOutput, ElementProperties, RodPlane};
 use supercoil::internals::potential::evaluate;
 use supercoil::internals::quaternion::to_array;
 use supercoil::internals::shape_functions::ShapeTable;
@@ -50,7 +50,7 @@ fn against_operations(mut tangent: impl FnMut() -> f64) {
 /// A straight element under pure stretch has the energy ½ EA ε² ℓ, in space and in the plane.
 fn rod_element(c: &mut Criterion) {
     let along_x = Quat::rotation_between(&Vec3::z(), &Vec3::x()).map_or([1.0, 0.0, 0.0, 0.0], |q| to_array(&q));
-    let plane = Plane::new(&along_x);
+    let plane = RodPlane::new(&along_x);
     for (order, plane) in (1..=3).flat_map(|order| [(order, None), (order, Some(&plane))]) {
         let table = ShapeTable::new(order);
         let mut nodes = ElementNodes::default();

@@ -120,7 +120,7 @@ enum Command {
     /// Run a scene many times with other values: `supercoil help sweep`.
     Sweep {
         #[command(subcommand)]
-        command: sweep::Command,
+        command: sweep::SweepCommand,
     },
     /// Write a commented scene to begin with.
     New {

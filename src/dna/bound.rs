@@ -9,7 +9,7 @@ use std::path::Path;
 use super::pose::strains;
 use crate::error::InputError;
 use crate::rod::{NaturalStrains, Stiffness};
-use crate::text::{Table, read_regular};
+use crate::text::{NumberTable, read_regular};
 
 use super::sequence::PARAMETERS;
 
@@ -61,7 +61,7 @@ impl Bound {
     /// # Errors
     /// As there, without the file.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let table = Table::parse_with(text, Some("hold"))?;
+        let table = NumberTable::parse_with(text, Some("hold"))?;
         let column = |name: &str| {
             let found = table.names.iter().position(|here| here == name);
             found.ok_or_else(|| format!("line {}: there is no column {name}", table.head))

@@ -22,7 +22,7 @@ use crate::dna::pose::{ANGSTROM, pose, strains};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Along, NaturalStrains, Stiffness, check_stiffness};
-use crate::text::{Table, read_regular};
+use crate::text::{NumberTable, read_regular};
 
 /// Names of the parameters, in their order.
 pub(super) const PARAMETERS: [&str; 6] = ["tilt", "roll", "twist", "shift", "slide", "rise"];
@@ -106,7 +106,7 @@ impl Steps {
     }
 
     fn parse(text: &str) -> Result<Self, String> {
-        let table = Table::parse_with(text, Some("step"))?;
+        let table = NumberTable::parse_with(text, Some("step"))?;
         let index = |name: &str| PARAMETERS.iter().position(|parameter| *parameter == name);
         let means = PARAMETERS.map(|name| table.column(name).ok_or(name));
         if let Some(missing) = means.iter().find_map(|found| found.err()) {

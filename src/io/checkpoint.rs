@@ -167,15 +167,15 @@ impl Fingerprint {
 /// Length and CRC-32 of a value's debug form, which has every field (those yet to come too) and every bit of every
 /// number.
 fn digest(value: &impl std::fmt::Debug) -> (u64, u32) {
-    struct Sink(u64, crc32fast::Hasher);
-    impl std::fmt::Write for Sink {
+    struct DigestSink(u64, crc32fast::Hasher);
+    impl std::fmt::Write for DigestSink {
         fn write_str(&mut self, text: &str) -> std::fmt::Result {
             self.0 += text.len() as u64;
             self.1.update(text.as_bytes());
             Ok(())
         }
     }
-    let mut sink = Sink(0, crc32fast::Hasher::new());
+    let mut sink = DigestSink(0, crc32fast::Hasher::new());
     // the sink takes everything
     let _ = std::fmt::write(&mut sink, format_args!("{value:?}"));
     (sink.0, sink.1.finalize())

@@ -10,15 +10,15 @@ use crate::text::read_regular;
 
 /// What of `summary.json` tells how nodes make a rod.
 #[derive(serde::Deserialize)]
-struct Summary {
+struct MeshSummary {
     units: crate::scene::Units,
-    rods: Vec<RodHead>,
+    rods: Vec<MeshOfRod>,
     #[serde(rename = "final")]
     last: Option<Last>,
 }
 
 #[derive(serde::Deserialize)]
-struct RodHead {
+struct MeshOfRod {
     name: String,
     length: f64,
     closed: bool,
@@ -45,7 +45,7 @@ struct Link {
 pub fn base_pairs(dir: &Path, rod: Option<&str>, count: Option<usize>) -> Result<BasePairs, InputError> {
     let file = dir.join("summary.json");
     let refuse = |e: serde_json::Error| InputError::Parse { file: file.display().to_string(), reason: e.to_string() };
-    let summary: Summary = serde_json::from_str(&read_regular(&file)?).map_err(refuse)?;
+    let summary: MeshSummary = serde_json::from_str(&read_regular(&file)?).map_err(refuse)?;
     if summary.units.length != "nm" {
         let (field, name) = ("units.length of the scene".to_owned(), summary.units.length);
         return Err(InputError::Name { field, name, allowed: "\"nm\": base pairs have a size".to_owned() });

@@ -148,7 +148,7 @@ impl TubePicture {
         self.check()?;
         let camera = camera::Camera::new(self)?;
         let capsules = tube::capsules(&self.tubes, &camera);
-        let shapes: Vec<raster::Shape> = capsules.iter().map(|c| c.shape).collect();
+        let shapes: Vec<raster::ScreenCapsule> = capsules.iter().map(|c| c.shape).collect();
         let light = shade::Light::new(&shapes);
         let samples = raster::draw(&shapes, camera.width, camera.height);
         Ok(shade::develop(self, &camera, &capsules, &samples, &light))

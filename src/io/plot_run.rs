@@ -81,7 +81,7 @@ impl RunTable {
 }
 
 /// A curve that is interrupted where the rods snapped, and the pieces across.
-pub(super) fn with_jumps(points: &[Point], snapped: &[bool]) -> (Vec<Point>, Vec<Point>) {
+pub(super) fn with_jumps(points: &[PlotPoint], snapped: &[bool]) -> (Vec<PlotPoint>, Vec<PlotPoint>) {
     let gap = (f64::NAN, f64::NAN);
     let (mut line, mut jumps) = (Vec::new(), Vec::new());
     for (k, &point) in points.iter().enumerate() {
@@ -94,10 +94,10 @@ pub(super) fn with_jumps(points: &[Point], snapped: &[bool]) -> (Vec<Point>, Vec
     (line, jumps)
 }
 
-type Point = (f64, f64);
-type Rows = (Vec<String>, Vec<Vec<String>>);
+type PlotPoint = (f64, f64);
+type TextTable = (Vec<String>, Vec<Vec<String>>);
 
-fn read(path: &Path) -> Result<Rows, InputError> {
+fn read(path: &Path) -> Result<TextTable, InputError> {
     let refuse = |e: ::csv::Error| InputError::Parse { file: path.display().to_string(), reason: e.to_string() };
     let mut reader = ::csv::Reader::from_path(path).map_err(refuse)?;
     let words = |record: &::csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();

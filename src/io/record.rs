@@ -59,7 +59,7 @@ impl RodHead {
 
 /// `summary.json`.
 #[derive(Debug, Clone, Serialize)]
-struct Summary<'a> {
+struct SummaryFile<'a> {
     program: &'a str,
     title: &'a str,
     units: &'a Units,
@@ -97,7 +97,7 @@ const MAX_FILM: usize = 48;
 pub const MAX_SITES: usize = 100;
 
 #[derive(Debug, Clone)]
-struct Frame {
+struct RecordedFrame {
     step: usize,
     rods: Vec<RodSnapshot>,
     sites: Vec<SiteReport>,
@@ -143,7 +143,7 @@ pub struct Record {
     steps: Vec<Observation>,
     film: Vec<Still>,
     stride: usize,
-    last: Option<Frame>,
+    last: Option<RecordedFrame>,
     lines: Vec<LineSample>,
     last_written: Option<usize>,
     pvd: PvdWriter,
@@ -250,7 +250,7 @@ impl Record {
             let changed = changes(first, &observation, &self.rods);
             observation.notes.extend(changed);
         }
-        let frame = Frame { step: self.steps.len(), rods, sites };
+        let frame = RecordedFrame { step: self.steps.len(), rods, sites };
         self.steps.push(observation);
         if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
             self.write_vtk(&frame)?;
@@ -270,7 +270,7 @@ impl Record {
     pub(super) fn set_last(&mut self, rods: impl FnOnce() -> (Vec<RodSnapshot>, Vec<SiteReport>)) {
         if let (None, Some(step)) = (&self.last, self.steps.len().checked_sub(1)) {
             let (rods, sites) = rods();
-            self.last = Some(Frame { step, rods, sites });
+            self.last = Some(RecordedFrame { step, rods, sites });
         }
     }
 
@@ -330,7 +330,7 @@ impl Record {
             let energies = steps.iter().map(|step| step.energies.over(thermal_energy)).collect();
             Thermal { temperature, thermal_energy, energies }
         });
-        let summary = Summary {
+        let summary = SummaryFile {
             program,
             title,
             units,
@@ -349,7 +349,7 @@ impl Record {
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
     }
 
-    fn write_final_state(&self, last: &Frame) -> Result<(), InputError> {
+    fn write_final_state(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let state = |(index, rod): (usize, &RodSnapshot)| {
             let head = self.head(index, last.step);
             let spacing = head.length / (head.elements * head.order) as f64;
@@ -363,7 +363,7 @@ impl Record {
         write_state(&self.dir.join(files::FINAL_STATE), &states)
     }
 
-    fn write_vtk(&mut self, frame: &Frame) -> Result<(), InputError> {
+    fn write_vtk(&mut self, frame: &RecordedFrame) -> Result<(), InputError> {
         let vtk = |(head, rod): (&RodHead, &RodSnapshot)| {
             let kept = self.vtk_nodes(head, rod);
             let axis = |axis: Vec3| kept.iter().map(|&i| rod.frames[i] * axis).collect::<Vec<_>>();

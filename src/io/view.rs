@@ -37,7 +37,7 @@ pub struct Film {
     /// The states, in order.
     pub frames: Vec<Frame>,
     /// Numbers of all steps, shown beside the picture.
-    pub table: Table,
+    pub table: FilmTable,
     /// Plots of columns of the table.
     pub plots: Vec<Plot>,
     /// A remark about the film, such as steps and nodes left out; may be empty.
@@ -86,7 +86,7 @@ pub struct FrameRod {
 
 /// Numbers of the steps.
 #[derive(Debug, Clone, Default)]
-pub struct Table {
+pub struct FilmTable {
     /// Name and unit of each column; the unit may be empty.
     pub columns: Vec<(String, String)>,
     /// One row a step, one number a column; NaN where there is none.

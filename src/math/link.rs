@@ -33,7 +33,7 @@ pub struct LinkNumbers {
 
 /// From this many edges on a closed polygon's crossings are counted instead of summing over all edge pairs.
 const MIN_EDGES_FOR_CROSSINGS: usize = 400;
-/// Edges of one polygon per parallel piece of work; each is compared with all others.
+/// Edges of one polygon per parallel task; each is compared with all others.
 const ROWS: usize = 8;
 
 /// Link, twist and writhe of a closed rod (turns).
@@ -126,7 +126,7 @@ fn solid_angle(a: [Vec3; 2], b: [Vec3; 2]) -> f64 {
     let (u, v) = (a[1] - a[0], b[1] - b[0]);
     let normal = u.cross(&v);
     let det = normal.dot(&corners[shortest]);
-    // Coplanar to rounding: either nothing, or an intersection where the mean of both signs is nothing too.
+    // Coplanar to rounding: the solid angle is 0, also at an intersection, as the mean of both signs.
     if norms[shortest] == 0.0 || det.abs() <= 4.0 * f64::EPSILON * u.norm() * v.norm() * norms[shortest] {
         return 0.0;
     }
@@ -182,7 +182,7 @@ fn twist_with_seam(points: &[Vec3], d1: &[Vec3], closed: bool, seam_turns: f64) 
     compensated_sum(angles.into_iter()) / TAU
 }
 
-/// Unit part of `v` normal to the unit vector `edge`; `None` if there is hardly any.
+/// Unit part of `v` normal to the unit vector `edge`; `None` if that part is rounding.
 fn across(v: Vec3, edge: Vec3) -> Option<Vec3> {
     let size = v.norm();
     (v - edge * edge.dot(&v)).try_normalize(1e-12 * size)
@@ -215,7 +215,7 @@ fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
     sum + carry
 }
 
-/// The points without consecutive duplicates (which would be edges without direction).
+/// The points without consecutive duplicates, because an edge of no length has no direction.
 fn without_repeats(points: &[Vec3], closed: bool) -> Vec<Vec3> {
     let mut kept: Vec<Vec3> = points.to_vec();
     kept.dedup();

@@ -14,8 +14,8 @@ pub(crate) mod random;
 pub(crate) mod shape_functions;
 pub(crate) mod two_sum;
 
-/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at
-/// 1.8e308 was once given a site 1.2 beyond the range: squares of its edges were infinite.)
+/// Largest coordinate, radius or reach accepted, because products of three lengths must stay finite. (Squares of edges
+/// overflowed for a polyline with a point at 1.8e308: a site 1.2 beyond the range was found.)
 pub(crate) const LARGEST: f64 = 1e100;
 
 /// Vector of ℝ³.

@@ -87,7 +87,7 @@ pub struct ErrorEstimate {
 }
 
 /// One of the quantities compared.
-type Quantity = fn(&Differences) -> Option<f64>;
+type DifferenceOf = fn(&Differences) -> Option<f64>;
 
 impl ErrorEstimate {
     /// Both parts of one quantity together; `None` if a part was not had or the model has no such quantity.
@@ -103,7 +103,7 @@ impl ErrorEstimate {
 impl std::fmt::Display for ErrorEstimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "error estimate            mesh      contact law")?;
-        let quantities: [(&str, Quantity); 7] = [
+        let quantities: [(&str, DifferenceOf); 7] = [
             ("energy", |d| Some(d.energy)),
             ("positions", |d| d.position),
             ("writhe", |d| d.writhe),
@@ -112,7 +112,7 @@ impl std::fmt::Display for ErrorEstimate {
             ("reaction forces", |d| d.reaction_force),
             ("reaction moments", |d| d.reaction_moment),
         ];
-        let part = |comparison: Option<&Comparison>, of: Quantity| {
+        let part = |comparison: Option<&Comparison>, of: DifferenceOf| {
             let value = comparison.and_then(|c| c.error.as_ref()).and_then(of);
             value.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
         };

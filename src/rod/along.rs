@@ -8,9 +8,9 @@ use crate::error::InputError;
 use crate::math::quadrature::Rule;
 
 /// Vectors and matrices of numbers, which can be averaged.
-pub trait Values: Copy + PartialEq + Add<Output = Self> + Mul<f64, Output = Self> + Send + Sync + 'static {}
+pub trait Averaged: Copy + PartialEq + Add<Output = Self> + Mul<f64, Output = Self> + Send + Sync + 'static {}
 
-impl<T: Copy + PartialEq + Add<Output = T> + Mul<f64, Output = T> + Send + Sync + 'static> Values for T {}
+impl<T: Copy + PartialEq + Add<Output = T> + Mul<f64, Output = T> + Send + Sync + 'static> Averaged for T {}
 
 /// Agreement of the end of a table with the length of its rod, relative: tables are written with few digits.
 const TOL_LENGTH: f64 = 1e-6;
@@ -40,7 +40,7 @@ enum Kind<T> {
     Function(Box<dyn Fn(f64) -> T + Send + Sync>),
 }
 
-impl<T: Values> Along<T> {
+impl<T: Averaged> Along<T> {
     /// The same all along.
     pub fn constant(value: T) -> Self {
         Self(Arc::new(Kind::Constant(value)))
@@ -163,7 +163,7 @@ fn piece(ends: &[f64], s: f64) -> usize {
 }
 
 /// Mean of constant pieces from `from` to `to`; the last piece has no end.
-fn mean<T: Values>(ends: &[f64], values: &[T], from: f64, to: f64) -> T {
+fn mean<T: Averaged>(ends: &[f64], values: &[T], from: f64, to: f64) -> T {
     let (first, last) = (piece(ends, from), piece(ends, to));
     let part = |k: usize| {
         let begin = if k == first { from } else { ends[k - 1] };

@@ -27,7 +27,7 @@ mod blocks;
 mod kinematics;
 mod material;
 
-pub use kinematics::{Nodes, Plane};
+pub use kinematics::{NodeValues, RodPlane};
 pub use material::{Material, stiffness};
 
 /// Strains Γ1 Γ2 Γ3 K1 K2 K3 at an integration point: shear, shear, extension, bending, bending, twist. Γ is a number,
@@ -41,7 +41,7 @@ pub type Stress = [f64; 6];
 pub const MAX_DOF: usize = 24;
 
 /// Nodal input of one element in space.
-pub type ElementNodes = Nodes<3, 4>;
+pub type ElementNodes = NodeValues<3, 4>;
 
 /// Shape functions, length and material shared by the elements of a rod.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +54,7 @@ pub struct ElementProperties<'a> {
     pub material: Material<'a>,
     /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y,
     /// frames turned about z) are computed there, with the same results to rounding.
-    pub plane: Option<&'a Plane>,
+    pub plane: Option<&'a RodPlane>,
 }
 
 /// The interpolated numbers y = (r', z, z') at one integration point.
@@ -66,7 +66,7 @@ struct InterpolatedPoint<const R: usize, const Z: usize> {
 }
 
 fn interpolate<const R: usize, const Z: usize>(
-    nodes: &Nodes<R, Z>,
+    nodes: &NodeValues<R, Z>,
     n: &[f64; 4],
     d: &[f64; 4],
     num_nodes: usize,
@@ -105,7 +105,7 @@ impl ElementProperties<'_> {
     }
 
     /// The plane, the nodes in it, if all are, and the stiffnesses there. Rods with a full material are computed in space.
-    fn flat(&self, nodes: &ElementNodes) -> Option<(&Plane, Nodes<2, 2>, [f64; 3])> {
+    fn flat(&self, nodes: &ElementNodes) -> Option<(&RodPlane, NodeValues<2, 2>, [f64; 3])> {
         let (plane, Material::Diagonal(material)) = (self.plane?, self.material) else { return None };
         Some((plane, plane.nodes(nodes, self.table.order + 1)?, plane.material(material)))
     }
@@ -135,8 +135,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     /// predicts: B δ. Also returns raw strains and B's rows.
     fn linear_change(
         table: &ShapeTable,
-        nodes: &Nodes<R, Z>,
-        change: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
+        change: &NodeValues<R, Z>,
         length: f64,
         g: usize,
     ) -> ([f64; S], [f64; S], [[f64; N]; S]) {
@@ -158,8 +158,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     }
 
     /// Nodal rates of change of positions and quaternions for an increment.
-    fn nodal_change(nodes: &Nodes<R, Z>, increment: &[f64; MAX_DOF], num_nodes: usize) -> Nodes<R, Z> {
-        let mut change = Nodes::default();
+    fn nodal_change(nodes: &NodeValues<R, Z>, increment: &[f64; MAX_DOF], num_nodes: usize) -> NodeValues<R, Z> {
+        let mut change = NodeValues::default();
         for a in 0..num_nodes {
             change.r[a].copy_from_slice(&increment[6 * a..6 * a + R]);
             for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
@@ -174,7 +174,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     fn predict(
         body: &ElementProperties,
-        nodes: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
         reference: &[[f64; S]; 3],
         increment: &[f64; MAX_DOF],
@@ -190,8 +190,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     fn second_order(
         body: &ElementProperties,
-        nodes: &Nodes<R, Z>,
-        moved: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
+        moved: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
         increment: &[f64; MAX_DOF],
     ) -> ([[f64; S]; 3], [f64; MAX_DOF]) {
@@ -275,7 +275,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     fn evaluate(
         body: &ElementProperties,
-        nodes: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
         reference: &[[f64; S]; 3],
         predicted: Option<&[[f64; S]; 3]>,

@@ -14,7 +14,7 @@ mod section;
 mod shape;
 mod stiffness;
 
-pub use along::{Along, Values};
+pub use along::{Along, Averaged};
 pub(crate) use natural::STRAINS;
 pub use natural::{Natural, NaturalStrains};
 pub use number::RodNumber;

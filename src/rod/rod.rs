@@ -4,7 +4,7 @@ use crate::error::InputError;
 use crate::math::quadrature::gauss;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
-use crate::rod::along::{Along, Values};
+use crate::rod::along::{Along, Averaged};
 use crate::rod::natural::Natural;
 use crate::rod::stiffness::Stiffness;
 use crate::rod::{Section, Shape};
@@ -171,7 +171,7 @@ impl Rod {
     }
 
     /// Values of a quantity that varies along the rod, at the integration points of one element.
-    pub(crate) fn on_element<T: Values>(&self, along: &Along<T>, element: usize) -> [T; 3] {
+    pub(crate) fn on_element<T: Averaged>(&self, along: &Along<T>, element: usize) -> [T; 3] {
         let length = self.length / self.num_elements as f64;
         along.on_element(element as f64 * length, length, &gauss(self.order))
     }

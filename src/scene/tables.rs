@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::rod::{Along, NaturalStrains, STRAINS, Stiffness, check_stiffness};
-use crate::text::{Table, read_regular};
+use crate::text::{NumberTable, read_regular};
 
 /// Gaps between pieces that are taken for the rounding of written numbers, relative to the arc length.
 const TOL_JOINT: f64 = 1e-9;
@@ -42,7 +42,7 @@ fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, 
 }
 
 fn parse_natural(text: &str) -> Result<Along<NaturalStrains>, String> {
-    let table = Table::parse(text)?;
+    let table = NumberTable::parse(text)?;
     let columns =
         table.columns(&ARCS, |name| STRAINS.iter().position(|strain| *strain == name), &STRAINS.join(", "))?;
     table.along(|_, row| {
@@ -76,7 +76,7 @@ fn entries(name: &str) -> Option<Vec<(usize, usize)>> {
 }
 
 fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
-    let table = Table::parse(text)?;
+    let table = NumberTable::parse(text)?;
     let names = STIFFNESSES.map(|(name, _)| name).join(", ");
     let columns = table.columns(&ARCS, entries, &format!("{names}, or two strains such as kappa2_kappa3"))?;
     for (i, (name, _)) in STIFFNESSES.iter().enumerate().take(6) {
@@ -100,9 +100,9 @@ fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
     })
 }
 
-impl Table {
+impl NumberTable {
     /// The rows along s, each as `value` has it.
-    fn along<T: crate::rod::Values>(
+    fn along<T: crate::rod::Averaged>(
         &self,
         value: impl Fn(usize, &[f64]) -> Result<T, String>,
     ) -> Result<Along<T>, String> {

@@ -67,7 +67,7 @@ fn detect(cases: u32) -> BTreeMap<&'static str, usize> {
     let options = (number(), prop_oneof![3 => Just(0.0), 1 => number()], neighbours, 0..1100usize, any::<bool>());
     runner(cases)
         .run(&(curves, options), |(curves, (range, margin, neighbours, sampling, zones))| {
-            let options = contact::Options { range, margin, neighbours, sampling, zones };
+            let options = contact::DetectorOptions { range, margin, neighbours, sampling, zones };
             let mut lent: Vec<Curve> = Vec::new();
             for (points, radius, closed) in &curves {
                 let curve = Curve::polyline(points, *radius);

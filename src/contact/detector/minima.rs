@@ -54,7 +54,7 @@ impl Detector {
     /// All minima of a pair with distance at most `reach`.
     fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
-            // Two adjacent straight segments are nearest at their joint.
+            // Adjacent straight segments are nearest at their joint.
             if !strands.adjacent(i, j) {
                 out.extend(site::straight_minimum(strands, i, j, reach));
             }
@@ -73,7 +73,7 @@ impl Detector {
         keep_from(out, first, |m| !self.neighbouring_points(strands, m));
     }
 
-    /// Points too close along the curve, the same point of a joint included.
+    /// Whether the two points are neighbours along the curve; the two parameters of one joint included.
     fn neighbouring_points(&self, strands: &Strands, m: &Minimum) -> bool {
         let (i, j) = (m.i as usize, m.j as usize);
         if strands.curve_of(i) != strands.curve_of(j) {
@@ -88,7 +88,7 @@ impl Detector {
     }
 }
 
-/// Drops the minima from index `first` on that are not `wanted`.
+/// Drops those minima from index `first` on that are not `wanted`.
 fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) -> bool) {
     let mut kept = first;
     for k in first..minima.len() {

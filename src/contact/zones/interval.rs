@@ -1,4 +1,4 @@
-//! Contact zones: intervals of arc length on one curve that have another part within range, with the interval there.
+//! Contact zones: intervals of arc length on one curve within range of another interval, its partner.
 //!
 //! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so
 //! the part of a line within range of it is one interval, its ends roots of quadratics. Cubics go through
@@ -18,7 +18,7 @@ use crate::math::groups::Groups;
 
 /// A maximal interval of one curve whose points have a point of the partner interval within range.
 ///
-/// Every contact is told twice, once from each side. On a closed curve zones are cut at its start.
+/// Every contact gives two zones, one from each side. On a closed curve zones are cut at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zone {
     /// Curve the interval lies on.
@@ -72,7 +72,7 @@ pub(crate) fn parts(
             gap,
         });
     };
-    // A neighbour of j takes over beyond the joint unless it is thinner.
+    // Beyond the joint a neighbour of j takes over, unless it is thinner.
     let thick = |k: &usize| strands.radius_of(*k) >= strands.radius_of(j);
     if strands.is_straight(i) && strands.is_straight(j) {
         let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
@@ -81,7 +81,7 @@ pub(crate) fn parts(
             end - start
         };
         let corners = [strands.prev(j).filter(thick).map(chord), strands.next(j).filter(thick).map(chord)];
-        // Needed only where there is an interval, and the same from both sides.
+        // Computed only where there is an interval; the same from both sides.
         let gap = || {
             let distance = nearest.get().unwrap_or_else(|| segment_distance(&a0, &a1, &b0, &b1));
             nearest.set(Some(distance));
@@ -90,8 +90,8 @@ pub(crate) fn parts(
         straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap()));
         return;
     }
-    // Near the origin: far from it the ends would be lost in rounding. The same origin for every master, so that two
-    // that meet at a joint find the same bits there.
+    // Near the origin, because far from it rounding would hide the ends. All masters use the same origin, so that two
+    // that meet at a joint compute the same bits there.
     let origin = strands.ends(i).0;
     let near = |k: usize| strands.cubic(k).relative_to(&origin);
     let (slave, master) = (near(i), near(j));
@@ -110,17 +110,17 @@ pub(crate) fn parts(
     };
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
-    // Farthest points lie in zones of nearer ones.
-    for piece in pieces.iter().filter(|piece| !piece.branch.is_counted_off()) {
+    // Farthest points lie in the zones of nearest ones.
+    for piece in pieces.iter().filter(|piece| !piece.branch.is_subtracted()) {
         let BranchPiece { u, v, .. } = piece.ascending();
         push(u, v, piece.nearest.distance - radii);
     }
 }
 
 /// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest
-/// points, in at most three intervals, ascending. `corners`: the directions of the segments before and after e, if they
-/// reach as far; where a point is nearest to such a joint, it counts only if it is nearest to it as seen from the
-/// neighbour too (otherwise the neighbour has a nearer point and its own interval).
+/// points, in at most three intervals, ascending. `corners`: the directions of the segments before and after e, if
+/// their radii are as large. A point nearest to such a joint counts only if the joint is the nearest point of the
+/// neighbour, too (otherwise the neighbour has a nearer point and its own interval).
 fn straight_intervals(
     d: &Vec3,
     e: &Vec3,
@@ -129,14 +129,14 @@ fn straight_intervals(
     corners: &[Option<Vec3>; 2],
     mut push: impl FnMut([f64; 2], [f64; 2]),
 ) {
-    // In units of the reach, against over- and underflow of squares.
+    // In units of the reach, to avoid overflow and underflow of squares.
     let unit = 1.0 / reach;
     let (d, e, r) =
         if unit.is_finite() && unit > 0.0 { (d * unit, e * unit, r * unit) } else { (d / reach, e / reach, r / reach) };
     let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
     let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
-    // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows
-    // of u.
+    // Before the start of e, beside it, beyond its end: the line relative to the nearest point, and the range of u with
+    // its foot there.
     let beside = [r - e * (er / ee), d - e * (de / ee)];
     let before = (cut(UNIT, -er, -de), [r, d]);
     let after = (cut(UNIT, er - ee, de), [r - e, d]);
@@ -172,7 +172,7 @@ fn straight_intervals(
 
 const UNIT: [f64; 2] = [0.0, 1.0];
 
-/// Buffers of [`join`], kept from call to call: at 72 bytes a part, fresh memory would cost a quarter of the time.
+/// Buffers of [`join`], kept between calls: at 72 bytes a part, new memory would cost a quarter of the time.
 #[derive(Debug, Default)]
 pub(crate) struct JoinBuffers {
     parts: Vec<Part>,
@@ -182,7 +182,7 @@ pub(crate) struct JoinBuffers {
 }
 
 impl JoinBuffers {
-    /// Bytes held.
+    /// Memory, bytes.
     pub(crate) fn memory(&self) -> usize {
         bytes(&self.parts) + bytes(&self.place) + bytes(&self.groups) + bytes(&self.zone_of)
     }
@@ -200,7 +200,7 @@ pub(crate) fn join(
     in_order(lists, num_segments, workspace);
     let JoinBuffers { parts, groups, zone_of, .. } = workspace;
     let mut groups = Groups::apart(parts.len(), groups);
-    // Parts that reach as far as the present start.
+    // Parts that end after the start of the present one.
     let mut active: Vec<usize> = Vec::new();
     for k in 0..parts.len() {
         let part = &parts[k];
@@ -258,7 +258,7 @@ fn in_order(lists: &[Vec<Part>], num_segments: usize, workspace: &mut JoinBuffer
             .then(p.partner_arc[0].total_cmp(&q.partner_arc[0]))
             .then(p.arc[1].total_cmp(&q.arc[1]))
     };
-    // By insertion: nothing is far from its place.
+    // Insertion sort: no part is far from its position.
     for k in 1..parts.len() {
         let mut m = k;
         while m > 0 && parts[m].curve == parts[m - 1].curve && along(&parts[m], &parts[m - 1]).is_lt() {

@@ -6,7 +6,7 @@ use super::BasePairs;
 use crate::dna::pose::{parameters, pose};
 use crate::math::{Mat3, Quat, Vec3};
 use crate::text::finite;
-use crate::text::npy::Array;
+use crate::text::npy::NpyArray;
 
 pub(super) use crate::text::npy::MAGIC;
 
@@ -44,7 +44,7 @@ impl BasePairs {
     /// # Errors
     /// Another shape, and frames that are none, by their number.
     pub fn from_npy(bytes: &[u8], closed: bool) -> Result<Self, String> {
-        let Array { shape, values } = Array::parse(bytes)?;
+        let NpyArray { shape, values } = NpyArray::parse(bytes)?;
         let [count, 4, 3] = shape[..] else { return Err(format!("has shape {shape:?}, not (pairs, 4, 3)")) };
         let vector = |k: usize| Vec3::new(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
         let mut pairs = Self { closed, ..Self::default() };

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::palette::linear;
-use super::raster::Shape;
+use super::raster::ScreenCapsule;
 use super::span::{Node, Span, tangents};
 use super::{Stripe, Tube};
 use crate::io::detail::within;
@@ -23,9 +23,9 @@ const UNSEEN: f64 = 0.5;
 const LEAST_WIDTH: f64 = 1.0;
 
 /// A piece of tube in sample coordinates.
-pub(super) struct Capsule {
+pub(super) struct TubeSegment {
     /// Axis and radius.
-    pub shape: Shape,
+    pub shape: ScreenCapsule,
     /// Unit tangents at the ends.
     pub tangents: [Vec3; 2],
     /// Colours at the ends, linear light.
@@ -39,10 +39,10 @@ pub(super) struct Capsule {
 }
 
 /// All tubes cut into capsules.
-pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<Capsule> {
+pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<TubeSegment> {
     let mut all = Vec::new();
     for tube in tubes {
-        let look = Look::of(tube, camera);
+        let look = TubeStyle::of(tube, camera);
         let nodes = nodes(&look, 1.0 / camera.scale);
         let spans = if tube.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
         for i in 0..spans {
@@ -59,7 +59,7 @@ pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<Capsule> {
 }
 
 /// How a tube is drawn.
-struct Look<'a> {
+struct TubeStyle<'a> {
     tube: &'a Tube,
     stripe: Option<&'a Stripe>,
     /// Radius as drawn, samples.
@@ -67,7 +67,7 @@ struct Look<'a> {
     thin: bool,
 }
 
-impl<'a> Look<'a> {
+impl<'a> TubeStyle<'a> {
     fn of(tube: &'a Tube, camera: &Camera) -> Self {
         let radius = tube.radius * camera.scale;
         let thin = radius < THIN;
@@ -109,7 +109,7 @@ fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
 }
 
 /// Nodes of a tube with what is known there; `sample` is the size of a sample \[L\].
-fn nodes(look: &Look, sample: f64) -> Vec<Node> {
+fn nodes(look: &TubeStyle, sample: f64) -> Vec<Node> {
     let (tube, grey) = (look.tube, [150, 155, 160]);
     let kept = if look.thin { within(&tube.points, UNSEEN * sample, usize::MAX) } else { worth_drawing(tube, sample) };
     let tangents = tangents(&kept.iter().map(|&i| tube.points[i]).collect::<Vec<_>>(), tube.closed);
@@ -128,7 +128,7 @@ fn nodes(look: &Look, sample: f64) -> Vec<Node> {
 }
 
 /// Cuts the smooth curve between two nodes into capsules.
-fn span(look: &Look, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<Capsule>) {
+fn span(look: &TubeStyle, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<TubeSegment>) {
     let span = Span::new(a, b, seam);
     let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
     let pieces = pieces.min(look.pieces(span.turning, span.length * camera.scale));
@@ -138,8 +138,8 @@ fn span(look: &Look, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Came
     let mut from = at(0);
     for k in 1..=pieces {
         let to = at(k);
-        all.push(Capsule {
-            shape: Shape { ends: [camera.place(from.point), camera.place(to.point)], radius: look.radius },
+        all.push(TubeSegment {
+            shape: ScreenCapsule { ends: [camera.place(from.point), camera.place(to.point)], radius: look.radius },
             tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
             colors: [from.color, to.color],
             stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],

@@ -11,13 +11,13 @@ use crate::math::{Mat3, Vec3};
 use crate::scene::file::ColorBy;
 
 use super::still::{Still, StillRod};
-use super::{Frame, Record, RodHead, files};
+use super::{Record, RecordedFrame, RodHead, files};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
 
 impl Record {
-    pub(super) fn write_pictures(&self, last: &Frame) -> Result<(), InputError> {
+    pub(super) fn write_pictures(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let final_state = self.still(last, false);
         let axes = self.axes(&final_state);
         let [width, height] = self.choice.size;

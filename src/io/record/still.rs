@@ -7,7 +7,7 @@ use crate::math::Vec3;
 use crate::observe::report::SiteReport;
 use crate::scene::file::ColorBy;
 
-use super::{Frame, Record, RodHead};
+use super::{Record, RecordedFrame, RodHead};
 
 /// Rods of more points than this are thinned out for the film strip.
 const MAX_POINTS: usize = 4096;
@@ -35,7 +35,7 @@ pub(super) struct StillRod {
 
 impl Record {
     /// A frame as it is drawn; `thin` for small pictures.
-    pub(super) fn still(&self, frame: &Frame, thin: bool) -> Still {
+    pub(super) fn still(&self, frame: &RecordedFrame, thin: bool) -> Still {
         let rod = |rod: &super::RodSnapshot| {
             let values = self.values(rod);
             if thin && rod.positions.len() > MAX_POINTS {
@@ -63,7 +63,7 @@ impl Record {
     }
 
     /// Middle between the strands of a contact site.
-    fn place(&self, site: &SiteReport, frame: &Frame) -> Vec3 {
+    fn place(&self, site: &SiteReport, frame: &RecordedFrame) -> Vec3 {
         let at = |rod: usize, arcs: [f64; 2]| point_at(&self.head(rod, frame.step), &frame.rods[rod].positions, arcs);
         0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b))
     }

@@ -12,7 +12,7 @@ use crate::solve::{self, Interrupt, Progress, RunError, Status};
 use super::super::csv::Cell;
 use super::super::run::options;
 use super::super::table::Columns;
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::file::Rows;
 use super::plan::{Case, Plan};
 
@@ -28,7 +28,7 @@ pub(super) const SECONDS: &str = "seconds";
 pub(super) const CONVERGED: &str = "converged";
 
 /// How a case ended.
-struct End {
+struct CaseEnd {
     status: String,
     message: String,
 }
@@ -38,7 +38,7 @@ impl Plan {
     /// run's table. A scene that is refused, numbers that break down and a run that does not converge are rows, too. None
     /// if `interrupt` stopped the run.
     #[must_use]
-    pub fn run(&self, case: &Case, interrupt: &Interrupt) -> Option<Table> {
+    pub fn run(&self, case: &Case, interrupt: &Interrupt) -> Option<SweepTable> {
         let (mut columns, mut steps) = (None, Vec::new());
         // a fault of this program in one case is not to end the others
         let end = catch_unwind(AssertUnwindSafe(|| self.solve(case, interrupt, &mut columns, &mut steps)));
@@ -48,11 +48,14 @@ impl Plan {
                 let message = solution.failure.as_ref().map(ToString::to_string).unwrap_or_default();
                 // a state at rest may be one that overlaps
                 let status = steps.last().filter(|_| solution.status == Status::Converged);
-                End { status: status.map_or_else(|| solution.status.to_string(), |step| step.status.clone()), message }
+                CaseEnd {
+                    status: status.map_or_else(|| solution.status.to_string(), |step| step.status.clone()),
+                    message,
+                }
             }
-            Ok(Err(RunError::Input(error))) => End { status: "refused".to_owned(), message: error.to_string() },
-            Ok(Err(RunError::Solve(error))) => End { status: "broke down".to_owned(), message: error.to_string() },
-            Err(_) => End { status: "panicked".to_owned(), message: "a fault of the program".to_owned() },
+            Ok(Err(RunError::Input(error))) => CaseEnd { status: "refused".to_owned(), message: error.to_string() },
+            Ok(Err(RunError::Solve(error))) => CaseEnd { status: "broke down".to_owned(), message: error.to_string() },
+            Err(_) => CaseEnd { status: "panicked".to_owned(), message: "a fault of the program".to_owned() },
         };
         if self.rows() == Rows::Last {
             steps.drain(..steps.len().saturating_sub(1));
@@ -85,14 +88,14 @@ impl Plan {
     }
 }
 
-fn rows(case: &Case, end: &End, columns: Option<&Columns>, steps: &[Observation]) -> Table {
+fn rows(case: &Case, end: &CaseEnd, columns: Option<&Columns>, steps: &[Observation]) -> SweepTable {
     let own: Vec<(&str, Cell)> = case.set.iter().filter_map(|assignment| value(assignment)).collect();
     let head = || {
         let end = [(STATUS, Cell::from(end.status.as_str())), (MESSAGE, Cell::from(end.message.as_str()))];
         [(ID, Cell::from(case.id.as_str()))].into_iter().chain(own.clone()).chain(end)
     };
     let is_there = |(_, cell): &(&str, Cell)| !matches!(cell, Cell::Text(text) if text.is_empty());
-    let mut table = Table::default();
+    let mut table = SweepTable::default();
     for (columns, step) in steps.iter().filter_map(|step| Some((columns?, step))) {
         let cells = columns.names().into_iter().zip(columns.cells(step));
         table.push(head().chain(cells.filter(|(name, _)| *name != STATUS).filter(is_there)));

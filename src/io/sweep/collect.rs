@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::error::InputError;
 
 use super::case::{CONVERGED, ID, MESSAGE, SECONDS, STATUS};
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::parquet::to_bytes;
 use super::parts::{parts, read_part, replace, sweep_temporaries};
 use super::plan::{Case, Plan};
@@ -147,7 +147,7 @@ pub fn ranges(numbers: &[usize]) -> String {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Collected {
     /// All rows, in the order of the plan.
-    pub table: Table,
+    pub table: SweepTable,
     /// Numbers of the cases that have no rows, ascending.
     pub missing: Vec<usize>,
 }
@@ -156,7 +156,7 @@ pub struct Collected {
 ///
 /// # Errors
 /// [`InputError::Inconsistent`] if a case is there twice with rows that differ by a bit anywhere but in the wall time.
-pub fn merge(plan: &Plan, tables: &[Table]) -> Result<Collected, InputError> {
+pub fn merge(plan: &Plan, tables: &[SweepTable]) -> Result<Collected, InputError> {
     let mut places: HashMap<&str, Vec<(usize, Range<usize>)>> =
         plan.cases().iter().map(|case| (case.id.as_str(), Vec::new())).collect();
     for (index, table) in tables.iter().enumerate() {
@@ -166,7 +166,7 @@ pub fn merge(plan: &Plan, tables: &[Table]) -> Result<Collected, InputError> {
             }
         }
     }
-    let (mut collected, mut missing) = (Table::default(), Vec::new());
+    let (mut collected, mut missing) = (SweepTable::default(), Vec::new());
     for (number, case) in plan.cases().iter().enumerate() {
         let Some([(first, rows), others @ ..]) = places.get(case.id.as_str()).map(Vec::as_slice) else {
             missing.push(number);
@@ -192,7 +192,7 @@ fn unequal(number: usize, case: &Case, column: &str) -> InputError {
 }
 
 /// Rows of each case: those of one case stand together.
-fn runs(table: &Table) -> Vec<(String, Range<usize>)> {
+fn runs(table: &SweepTable) -> Vec<(String, Range<usize>)> {
     let mut runs: Vec<(String, Range<usize>)> = Vec::new();
     let Some(ids) = table.column(ID) else { return runs };
     for row in 0..table.num_rows() {
@@ -212,7 +212,7 @@ fn runs(table: &Table) -> Vec<(String, Range<usize>)> {
 pub fn collect(dir: &Path) -> Result<Collected, InputError> {
     let plan = Plan::read(dir)?;
     // damaged parts are told by the status; their cases are missing
-    let tables: Vec<Table> = parts(dir)?.iter().filter_map(|path| read_part(path, &|_| true).ok()).collect();
+    let tables: Vec<SweepTable> = parts(dir)?.iter().filter_map(|path| read_part(path, &|_| true).ok()).collect();
     let collected = merge(&plan, &tables)?;
     let path = dir.join(TABLE);
     let refuse = |reason: String| InputError::Write { path: path.clone(), reason };

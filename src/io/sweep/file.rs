@@ -9,7 +9,7 @@ use toml::Value;
 use crate::error::InputError;
 use crate::text::read_text;
 
-use super::random::Random;
+use super::random::DrawStream;
 
 /// Most cases of a sweep: a plan of so many is a file of a gigabyte.
 const MOST_CASES: usize = 10_000_000;
@@ -81,7 +81,7 @@ enum DrawText {
 }
 
 /// Groups of assignments, of which a case takes one from each axis.
-type Axis = Vec<Vec<String>>;
+type SweepAxis = Vec<Vec<String>>;
 
 impl SweepText {
     pub fn read(path: &Path) -> Result<Self, InputError> {
@@ -130,7 +130,7 @@ impl SweepText {
         Ok((0..count).map(case).collect())
     }
 
-    fn all_axes(&self) -> Result<Vec<Axis>, InputError> {
+    fn all_axes(&self) -> Result<Vec<SweepAxis>, InputError> {
         let mut axes = Vec::new();
         for (key, axis) in &self.axes {
             axes.push(axis.values(key)?.iter().map(|value| vec![assignment(key, value)]).collect());
@@ -144,8 +144,8 @@ impl SweepText {
 }
 
 /// Keys whose values go together, first with first.
-fn linked(group: &BTreeMap<String, AxisText>) -> Result<Axis, InputError> {
-    let mut axis: Axis = Vec::new();
+fn linked(group: &BTreeMap<String, AxisText>) -> Result<SweepAxis, InputError> {
+    let mut axis: SweepAxis = Vec::new();
     for (key, values) in group {
         let values = values.values(key)?;
         if axis.is_empty() {
@@ -192,7 +192,7 @@ impl RangeText {
 }
 
 impl RandomText {
-    fn axis(&self) -> Result<Axis, InputError> {
+    fn axis(&self) -> Result<SweepAxis, InputError> {
         if !(1..=MOST_CASES).contains(&self.draws) {
             let field = "random.draws".to_owned();
             return Err(InputError::Count { field, value: self.draws, allowed: "between 1 and 10 million" });
@@ -200,7 +200,7 @@ impl RandomText {
         self.keys.iter().try_for_each(|(key, draw)| draw.check(key))?;
         let draw = |index: usize| {
             let one = |(key, draw): (&String, &DrawText)| {
-                assignment(key, &draw.value(&mut Random::of(self.seed, key, index)))
+                assignment(key, &draw.value(&mut DrawStream::of(self.seed, key, index)))
             };
             self.keys.iter().map(one).collect()
         };
@@ -227,7 +227,7 @@ impl DrawText {
         }
     }
 
-    fn value(&self, random: &mut Random) -> Value {
+    fn value(&self, random: &mut DrawStream) -> Value {
         match self {
             Self::Uniform([low, high]) => Value::Float(low + (high - low) * random.unit()),
             Self::Normal([mean, deviation]) => Value::Float(mean + deviation * random.normal()),

@@ -52,10 +52,10 @@ mod random;
 mod run;
 
 pub use collect::{Collected, SweepStatus, collect, finished_ids, merge, ranges, status};
-pub use columns::{Column, Table, Values};
+pub use columns::{Column, ColumnValues, SweepTable};
 pub use file::Rows;
 pub use parquet::{from_bytes, to_bytes};
 pub use parts::write_part;
 pub use plan::{Case, PLAN, Plan};
-pub use plot::{Axes, plot};
+pub use plot::{PlotAxes, plot};
 pub use run::{Shard, SweepRun, Tally};

@@ -8,7 +8,7 @@ use twox_hash::XxHash3_128;
 use crate::error::InputError;
 
 use super::super::replace::fill_and_rename;
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::parquet::{from_bytes, to_bytes};
 
 /// Folder of the parts in that of a sweep.
@@ -23,7 +23,7 @@ const TEMPORARY: &str = "tmp";
 ///
 /// # Errors
 /// [`InputError::Write`].
-pub fn write_part(dir: &Path, rows: &Table) -> Result<(), InputError> {
+pub fn write_part(dir: &Path, rows: &SweepTable) -> Result<(), InputError> {
     let parts = dir.join(PARTS);
     let refuse = |reason: String| InputError::Write { path: parts.clone(), reason };
     std::fs::create_dir_all(&parts).map_err(|e| refuse(e.to_string()))?;
@@ -56,7 +56,7 @@ fn with_ending(dir: &Path, ending: &str) -> Result<Vec<PathBuf>, InputError> {
 }
 
 /// The columns of a part that are wanted; refused if the content is not the one that the name tells.
-pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Table, InputError> {
+pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<SweepTable, InputError> {
     let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
     let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
     if path.file_name().is_none_or(|found| found != name(&bytes).as_str()) {
@@ -103,8 +103,8 @@ mod tests {
     use super::super::super::csv::Cell;
     use super::*;
 
-    fn rows(id: &str) -> Table {
-        let mut table = Table::default();
+    fn rows(id: &str) -> SweepTable {
+        let mut table = SweepTable::default();
         table.push([("case", Cell::from(id)), ("x", Cell::Number(0.1))]);
         table
     }

@@ -64,7 +64,7 @@ impl Plan {
         let absolute = |e: std::io::Error| InputError::File { path: scene.clone(), reason: e.to_string() };
         let scene = std::path::absolute(&scene).map_err(absolute)?;
         let head = Head { supercoil_sweep: FORMAT, scene, rows: sweep.rows, set: sweep.shared(), text };
-        let mut names = Names::new(&head)?;
+        let mut names = CaseIds::new(&head)?;
         let mut seen = HashSet::new();
         let mut cases = Vec::new();
         for set in sweep.cases()? {
@@ -188,14 +188,14 @@ impl Plan {
 }
 
 /// Finds the ids of cases.
-struct Names<'a> {
+struct CaseIds<'a> {
     head: &'a Head,
     scene: toml::Table,
     /// Hashes of the files that scenes name.
     files: HashMap<String, u128>,
 }
 
-impl<'a> Names<'a> {
+impl<'a> CaseIds<'a> {
     fn new(head: &'a Head) -> Result<Self, InputError> {
         let name = head.scene.display().to_string();
         let refuse = |e: toml::de::Error| InputError::Parse { file: name.clone(), reason: e.to_string() };

@@ -7,14 +7,14 @@ use crate::error::InputError;
 
 use super::super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use super::case::ID;
-use super::columns::{Table, Values};
+use super::columns::{ColumnValues, SweepTable};
 
 /// Most curves: more cannot be told apart.
 const MOST_CURVES: usize = 12;
 
 /// What is drawn over what.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Axes {
+pub struct PlotAxes {
     /// Column along the horizontal axis: numbers.
     pub x: String,
     /// Column along the vertical axis: numbers.
@@ -31,7 +31,7 @@ pub struct Axes {
 /// # Errors
 /// [`InputError::Name`] for columns that are not there or hold words; more curves than can be told apart; errors of
 /// drawing.
-pub fn plot(path: &Path, table: &Table, axes: &Axes) -> Result<(), InputError> {
+pub fn plot(path: &Path, table: &SweepTable, axes: &PlotAxes) -> Result<(), InputError> {
     let (x, y) = (numbers(table, "x", &axes.x)?, numbers(table, "y", &axes.y)?);
     let by = axes.by.as_deref().or(axes.steps.then_some(ID));
     let by = by.map(|name| column(table, "by", name).map(|values| (name, values))).transpose()?;
@@ -86,7 +86,7 @@ impl PartialEq for Ordered {
 
 impl Eq for Ordered {}
 
-fn label(name: &str, values: &Values, row: usize) -> String {
+fn label(name: &str, values: &ColumnValues, row: usize) -> String {
     let value = values.text(row).unwrap_or_else(|| "none".to_owned());
     if name == ID {
         return value.chars().take(8).collect();
@@ -101,16 +101,16 @@ fn too_many(by: &str) -> InputError {
     InputError::Inconsistent { field: by.to_owned(), reason }
 }
 
-fn column<'a>(table: &'a Table, field: &str, name: &str) -> Result<&'a Values, InputError> {
+fn column<'a>(table: &'a SweepTable, field: &str, name: &str) -> Result<&'a ColumnValues, InputError> {
     table.column(name).ok_or_else(|| {
         let names: Vec<&str> = table.columns().iter().map(|column| column.name.as_str()).collect();
         InputError::Name { field: field.to_owned(), name: name.to_owned(), allowed: names.join(", ") }
     })
 }
 
-fn numbers<'a>(table: &'a Table, field: &str, name: &str) -> Result<&'a Values, InputError> {
+fn numbers<'a>(table: &'a SweepTable, field: &str, name: &str) -> Result<&'a ColumnValues, InputError> {
     match column(table, field, name)? {
-        Values::Text(_) => {
+        ColumnValues::Text(_) => {
             let allowed = "a column of numbers".to_owned();
             Err(InputError::Name { field: field.to_owned(), name: name.to_owned(), allowed })
         }

@@ -10,7 +10,7 @@ use crate::solve::Interrupt;
 
 use super::case::{CONVERGED, STATUS};
 use super::collect::finished_ids;
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::parts::write_part;
 use super::plan::{Case, Plan};
 
@@ -114,7 +114,7 @@ impl SweepRun {
                 scope.spawn(|| self.work(&plan, &left, &next, sender));
             }
             drop(sender);
-            let mut writer = Writer { dir, rows: Table::default(), last: Instant::now(), error: None };
+            let mut writer = RowWriter { dir, rows: SweepTable::default(), last: Instant::now(), error: None };
             let started = Instant::now();
             loop {
                 match receiver.recv_timeout(self.pause(started, &writer)) {
@@ -139,7 +139,7 @@ impl SweepRun {
         })
     }
 
-    fn work(&self, plan: &Plan, cases: &[&Case], next: &AtomicUsize, rows: Sender<Table>) {
+    fn work(&self, plan: &Plan, cases: &[&Case], next: &AtomicUsize, rows: Sender<SweepTable>) {
         while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
             let ended = (!self.interrupt.is_raised()).then(|| plan.run(case, &self.interrupt)).flatten();
             // the other side goes only when all is over
@@ -150,7 +150,7 @@ impl SweepRun {
     }
 
     /// How long nothing need be done unless a case ends.
-    fn pause(&self, started: Instant, writer: &Writer) -> Duration {
+    fn pause(&self, started: Instant, writer: &RowWriter) -> Duration {
         let until = |seconds: f64, since: Instant| seconds - since.elapsed().as_secs_f64();
         let limit = self.max_seconds.map_or(f64::INFINITY, |limit| until(limit, started));
         let write = if writer.rows.num_rows() > 0 { until(self.part_seconds, writer.last) } else { f64::INFINITY };
@@ -159,24 +159,24 @@ impl SweepRun {
     }
 }
 
-fn converged(rows: &Table) -> bool {
+fn converged(rows: &SweepTable) -> bool {
     rows.column(STATUS).and_then(|status| status.text(0)).is_some_and(|status| status == CONVERGED)
 }
 
 /// Rows on their way to the disk.
-struct Writer<'a> {
+struct RowWriter<'a> {
     dir: &'a Path,
-    rows: Table,
+    rows: SweepTable,
     last: Instant,
     error: Option<InputError>,
 }
 
-impl Writer<'_> {
+impl RowWriter<'_> {
     /// Writes the rows that wait; whether that went well.
     fn write(&mut self) -> bool {
         if self.error.is_none() && self.rows.num_rows() > 0 {
             match write_part(self.dir, &self.rows) {
-                Ok(()) => self.rows = Table::default(),
+                Ok(()) => self.rows = SweepTable::default(),
                 Err(error) => self.error = Some(error),
             }
         }

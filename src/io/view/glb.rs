@@ -21,7 +21,7 @@ use crate::io::picture::span::{self, tangents};
 use crate::io::picture::{Stripe, colors_by_value};
 use crate::math::Vec3;
 
-use super::mesh::{self, Look, per_ring, tube};
+use super::mesh::{self, MeshStyle, per_ring, tube};
 use super::{Film, FilmRod, Frame, FrameRod, Quantity, STRANDS};
 
 /// Sides of a tube, and those of tubes when there are many.
@@ -60,7 +60,7 @@ impl Film {
     pub fn glb(&self, options: &GlbOptions) -> Result<Vec<u8>, InputError> {
         self.check()?;
         InputError::positive("seconds_per_frame", options.seconds_per_frame)?;
-        let mut writer = Writer::new(self, options);
+        let mut writer = GlbWriter::new(self, options);
         let frames: Vec<Index<Node>> = self.frames.iter().map(|frame| writer.frame(frame)).collect();
         writer.root_node(&frames);
         if frames.len() > 1 {
@@ -79,7 +79,7 @@ impl Film {
     }
 }
 
-struct Writer<'a> {
+struct GlbWriter<'a> {
     film: &'a Film,
     options: &'a GlbOptions,
     range: [f64; 2],
@@ -90,7 +90,7 @@ struct Writer<'a> {
     data: Vec<u8>,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> GlbWriter<'a> {
     fn new(film: &'a Film, options: &'a GlbOptions) -> Self {
         let rods = film.frames.iter().flat_map(|frame| &frame.rods);
         let nodes: usize = rods.map(|rod| rod.points.len()).sum();
@@ -131,7 +131,8 @@ impl<'a> Writer<'a> {
         let (mesh, mode) = match self.sides {
             Some(sides) => {
                 let stripe = linear(Stripe::along(Vec::new()).color);
-                let look = Look { radius: head.radius, closed: head.closed, seam_turns: rod.seam_turns, sides, stripe };
+                let look =
+                    MeshStyle { radius: head.radius, closed: head.closed, seam_turns: rod.seam_turns, sides, stripe };
                 (tube(&nodes, &look), Mode::Triangles)
             }
             None => (line(&nodes), if head.closed { Mode::LineLoop } else { Mode::LineStrip }),

@@ -26,7 +26,7 @@ pub(super) struct Mesh {
 }
 
 /// How a tube is made.
-pub(super) struct Look {
+pub(super) struct MeshStyle {
     pub radius: f64,
     pub closed: bool,
     pub seam_turns: f64,
@@ -42,7 +42,7 @@ pub(super) fn per_ring(sides: usize) -> usize {
 }
 
 /// Cross-sections along a tube through the nodes, ends of open tubes not rounded.
-fn sections(nodes: &[Node], look: &Look) -> Vec<Node> {
+fn sections(nodes: &[Node], look: &MeshStyle) -> Vec<Node> {
     let count = if look.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
     let mut all: Vec<Node> = nodes.first().copied().into_iter().collect();
     for i in 0..count {
@@ -55,7 +55,7 @@ fn sections(nodes: &[Node], look: &Look) -> Vec<Node> {
 }
 
 /// The tube through the nodes; fewer than two make none.
-pub(super) fn tube(nodes: &[Node], look: &Look) -> Mesh {
+pub(super) fn tube(nodes: &[Node], look: &MeshStyle) -> Mesh {
     let mut mesh = Mesh::default();
     let sections = sections(nodes, look);
     let (Some(first), Some(last), 2..) = (sections.first(), sections.last(), nodes.len()) else { return mesh };
@@ -74,7 +74,7 @@ pub(super) fn tube(nodes: &[Node], look: &Look) -> Mesh {
 
 impl Mesh {
     /// Adds a ring of a sphere about the section, `tilt` (rad) from its equator.
-    fn ring(&mut self, section: &Node, look: &Look, tilt: f64) {
+    fn ring(&mut self, section: &Node, look: &MeshStyle, tilt: f64) {
         let (sin, cos) = tilt.sin_cos();
         // without a direction (none known, or d1 along the tangent) there is no stripe, and any will do
         let direction = section.stripe.try_normalize(0.5);
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn tubes_enclose_the_volume_of_tori_and_capsules() {
-        let look = |closed| Look { radius: 0.1, closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
+        let look = |closed| MeshStyle { radius: 0.1, closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
         let circle: Vec<Vec3> =
             (0..64).map(|i| TAU * i as f64 / 64.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
         let torus = tube(&nodes(&circle, true), &look(true));
@@ -149,7 +149,7 @@ mod tests {
     fn the_stripe_turns_into_the_seam() {
         let circle: Vec<Vec3> =
             (0..16).map(|i| TAU * i as f64 / 16.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
-        let look = Look { radius: 0.1, closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
+        let look = MeshStyle { radius: 0.1, closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
         let sections = sections(&nodes(&circle, true), &look);
         let (first, last) = (sections[0], sections[sections.len() - 1]);
         let turned = first.tangent.cross(&first.stripe);

@@ -12,7 +12,7 @@ use crate::math::Vec3;
 use crate::observe::report::Observation;
 use crate::scene::Units;
 
-use super::{Film, FilmRod, Frame, FrameRod, Plot, Table};
+use super::{Film, FilmRod, FilmTable, Frame, FrameRod, Plot};
 
 /// Nodes of a page, all frames together: of 36 bytes each, 4/3 of that as text, they make 29 MB.
 pub const MAX_NODES: usize = 600_000;
@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 0.01;
 
 /// What is read of `summary.json`.
 #[derive(Deserialize)]
-struct Summary {
+struct FilmSummary {
     title: String,
     units: Units,
     rods: Vec<RodHead>,
@@ -45,7 +45,7 @@ pub fn of_run(dir: &Path, max_nodes: usize) -> Result<Film, InputError> {
     let path = dir.join(SUMMARY);
     let text =
         std::fs::read_to_string(&path).map_err(|e| InputError::File { path: path.clone(), reason: e.to_string() })?;
-    let Summary { title, units, rods, steps } = serde_json::from_str(&text)
+    let FilmSummary { title, units, rods, steps } = serde_json::from_str(&text)
         .map_err(|e| InputError::Parse { file: path.display().to_string(), reason: e.to_string() })?;
     film(dir, &Parts { title: &title, units: &units, rods: &rods, steps: &steps }, max_nodes)
 }
@@ -191,7 +191,7 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
 }
 
 /// The columns that are looked at, and their plots.
-fn table(steps: &[Observation], units: &Units) -> (Table, Vec<Plot>) {
+fn table(steps: &[Observation], units: &Units) -> (FilmTable, Vec<Plot>) {
     let energy = format!("{} {}", units.force, units.length);
     let (turns, none) = ("turns".to_owned(), String::new());
     let linked = steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0);
@@ -225,5 +225,5 @@ fn table(steps: &[Observation], units: &Units) -> (Table, Vec<Plot>) {
     }
     plots.iter_mut().for_each(|plot| plot.y.retain(|&y| rows.iter().any(|row| row[y] != 0.0)));
     plots.retain(|plot| !plot.y.is_empty());
-    (Table { columns: columns.into_iter().map(|(name, unit)| (name.to_owned(), unit)).collect(), rows }, plots)
+    (FilmTable { columns: columns.into_iter().map(|(name, unit)| (name.to_owned(), unit)).collect(), rows }, plots)
 }

@@ -33,14 +33,14 @@ pub fn read_vtp(path: &Path) -> Result<Vec<VtkData>, InputError> {
 }
 
 /// An array of the appended block: section, name, components, bytes.
-struct Array<'a> {
+struct AppendedArray<'a> {
     section: &'a str,
     name: String,
     components: usize,
     bytes: &'a [u8],
 }
 
-impl Array<'_> {
+impl AppendedArray<'_> {
     fn numbers<T>(&self, number: impl Fn([u8; 8]) -> T) -> Vec<T> {
         self.bytes.chunks_exact(8).filter_map(|b| b.try_into().ok()).map(number).collect()
     }
@@ -86,7 +86,7 @@ fn parse(file: &[u8]) -> Option<Vec<VtkData>> {
 }
 
 /// All arrays of a file.
-fn arrays(file: &[u8]) -> Option<Vec<Array<'_>>> {
+fn arrays(file: &[u8]) -> Option<Vec<AppendedArray<'_>>> {
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let start = file.windows(mark.len()).position(|w| w == mark)? + mark.len();
     let (head, block) = (std::str::from_utf8(&file[..start]).ok()?, &file[start..]);
@@ -100,7 +100,7 @@ fn arrays(file: &[u8]) -> Option<Vec<Array<'_>>> {
         let count = u64::from_le_bytes(block.get(offset..offset.checked_add(8)?)?.try_into().ok()?);
         let bytes = block.get(offset + 8..)?.get(..usize::try_from(count).ok()?)?;
         let components = attribute(tag, "NumberOfComponents").map_or(Some(1), |n| n.parse().ok())?;
-        arrays.push(Array { section, name: unescaped(attribute(tag, "Name")?), components, bytes });
+        arrays.push(AppendedArray { section, name: unescaped(attribute(tag, "Name")?), components, bytes });
     }
     Some(arrays)
 }

@@ -1,4 +1,4 @@
-//! Writhe of smooth closed curves, far more accurately than that of the polygon through the same samples.
+//! Writhe of smooth closed curves, far more accurate than that of the polygon through the same samples.
 
 use super::{any_normal, signed_angle, writhe};
 use crate::math::Vec3;
@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 /// Method: writhe is minus the holonomy of the tangent along the curve modulo 1 (Fuller 1978, `Wr = Lk − Tw` with a
 /// parallel frame, Tw = 0), an ordinary integral which degree-8 panels resolve; the integer comes from the exact writhe
 /// of the polygon through the samples. So the error is that of the quadrature: on a (2,3) torus knot 2e-7 with 10
-/// panels, 2e-8 with 20, 2e-11 with 40 and 1e-12 with 60. The polygon's own writhe must be within ½ of the curve's,
-/// which any sampling that resolves the curve's shape gives. Returns NaN if a tangent is zero or NaN.
+/// panels, 2e-8 with 20, 2e-11 with 40 and 1e-12 with 60. The polygon's own writhe must be within ½ of the curve's; any
+/// sampling that resolves the shape satisfies this. Returns NaN if a tangent is zero or NaN.
 pub fn writhe_smooth(sample: &dyn Fn(f64) -> (Vec3, Vec3), panels: usize) -> f64 {
     let panels = panels.max(1);
     let rule = ChebyshevRule::new();

@@ -20,7 +20,7 @@ const ALIKE: f64 = 4.0;
 type Members = Vec<(usize, bool)>;
 
 /// A contact seen from one of its strands.
-struct Side {
+struct ContactView {
     group: usize,
     flipped: bool,
     curves: [usize; 2],
@@ -31,20 +31,22 @@ struct Side {
 }
 
 /// Whether two contacts press about as hard as each other.
-fn is_alike(x: &Side, y: &Side) -> bool {
+fn is_alike(x: &ContactView, y: &ContactView) -> bool {
     x.pressure.max(y.pressure) <= ALIKE * x.pressure.min(y.pressure)
 }
 
 /// Groups of zones with the fragments of each line in one.
 pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, layer: &Layer) -> Vec<Members> {
-    let mut sides: Vec<Side> =
+    let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
     sides.sort_by(|x, y| x.curves.cmp(&y.curves).then(x.arcs[0][0].total_cmp(&y.arcs[0][0])));
     let mut next: Vec<Members> = vec![Vec::new(); groups.len()];
     for class in sides.chunk_by(|x, y| x.curves == y.curves) {
         let curves = class[0].curves;
         let reach = NEAR * layer.width(curves[0], curves[1]);
-        let is_near = |x: &Side, y: &Side, k: usize| arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach;
+        let is_near = |x: &ContactView, y: &ContactView, k: usize| {
+            arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach
+        };
         for (i, side) in class.iter().enumerate() {
             let after = (1..class.len()).map(|offset| &class[(i + offset) % class.len()]);
             for other in after
@@ -83,7 +85,7 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
 }
 
 /// A group from its first strand and, where both are of one curve, from its second.
-fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<Side> {
+fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<ContactView> {
     let first = &zones[members[0].0];
     let curves = [first.curve_a, first.curve_b];
     let hull = |k: usize| {
@@ -97,9 +99,9 @@ fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> 
     let force: f64 = members.iter().map(|&(zone, _)| zones[zone].load.force).sum();
     let length = 0.5 * (arcs[0][1] - arcs[0][0] + arcs[1][1] - arcs[1][0]);
     let pressure = if length > 0.0 { force / length } else { 0.0 };
-    let mut sides = vec![Side { group, flipped: false, curves, arcs, pressure }];
+    let mut sides = vec![ContactView { group, flipped: false, curves, arcs, pressure }];
     if curves[0] == curves[1] {
-        sides.push(Side { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], pressure });
+        sides.push(ContactView { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], pressure });
     }
     sides
 }

@@ -17,20 +17,20 @@ const TOL_TILT: f64 = 1e-14;
 /// Nodal input of one element: positions and sign-aligned quaternions (four components, or two in a plane); entries
 /// beyond order + 1 are ignored.
 #[derive(Debug, Clone, Copy)]
-pub struct Nodes<const R: usize, const Z: usize> {
+pub struct NodeValues<const R: usize, const Z: usize> {
     /// Positions \[L\].
     pub r: [[f64; R]; 4],
     /// Quaternions, each in the hemisphere of its predecessor.
     pub q: [[f64; Z]; 4],
 }
 
-impl<const R: usize, const Z: usize> Default for Nodes<R, Z> {
+impl<const R: usize, const Z: usize> Default for NodeValues<R, Z> {
     fn default() -> Self {
         Self { r: [[0.0; R]; 4], q: [[0.0; Z]; 4] }
     }
 }
 
-impl<const R: usize, const Z: usize> Nodes<R, Z> {
+impl<const R: usize, const Z: usize> NodeValues<R, Z> {
     /// Flips quaternions so that neighbours have a non-negative inner product.
     pub fn align_signs(&mut self, num_nodes: usize) {
         for a in 1..num_nodes {
@@ -170,7 +170,7 @@ impl Kinematics<2, 2, 3, 6, 1> for InPlane {
 
 /// The x-y plane as one rod lies in it: the frame whose tangent is along x, from which its frames are turned about z.
 #[derive(Debug, Clone, Copy)]
-pub struct Plane {
+pub struct RodPlane {
     /// That frame, and half a turn further: the real and the imaginary unit.
     units: [Q; 2],
     /// Components of y and of z on d1 and d2 of that frame.
@@ -178,7 +178,7 @@ pub struct Plane {
     normal: [f64; 2],
 }
 
-impl Plane {
+impl RodPlane {
     /// The plane of a rod with the given frame, whose tangent is normal to z.
     pub fn new(frame: &Q) -> Self {
         let conj = [frame[0], -frame[1], -frame[2], -frame[3]];
@@ -191,8 +191,8 @@ impl Plane {
     }
 
     /// The nodes in the plane, unless one's frame is tilted or spun out of it.
-    pub(super) fn nodes(&self, nodes: &Nodes<3, 4>, num_nodes: usize) -> Option<Nodes<2, 2>> {
-        let mut flat = Nodes::default();
+    pub(super) fn nodes(&self, nodes: &NodeValues<3, 4>, num_nodes: usize) -> Option<NodeValues<2, 2>> {
+        let mut flat = NodeValues::default();
         for a in 0..num_nodes {
             flat.r[a] = [nodes.r[a][0], nodes.r[a][1]];
             flat.q[a] = self.units.map(|unit| dot(&unit, &nodes.q[a]));

@@ -70,7 +70,7 @@ fn run(order: usize, case: &Case) -> Run {
     run_in(order, case, None, &case.reference)
 }
 
-fn run_in(order: usize, case: &Case, plane: Option<&Plane>, reference: &[Strain; 3]) -> Run {
+fn run_in(order: usize, case: &Case, plane: Option<&RodPlane>, reference: &[Strain; 3]) -> Run {
     let body =
         ElementProperties { table: &ShapeTable::new(order), length: case.length, material: material(case), plane };
     let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
@@ -283,7 +283,7 @@ fn flat_case(order: usize, spin: f64, isotropic: bool) -> Case {
     let q = (0..=order).map(along).map(|s| exp(&(Vec3::z() * (0.4 - 0.9 * s * s))) * lie * exp(&(Vec3::z() * spin)));
     let material = if isotropic { [3.0, 3.0, 50.0, 1.5, 1.5, 0.9] } else { [3.0, 4.0, 50.0, 1.5, 2.5, 0.9] };
     // stretched, sheared and bent in the plane by nature
-    let plane = Plane::new(&to_array(&(lie * exp(&(Vec3::z() * spin)))));
+    let plane = RodPlane::new(&to_array(&(lie * exp(&(Vec3::z() * spin)))));
     let reference = [[1.02, 0.03, 0.2], [0.98, 0.0, -0.1], [1.0, 0.01, 0.3]].map(|three| plane.six(&three));
     Case { r: r.collect(), q: q.collect(), length: 0.8, material, full: None, reference }
 }
@@ -299,7 +299,7 @@ fn in_a_plane_it_is_what_it_is_in_space() {
         let case = flat_case(order, spin, isotropic);
         // the frame at the other end does as well
         for a in [0, order] {
-            let plane = Plane::new(&to_array(&case.q[a]));
+            let plane = RodPlane::new(&to_array(&case.q[a]));
             let (flat, space) = (run_in(order, &case, Some(&plane), &case.reference), run(order, &case));
             assert!((flat.energy - space.energy).abs() < 1e-14 * space.energy, "{} {}", flat.energy, space.energy);
             for i in 0..6 * (order + 1) {
@@ -326,7 +326,7 @@ fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
             after.r[a] += Vec3::new(x, y, 0.0);
             after.q[a] = exp(&(Vec3::z() * turn)) * after.q[a];
         }
-        let (table, plane) = (ShapeTable::new(order), Plane::new(&to_array(&case.q[0])));
+        let (table, plane) = (ShapeTable::new(order), RodPlane::new(&to_array(&case.q[0])));
         let body = |plane| ElementProperties {
             table: &table,
             length: case.length,
@@ -352,7 +352,7 @@ fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
 #[test]
 fn frames_that_leave_the_plane_are_seen() {
     let case = flat_case(3, 0.0, false);
-    let plane = Plane::new(&to_array(&case.q[0]));
+    let plane = RodPlane::new(&to_array(&case.q[0]));
     assert!(plane.nodes(&nodes_of(&case), 4).is_some());
     for out in [Vec3::x() * 1e-6, Vec3::y() * 1e-6, case.q[2] * Vec3::z() * 0.3] {
         let mut tilted = Case { r: case.r.clone(), q: case.q.clone(), ..case };

@@ -19,7 +19,7 @@ use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
-use super::values::{At, Names, NaturalText};
+use super::values::{At, NaturalText, RodNames};
 use super::{frames, memory, mesh, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
@@ -423,7 +423,7 @@ fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, Inpu
 }
 
 /// The node `at` of each rod that is named; the only rod needs no name.
-fn nodes(rods: &[Rod], field: &str, names: &Names, at: At) -> Result<Vec<NodeRef>, InputError> {
+fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
     if names.0.is_empty() {
         return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);
     }

@@ -9,7 +9,7 @@ use crate::scene::Fidelity;
 
 use super::dna::Dna;
 use super::text::{LawText, RampText, RodText, SceneText};
-use super::values::{List, Names};
+use super::values::{List, RodNames};
 
 /// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
 /// one.
@@ -30,7 +30,7 @@ fn turns(
     let (length, tangent_turns) = measure(shape, rod.closed)?;
     let by_nature = natural.turning(length) * length / TAU;
     let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
-    let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
+    let is_among = |names: &RodNames| names.0.is_empty() || names.0.contains(&rod.name);
     let stages = || scene.stages.iter().map(|stage| &stage.ramp);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let natural = natural.mean_twist(length) * length / TAU;

@@ -14,12 +14,13 @@ use crate::math::{Mat3, Vec3};
 const POINTS_PER_PIECE: usize = 5;
 /// Both ends of a piece and the points of its rule.
 const MAX_PLACES: usize = POINTS_PER_PIECE + 2;
-/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well: polylines have many.
+/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well, and the number of
+/// these. Polylines have many short pieces.
 const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
-/// Parts that a piece through a fold is divided into: there and back on the slave.
+/// Parts that a piece through a fold is divided into, because it runs forth and back on the slave.
 const PARTS_OF_FOLD: f64 = 4.0;
 
-/// Where one ordered pair is in contact.
+/// The integral over the contact of one ordered pair.
 pub(super) struct PairIntegral<'a> {
     pub(super) slave: usize,
     pub(super) master: usize,
@@ -28,8 +29,8 @@ pub(super) struct PairIntegral<'a> {
     pub(super) project: &'a Projector<'a>,
 }
 
-/// The projection at a parameter of a branch, from a guess of the other parameter; and the rate of the slave's parameter
-/// with it, negative where the branch is counted off.
+/// The projection at a parameter t of a branch, from a guess of the other parameter, and du/dt, u the slave's
+/// parameter; negative where the branch is subtracted.
 pub(super) type Projector<'a> = dyn Fn(f64, f64, &Branch) -> (Projection, f64) + 'a;
 
 impl PairIntegral<'_> {
@@ -65,7 +66,7 @@ impl PairIntegral<'_> {
                 let weight = weight * rate;
                 let force =
                     weight * add_point(&mut term, stiffness.as_deref_mut(), kind, &touch, weight, self.pair_law);
-                // farthest points, counted off, are followed by no one
+                // farthest points, which are subtracted, are not needed later
                 if request.tangent && weight > 0.0 {
                     let (law, carried) = self.pair_law.response(touch.u, touch.distance);
                     let known = carried > 0.0 && law.stiffness.is_finite();
@@ -92,9 +93,9 @@ impl PairIntegral<'_> {
 }
 
 impl PairLaw<'_> {
-    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t the
-    /// parameter it is followed by. `add` returns the other parameter; long pieces are divided so that each part is shorter than the
-    /// contact distance. Guesses are interpolated between the ends of the piece and the parameters returned.
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece with the
+    /// parameter t. `add` returns the other parameter. Long pieces are divided into parts shorter than the contact
+    /// distance. Guesses interpolate between the ends of the piece and the parameters returned.
     fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let [t, other] = piece.along();
         let width = t[1] - t[0];
