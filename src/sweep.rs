@@ -106,7 +106,7 @@ impl SweepCommand {
 fn plan(file: &Path, out: Option<PathBuf>) -> Result<u8, InputError> {
     let dir = out.unwrap_or_else(|| Path::new("out").join(file.file_stem().unwrap_or_default()));
     let plan = Plan::of_file(file)?;
-    // a slip in a key is told now, not ten thousand times
+    // an error in a key is reported now, not in ten thousand cases
     if let Some(case) = plan.cases().first() {
         plan.scene(case)?;
     }

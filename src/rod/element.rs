@@ -8,9 +8,9 @@
 //! ```
 //!
 //! depend on the eleven numbers y = (r', z, z') as quadratic forms over |z|², which makes exact first and second
-//! derivatives short: with f = P/|z|², ∇²f = (∇²P − f ∇²|z|² − ∇f⊗∇|z|² − ∇|z|²⊗∇f)/|z|².
-//! Left multiplication of all q_a by one unit quaternion commutes with the interpolation, so the strains are objective;
-//! nothing incremental is interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
+//! derivatives short: with f = P/|z|², ∇²f = (∇²P − f ∇²|z|² − ∇f⊗∇|z|² − ∇|z|²⊗∇f)/|z|². Left multiplication of all
+//! q_a by one unit quaternion commutes with the interpolation, so the strains are objective. No increments are
+//! interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
 //!
 //! Unknowns of a node are (δr, θ) with q ← exp(θ/2) q = q + ½θq − ⅛|θ|²q + …, so the Hessian in θ is TᵀHT plus the
 //! diagonal −¼ (∂E/∂q · q) I.
@@ -37,7 +37,7 @@ pub type Strain = [f64; 6];
 /// Stress resultants that do work on [`Strain`]: forces \[F\], then moments \[F·L\], in the material frame.
 pub type Stress = [f64; 6];
 
-/// Number of unknowns of the largest element.
+/// Degrees of freedom of the largest element.
 pub const MAX_DOF: usize = 24;
 
 /// Nodal input of one element in space.
@@ -52,8 +52,8 @@ pub struct ElementProperties<'a> {
     pub length: f64,
     /// The material matrix.
     pub material: Material<'a>,
-    /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y,
-    /// frames turned about z) are computed there, with the same results to rounding.
+    /// The plane of a rod that moves in one. Elements whose nodes are in it (positions in x and y, frames rotated about
+    /// z) are computed in two dimensions, with the same results to rounding.
     pub plane: Option<&'a RodPlane>,
 }
 
@@ -104,7 +104,8 @@ impl ElementProperties<'_> {
         ShapeAt { n, d, weight: table.rule.weights[g] * length, num_nodes: table.order + 1 }
     }
 
-    /// The plane, the nodes in it, if all are, and the stiffnesses there. Rods with a full material are computed in space.
+    /// The plane, the nodes in it and the stiffnesses there, if all nodes are in it. Rods with a full material are
+    /// computed in space.
     fn flat(&self, nodes: &ElementNodes) -> Option<(&RodPlane, NodeValues<2, 2>, [f64; 3])> {
         let (plane, Material::Diagonal(material)) = (self.plane?, self.material) else { return None };
         Some((plane, plane.nodes(nodes, self.table.order + 1)?, plane.material(material)))
@@ -114,9 +115,9 @@ impl ElementProperties<'_> {
 /// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y, T
 /// rotations of a node. Five numbers because an array's length must be named; the two implementations fix them all.
 trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize, const T: usize> {
-    /// The energy that a strain belongs to: stretch, shear, bend, twist.
+    /// Kind of energy of each strain: 0 stretch, 1 shear, 2 bend, 3 twist.
     const KIND: [usize; S];
-    /// The first of the rotations among the six unknowns of a node, which begin with the R displacements.
+    /// Index of the first rotation among the six unknowns of a node; these begin with the R displacements.
     const FIRST_ROTATION: usize;
 
     /// Strains (reference values not subtracted).
@@ -128,11 +129,11 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     /// Σ S_i ∇²P_i, both triangles.
     fn curvature(p: &InterpolatedPoint<R, Z>, stress: &[f64; S]) -> [[f64; N]; N];
 
-    /// The directions in which the quaternion moves when the node turns: ½ e_k q.
+    /// Derivatives of the quaternion by the rotations of the node: ½ e_k q.
     fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
 
-    /// Change of the strains at integration point `g` that a linear step δ (displacement, rotation vector per node)
-    /// predicts: B δ. Also returns raw strains and B's rows.
+    /// Linear change B δ of the strains at integration point `g` for an increment δ (displacement, rotation vector per
+    /// node). Also returns raw strains and the rows of B.
     fn linear_change(
         table: &ShapeTable,
         nodes: &NodeValues<R, Z>,
@@ -157,7 +158,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         (raw, linear, b)
     }
 
-    /// Nodal rates of change of positions and quaternions for an increment.
+    /// Linear change of nodal positions and quaternions for an increment.
     fn nodal_change(nodes: &NodeValues<R, Z>, increment: &[f64; MAX_DOF], num_nodes: usize) -> NodeValues<R, Z> {
         let mut change = NodeValues::default();
         for a in 0..num_nodes {
@@ -358,8 +359,8 @@ pub fn predicted_stress(
     }
 }
 
-/// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and
-/// their nodal forces Bᵀ C e, with B at the start of the step.
+/// Stresses C e of the second-order strain of a finite step, e = ε(moved) − ε(nodes) − B δ, and their nodal forces Bᵀ C
+/// e, with B at the start of the step.
 pub fn second_order_force(
     body: &ElementProperties,
     nodes: &ElementNodes,
@@ -376,11 +377,11 @@ pub fn second_order_force(
     }
 }
 
-/// Result of [`evaluate`] without the tangent: overwritten, not accumulated.
+/// Result of [`evaluate`] without the tangent; overwritten, not accumulated.
 #[derive(Debug, Clone, Default)]
 pub struct ElementOutput {
-    /// Energies \[F·L\]: stretch, shear, bend, twist: half of stress times strain of each. That of a coupling is shared
-    /// between both.
+    /// Energies \[F·L\] of stretch, shear, bend, twist: half of stress times strain. The energy of a coupling is split
+    /// evenly.
     pub energy: [f64; 4],
     /// ∂E/∂(δr, θ), six per node; of an element in a plane the others are zero.
     pub residual: [f64; MAX_DOF],
@@ -390,7 +391,7 @@ pub struct ElementOutput {
 /// plane only the displacements in x and y and the rotation about z of them.
 pub type ElementTangent = [[f64; MAX_DOF]; MAX_DOF];
 
-/// Energy, residual and (if wanted) tangent of an element; entries that are not filled stay as they were.
+/// Energy, residual and, on request, tangent of an element. Entries that are not filled stay as they were.
 ///
 /// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent
 /// per point (`None`: C ε(x)).

@@ -1,4 +1,4 @@
-//! Shapes a rod starts from, each sampled at equally spaced reference arc lengths with frames.
+//! Start shapes of rods, sampled at equally spaced reference arc lengths with frames.
 
 mod plectoneme;
 mod sampler;
@@ -22,7 +22,7 @@ pub use torus::TorusKnot;
 ///    tangent is within 1e-3 rad of z);
 ///  * circle, arc, helix: d1 is the binormal, so that K1 is the curvature at the start (everywhere, on circle and arc).
 ///
-/// On curves in the x-y plane d1 is therefore normal to the plane, and EI1 is the bending stiffness that counts.
+/// On curves in the x-y plane d1 is therefore normal to the plane, and EI1 is the bending stiffness in the plane.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Straight from `start` along `direction`.
@@ -91,7 +91,7 @@ pub struct Placement {
     pub frames: Vec<Quat>,
 }
 
-/// Longest rod placed, in node segments: sparse matrices over more nodes leave the range of 32-bit indices.
+/// Most node segments of a rod, because sparse matrices over more nodes exceed 32-bit indices.
 pub const MAX_SEGMENTS: usize = 10_000_000;
 
 impl Placement {
@@ -108,8 +108,8 @@ impl Shape {
     /// Samples the shape at `num_segments + 1` (open) or `num_segments` (closed) equally spaced nodes.
     ///
     /// # Errors
-    /// Non-finite or non-positive sizes, zero directions, too few or repeated points, an open shape asked to be closed
-    /// or the other way round.
+    /// Non-finite or non-positive sizes, zero directions, too few or repeated points, a closed rod of an open shape or
+    /// the reverse.
     pub fn place(&self, closed: bool, num_segments: usize) -> Result<Placement, InputError> {
         if num_segments == 0 {
             return Err(InputError::Count { field: "elements".into(), value: 0, allowed: "at least 1" });
@@ -134,7 +134,7 @@ impl Shape {
         }
     }
 
-    /// K1, K2, K3 \[1/L\] in the frames of [`Shape::place`] where they are the same all along the curve.
+    /// K1, K2, K3 \[1/L\] in the frames of [`Shape::place`], if they are uniform.
     pub(crate) fn uniform_curvature(&self) -> Option<[f64; 3]> {
         match self {
             Self::Circle { length, .. } => Some([TAU / length, 0.0, 0.0]),
@@ -204,7 +204,7 @@ fn arc(
     }))
 }
 
-/// The Frenet frame of a helix turns about d3 by its torsion τ per length; turning it back by −τ s makes it twist-free.
+/// The Frenet frame of a helix rotates about d3 by its torsion τ per length; rotation by −τ s makes it twist-free.
 fn helix(
     center: Vec3,
     axis: &Vec3,

@@ -11,7 +11,7 @@ pub(super) struct ScreenCapsule {
     pub radius: f64,
 }
 
-/// What each sample sees.
+/// The visible surface at each sample.
 pub(super) struct Samples {
     /// Samples per row.
     pub width: usize,
@@ -29,7 +29,7 @@ pub(super) const NOTHING: u32 = u32::MAX;
 /// Rows of samples per parallel task.
 const BAND: usize = 48;
 
-/// Draws all capsules; of equal depths the first wins, so the result does not depend on the number of threads.
+/// Draws all capsules. Of equal depths the first wins, so the result does not depend on the number of threads.
 pub(super) fn draw(shapes: &[ScreenCapsule], width: usize, height: usize) -> Samples {
     let mut samples = Samples {
         width,

@@ -1,4 +1,4 @@
-//! Light: from what each sample sees to pixels.
+//! Lighting: from visible surfaces to pixels.
 
 use super::camera::Camera;
 use super::palette::{encoded, linear};
@@ -47,7 +47,7 @@ impl Light {
         Self { axes, low, scale, map }
     }
 
-    /// Share (0 to 1) of the key light that reaches a point; `spread` is the radius of the penumbra in samples.
+    /// Fraction (0 to 1) of the key light that reaches a point; `spread` is the radius of the penumbra in samples.
     fn reaches(&self, point: Vec3, spread: f64, rays: Rays) -> f64 {
         let seen = (self.axes * point - self.low) * self.scale;
         let lit = rays.iter().filter(|[dx, dy]| {
@@ -91,7 +91,7 @@ impl Rays<'_> {
     }
 }
 
-/// Angle that looks random but depends on the sample only, as cosine and sine.
+/// Pseudo-random angle of a sample, as cosine and sine.
 fn dither(x: usize, y: usize) -> (f64, f64) {
     let mut h = (x as u32).wrapping_mul(0x9E37_79B9) ^ (y as u32).wrapping_mul(0x85EB_CA6B);
     h = (h ^ (h >> 15)).wrapping_mul(0x2C1B_3C6D);
@@ -100,7 +100,7 @@ fn dither(x: usize, y: usize) -> (f64, f64) {
     (cos, sin)
 }
 
-/// Everything needed to colour a sample.
+/// Data for the colour of a sample.
 struct LitScene<'a> {
     capsules: &'a [TubeSegment],
     samples: &'a Samples,
@@ -116,7 +116,7 @@ struct LitScene<'a> {
     range: f64,
 }
 
-/// How much light reaches a point: found once for all samples of a pixel that see the same surface.
+/// Light that reaches a point, computed once for all samples of a pixel on the same surface.
 #[derive(Clone, Copy)]
 struct Visibility {
     point: Vec3,
@@ -157,7 +157,7 @@ pub(super) fn develop(
 }
 
 impl LitScene<'_> {
-    /// Colour of a sample, linear light; `last` is what the pixel's other samples found out.
+    /// Colour of a sample, linear light; `last` is the visibility of the pixel's previous sample.
     fn color(&self, x: usize, y: usize, last: &mut Option<Visibility>) -> Vec3 {
         let at = y * self.samples.width + x;
         let index = self.samples.capsule[at];

@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use std::f64::consts::TAU;
 
-/// What is known at a node of a tube.
+/// Data at a node of a tube.
 #[derive(Clone, Copy)]
 pub(in crate::io) struct Node {
     pub point: Vec3,
@@ -27,7 +27,7 @@ pub(in crate::io) struct Span {
 }
 
 impl Span {
-    /// The span from `a` to `b`, where the frame at `b` is met turned by `seam` turns.
+    /// The span from `a` to `b`; the frame at `b` is rotated by `seam` turns.
     pub fn new(a: Node, b: Node, seam: f64) -> Self {
         let chord = b.point - a.point;
         let twist = twist_between(&a, &b) + TAU * (seam - seam.round());
@@ -81,7 +81,7 @@ fn hermite(a: &Node, b: &Node, length: f64, u: f64) -> (Vec3, Vec3) {
     (point, slope.try_normalize(0.0).unwrap_or(a.tangent))
 }
 
-/// Angle (rad) of the stripe of `b` against that of `a` carried along without turning.
+/// Angle (rad) of the stripe of `b` relative to that of `a` after parallel transport.
 fn twist_between(a: &Node, b: &Node) -> f64 {
     let carried = rotate_to(a.stripe, a.tangent, b.tangent);
     b.tangent.dot(&carried.cross(&b.stripe)).atan2(carried.dot(&b.stripe))

@@ -8,18 +8,18 @@ use super::{Stripe, Tube};
 use crate::io::detail::within;
 use crate::math::Vec3;
 
-/// Largest turning of the tangent (rad) over one capsule; smaller is not seen with interpolated normals.
+/// Largest turning of the tangent (rad) over one capsule, because less is invisible with interpolated normals.
 const TURNING: f64 = 0.1;
 /// Largest turn of the stripe (rad) over one capsule.
 const TWISTING: f64 = 0.3;
-/// Points closer than this many radii to the last one are left out where the tube hardly bends.
+/// Points closer than this many radii to the previous one are left out where the tube hardly bends.
 const SPARSE: f64 = 0.4;
 
-/// Tubes of a smaller radius, in samples, are lines: neither stripe nor roundness can be seen.
+/// Radius, in samples, below which a tube is drawn as a line, because neither stripe nor roundness is visible.
 const THIN: f64 = 1.0;
-/// Points of a line that lie this near, in samples, to what is drawn without them are left out.
+/// Points of a line within this distance, in samples, of the line without them are left out.
 const UNSEEN: f64 = 0.5;
-/// Least width of what is drawn, in pixels: a rod much longer than thick must not vanish.
+/// Smallest width drawn, in pixels, because a rod much longer than thick must not vanish.
 const LEAST_WIDTH: f64 = 1.0;
 
 /// A piece of tube in sample coordinates.
@@ -34,7 +34,7 @@ pub(super) struct TubeSegment {
     pub stripe: [Vec3; 2],
     /// Cosine of the stripe's half angle and its colour, linear light.
     pub stripe_look: (f64, Vec3),
-    /// Whether the end is that of an open tube and shows a round cap.
+    /// Whether the end is an open end with a round cap.
     pub caps: [bool; 2],
 }
 
@@ -58,7 +58,7 @@ pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<TubeSegment> {
     all
 }
 
-/// How a tube is drawn.
+/// Style of a tube.
 struct TubeStyle<'a> {
     tube: &'a Tube,
     stripe: Option<&'a Stripe>,
@@ -75,15 +75,15 @@ impl<'a> TubeStyle<'a> {
         Self { tube, stripe, radius: radius.max(0.5 * LEAST_WIDTH * camera.per_pixel), thin }
     }
 
-    /// Pieces beyond which nothing more is seen, of a span that turns by `turning` (rad) over `length` samples: the
-    /// sagitta of a piece is then an eighth of a sample.
+    /// Largest useful number of pieces of a span that turns by `turning` (rad) over `length` samples: the sagitta of a
+    /// piece is then an eighth of a sample.
     fn pieces(&self, turning: f64, length: f64) -> f64 {
         let visible = (turning * length).sqrt();
         if self.thin { visible } else { visible.max(self.radius) }
     }
 }
 
-/// Indices of the points worth drawing: none repeated, none closer than can be seen.
+/// Indices of the points to be drawn: none repeated, none closer than visible.
 fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
     let points = &tube.points;
     let close = (SPARSE * tube.radius).max(sample);
@@ -108,7 +108,7 @@ fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
     kept
 }
 
-/// Nodes of a tube with what is known there; `sample` is the size of a sample \[L\].
+/// Nodes of a tube with their data; `sample` is the size of a sample \[L\].
 fn nodes(look: &TubeStyle, sample: f64) -> Vec<Node> {
     let (tube, grey) = (look.tube, [150, 155, 160]);
     let kept = if look.thin { within(&tube.points, UNSEEN * sample, usize::MAX) } else { worth_drawing(tube, sample) };

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::csv::Cell;
 
-/// Values of a column, one a row; none where the row has no such value.
+/// Values of a column, one per row; `None` where the row has no value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColumnValues {
     /// Real numbers.
@@ -42,7 +42,7 @@ impl ColumnValues {
         }
     }
 
-    /// The value of a row as a word, if there is any.
+    /// The value of a row as text, if there is any.
     #[must_use]
     pub fn text(&self, row: usize) -> Option<String> {
         match self {
@@ -87,7 +87,7 @@ impl ColumnValues {
         }
     }
 
-    /// Takes in a value; where it is of another kind the column becomes one that holds both.
+    /// Appends a value. A value of another kind converts the column to a kind that holds both.
     fn push(&mut self, cell: Cell) {
         match (&mut *self, cell) {
             (Self::Number(values), Cell::Number(value)) => values.push(Some(value)),
@@ -134,7 +134,7 @@ pub struct SweepTable {
 }
 
 impl SweepTable {
-    /// A table of columns of one length; others are filled up with rows without a value.
+    /// A table of columns. Shorter columns are padded with rows without a value.
     #[must_use]
     pub fn new(mut columns: Vec<Column>) -> Self {
         let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
@@ -142,7 +142,7 @@ impl SweepTable {
         Self { columns, rows }
     }
 
-    /// The columns, in the order in which they first came up.
+    /// The columns, in the order of first appearance.
     #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns
@@ -160,7 +160,7 @@ impl SweepTable {
         self.columns.iter().find(|column| column.name == name).map(|column| &column.values)
     }
 
-    /// Adds a row; columns that it names and the table lacks are added.
+    /// Appends a row; missing columns are added.
     pub fn push<'a>(&mut self, row: impl IntoIterator<Item = (&'a str, Cell)>) {
         for (name, cell) in row {
             let index = self.place(name, || match cell {
@@ -186,7 +186,7 @@ impl SweepTable {
         }
     }
 
-    /// Index of a column, which is added if the table lacks it.
+    /// Index of a column, which is added if missing.
     fn place(&mut self, name: &str, empty: impl FnOnce() -> ColumnValues) -> usize {
         self.columns.iter().position(|column| column.name == name).unwrap_or_else(|| {
             let mut values = empty();
@@ -202,8 +202,8 @@ impl SweepTable {
         self.columns.iter_mut().for_each(|column| column.values.push_none(rows - column.values.len()));
     }
 
-    /// The first column in which some rows differ from those of another table, by a bit or by being there; columns of
-    /// the names `but` do not count.
+    /// The first column in which some rows differ from those of another table, in value or presence; columns named in
+    /// `but` are ignored.
     #[must_use]
     pub fn difference(
         &self,

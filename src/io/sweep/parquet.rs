@@ -17,7 +17,7 @@ use super::columns::{Column, ColumnValues, SweepTable};
 /// A table as the bytes of a Parquet file. Equal tables give equal bytes.
 ///
 /// # Errors
-/// The library's words.
+/// The library's message.
 pub fn to_bytes(table: &SweepTable) -> Result<Vec<u8>, String> {
     write(table).map_err(|e| e.to_string())
 }
@@ -25,7 +25,7 @@ pub fn to_bytes(table: &SweepTable) -> Result<Vec<u8>, String> {
 /// The columns of a Parquet file that are `wanted`; only kinds that [`to_bytes`] writes are read.
 ///
 /// # Errors
-/// Bytes that are no such file, in the library's words.
+/// The library's message for bytes that are not such a file.
 pub fn from_bytes(bytes: Vec<u8>, wanted: &dyn Fn(&str) -> bool) -> Result<SweepTable, String> {
     read(bytes, wanted).map_err(|e| e.to_string())
 }
@@ -103,7 +103,7 @@ fn read_column(
     rows: usize,
     into: &mut ColumnValues,
 ) -> Result<(), ParquetError> {
-    /// Puts the values that are there where the levels say that there are any.
+    /// Inserts `None` where the definition levels have no value.
     fn spread<V, X>(
         (levels, present): (Vec<i16>, Vec<X>),
         value: impl Fn(X) -> Result<V, ParquetError>,

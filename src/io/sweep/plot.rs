@@ -1,4 +1,4 @@
-//! Pictures of a sweep: any column over any axis.
+//! Plots of a sweep: any column over any other.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,10 +9,10 @@ use super::super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use super::case::ID;
 use super::columns::{ColumnValues, SweepTable};
 
-/// Most curves: more cannot be told apart.
+/// Most curves, because more cannot be distinguished.
 const MOST_CURVES: usize = 12;
 
-/// What is drawn over what.
+/// Columns of a plot.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct PlotAxes {
     /// Column along the horizontal axis: numbers.
@@ -29,8 +29,7 @@ pub struct PlotAxes {
 /// drawn; rows without one of the two values are passed over.
 ///
 /// # Errors
-/// [`InputError::Name`] for columns that are not there or hold words; more curves than can be told apart; errors of
-/// drawing.
+/// [`InputError::Name`] for columns that are not there or hold words; too many curves; errors of drawing.
 pub fn plot(path: &Path, table: &SweepTable, axes: &PlotAxes) -> Result<(), InputError> {
     let (x, y) = (numbers(table, "x", &axes.x)?, numbers(table, "y", &axes.y)?);
     let by = axes.by.as_deref().or(axes.steps.then_some(ID));
@@ -62,7 +61,7 @@ pub fn plot(path: &Path, table: &SweepTable, axes: &PlotAxes) -> Result<(), Inpu
     plot_lines(path, &PlotSpec { x_label: axes.x.clone(), y_label, series, ..PlotSpec::default() })
 }
 
-/// A number that has a place among others.
+/// A number with a total order.
 #[derive(Debug, Clone, Copy)]
 struct Ordered(f64);
 
@@ -91,7 +90,7 @@ fn label(name: &str, values: &ColumnValues, row: usize) -> String {
     if name == ID {
         return value.chars().take(8).collect();
     }
-    // the last words of a key say most
+    // the last part of a key is the most specific
     let short = name.rsplit('.').next().unwrap_or(name);
     format!("{short} = {}", value.strip_suffix(".0").unwrap_or(&value))
 }

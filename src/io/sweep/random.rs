@@ -1,4 +1,4 @@
-//! Random draws that depend on a seed, a key and an index only: more draws, or another key, change none of those before.
+//! Random draws that depend on a seed, a key and an index only: further draws or keys do not change earlier ones.
 
 use twox_hash::XxHash3_128;
 
@@ -31,7 +31,7 @@ impl DrawStream {
 
     /// Of mean 0 and standard deviation 1 (Box & Muller 1958).
     pub fn normal(&mut self) -> f64 {
-        // 1 − x: the logarithm of 0 does not come up
+        // 1 − x avoids the logarithm of 0
         let (radius, angle) = ((-2.0 * (1.0 - self.unit()).ln()).sqrt(), std::f64::consts::TAU * self.unit());
         radius * angle.cos()
     }
@@ -58,7 +58,7 @@ mod tests {
         assert_ne!(DrawStream::of(7, "a.b", 0).bits(), DrawStream::of(7, "a.c", 0).bits());
     }
 
-    /// Plans of earlier versions stay what they were.
+    /// Draws do not change between versions.
     #[test]
     fn draws_are_those_of_every_version() {
         let mut random = DrawStream::of(1, "rods.dna.sequence.letters", 3);

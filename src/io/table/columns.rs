@@ -27,7 +27,7 @@ impl fmt::Debug for Columns {
     }
 }
 
-/// Names of the units of what is in a table.
+/// Names of the units of the columns.
 struct UnitNames {
     length: String,
     force: String,
@@ -36,8 +36,8 @@ struct UnitNames {
 }
 
 impl Columns {
-    /// Of a model, its stages and units; `relaxed_links` is the link of relaxed DNA by rod, turns, `thermal` kT in the
-    /// scene's unit of energy where it has one.
+    /// The columns for a model, its stages and units. `relaxed_links` is the link of relaxed DNA by rod, turns;
+    /// `thermal` is kT in the scene's unit of energy, if known.
     pub fn new(
         model: &Model,
         stages: &[Stage],
@@ -298,7 +298,7 @@ fn number(x: f64) -> Cell {
     Cell::Number(x + 0.0)
 }
 
-/// Nodes that supports hold at some time of the run.
+/// Nodes that supports fix at some time of the run.
 fn supported(model: &Model, stages: &[Stage]) -> Vec<NodeRef> {
     let mut all: Vec<NodeRef> = model.supports.iter().chain(set_later(stages)).map(|support| support.node).collect();
     all.sort_unstable();
@@ -306,7 +306,7 @@ fn supported(model: &Model, stages: &[Stage]) -> Vec<NodeRef> {
     all
 }
 
-/// Components of position and rotation that are held there at some time.
+/// Components of position and rotation that are fixed at a node at some time.
 fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]) {
     let later = set_later(stages).filter(|support| support.node == node);
     later.fold(model.fixed(node), |(position, rotation), support| {
@@ -315,7 +315,7 @@ fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]
     })
 }
 
-/// Supports that stages set.
+/// Supports that stages add.
 fn set_later(stages: &[Stage]) -> impl Iterator<Item = &Support> {
     stages.iter().flat_map(|stage| &stage.ramps).filter_map(|ramp| match ramp {
         Ramp::Hold(support) => Some(support),

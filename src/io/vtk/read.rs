@@ -18,11 +18,11 @@ pub struct VtkData {
     pub vectors: BTreeMap<String, Vec<Vec3>>,
 }
 
-/// The rods of a `.vtp` file. Of the format it knows as much as [`write_vtp`](super::write_vtp) writes.
+/// The rods of a `.vtp` file. Only the subset of the format that [`write_vtp`](super::write_vtp) writes is read.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be read, [`InputError::Parse`] if it is none that this crate has written, or
-/// cut off.
+/// [`InputError::File`] if the file cannot be read, [`InputError::Parse`] if this crate has not written it, or it is
+/// cut short.
 pub fn read_vtp(path: &Path) -> Result<Vec<VtkData>, InputError> {
     let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
     let bytes = std::fs::read(path).map_err(refuse)?;
@@ -111,7 +111,7 @@ fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     rest.split_once('"').map(|(value, _)| value)
 }
 
-/// Text with what stands for the characters XML reserves replaced.
+/// Text with the escapes of XML replaced.
 fn unescaped(text: &str) -> String {
     text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&")
 }

@@ -16,7 +16,7 @@ const NEAR: f64 = 2.0;
 /// and the line, where exact strands do not touch, a mesh has fragments of a tenth of the point's pressure.
 const ALIKE: f64 = 4.0;
 
-/// Indices of zones, true for those that see the contact the other way round than the first.
+/// Indices of zones, true for those that see the contact from the other strand than the first.
 type Members = Vec<(usize, bool)>;
 
 /// A contact seen from one of its strands.
@@ -30,12 +30,12 @@ struct ContactView {
     pressure: f64,
 }
 
-/// Whether two contacts press about as hard as each other.
+/// Whether two contacts have similar mean pressures.
 fn is_alike(x: &ContactView, y: &ContactView) -> bool {
     x.pressure.max(y.pressure) <= ALIKE * x.pressure.min(y.pressure)
 }
 
-/// Groups of zones with the fragments of each line in one.
+/// Groups of zones with the fragments of each line merged.
 pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, layer: &Layer) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();

@@ -25,7 +25,7 @@ use super::{frames, memory, mesh, poses, state};
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
 
-/// Names the only rod of a scene if it has no name; refuses rods that cannot be told from each other.
+/// Names the only rod of a scene if it has no name; refuses several rods without distinct names.
 pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
     if let [only] = rods {
         if only.name.is_empty() {
@@ -105,7 +105,7 @@ pub(super) fn stages(
     Ok(stages)
 }
 
-/// Stages after others, which may have ramped the loads; the link of relaxed DNA by rod, turns.
+/// Stages that follow others, which may have ramped the loads. `relaxed_links`: link of relaxed DNA by rod, turns.
 pub(super) fn further_stages(
     text: &[StageText],
     model: &Model,
@@ -129,7 +129,7 @@ pub(super) fn further_stages(
     Ok(stages)
 }
 
-/// How the last stage is followed, if it is.
+/// Path following of the last stage, if any.
 pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
     let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
     let field = format!("stages[{place}].follow");
@@ -238,7 +238,7 @@ fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, Inpu
     Ok(ramps)
 }
 
-/// A rod of a scene, after others of so many `nodes`.
+/// A rod of a scene; the rods before it have `nodes` nodes.
 fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
@@ -310,7 +310,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
         rod.frames.iter_mut().for_each(|frame| *frame *= turn);
-        // the shape's curvature keeps its direction in space, one that is given keeps it in the section
+        // the shape's curvature keeps its direction in space, a given curvature keeps it in the section
         if let (NaturalText::AsShaped, Natural::Uniform { kappa }) = (&text.natural, &mut rod.natural) {
             *kappa = (turn.inverse() * Vec3::from(*kappa)).into();
         }
@@ -341,7 +341,7 @@ fn section_or_dna(
     }
 }
 
-/// Excess link at the start, turns, as far as it is given.
+/// Excess link at the start, turns, if given.
 fn excess_link(path: &str, text: &RodText, dna: Option<&Dna>) -> Result<Option<f64>, InputError> {
     match (text.excess_link, text.sigma, dna) {
         (excess_link, None, _) => Ok(excess_link),
@@ -358,7 +358,7 @@ const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give
 const NEEDS_DNA: &str =
     "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 
-/// The molecule that a sequence and a table of steps describe.
+/// The molecule of a sequence and a table of steps.
 fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, InputError> {
     let sequence = match (&text.fasta, &text.letters) {
         (Some(file), None) => Sequence::read_fasta(&base_dir.join(file))?,
@@ -422,7 +422,7 @@ fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, Inpu
     }
 }
 
-/// The node `at` of each rod that is named; the only rod needs no name.
+/// The node `at` of each named rod; the only rod needs no name.
 fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
     if names.0.is_empty() {
         return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);

@@ -1,4 +1,4 @@
-//! How many elements a rod of a scene gets whose number is not given: see [`Fidelity::elements`].
+//! Default number of elements of a rod of a scene: see [`Fidelity::elements`].
 
 use std::f64::consts::TAU;
 
@@ -11,14 +11,12 @@ use super::dna::Dna;
 use super::text::{LawText, RampText, RodText, SceneText};
 use super::values::{List, RodNames};
 
-/// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
-/// one.
+/// Turns of bending by moved supports, about one because a rod whose ends are brought together forms a loop.
 const MOVED: f64 = 1.0;
-/// Samples that suffice to measure the turning of any start shape worth running.
+/// Largest number of samples for the turning of a start shape, enough for any shape that can be run.
 const FINEST: usize = 1 << 20;
 
-/// Length of a rod \[L\] and turns of bending and twist that the scene puts it through, as far as they can be told
-/// beforehand.
+/// Length of a rod \[L\] and an estimate of its turns of bending and twist in the scene.
 fn turns(
     scene: &SceneText,
     rod: &RodText,
@@ -64,7 +62,7 @@ fn turns(
     Ok((length, tangent_turns.max(by_nature).max(wound) + rotation + moved + loaded * length / TAU))
 }
 
-/// Names of a rod and of all that joints connect it to, whose loads it feels.
+/// Names of a rod and of all rods that joints connect it to, because their loads act on it.
 fn joined<'a>(scene: &'a SceneText, rod: &'a str) -> Vec<&'a str> {
     let mut found = vec![rod];
     let mut next = 0;
@@ -81,7 +79,7 @@ fn joined<'a>(scene: &'a SceneText, rod: &'a str) -> Vec<&'a str> {
     found
 }
 
-/// Length of a shape \[L\] and the turns its tangent goes through.
+/// Length of a shape \[L\] and the total turning of its tangent, turns.
 fn measure(shape: &Shape, closed: bool) -> Result<(f64, f64), InputError> {
     Ok(match shape {
         Shape::Line { length, .. } => (*length, 0.0),

@@ -1,4 +1,4 @@
-//! A rod that starts from the final state of a run: nodes with their frames.
+//! A rod whose nodes and frames are the final state of a run.
 
 use std::path::Path;
 
@@ -15,10 +15,10 @@ use super::text::RodText;
 /// Columns of a final state that are read; quaternions scalar part first.
 const COLUMNS: [&str; 9] = ["rod", "arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];
 
-/// A quaternion may be off unit length by this.
+/// Largest deviation of a quaternion from unit length.
 const TOL_UNIT: f64 = 1e-6;
 
-/// The rod of a file of final states; on other elements than it had, where the scene says how many.
+/// The rod of a file of final states, on its own elements or on the number of the scene.
 pub(super) fn rod(
     text: &RodText,
     path: &Path,

@@ -1,5 +1,4 @@
-//! The scene file as it is written: one struct a table, every unknown key refused. Meaning is given in the parent
-//! module.
+//! The text of a scene file: one struct per table; unknown keys are refused. The parent module gives the meaning.
 
 use std::path::PathBuf;
 

@@ -1,5 +1,5 @@
-//! Values that may be written in more than one way. Hand-written visitors instead of untagged enums: they say what was
-//! expected, and where.
+//! Values that may be written in more than one way. Visitors by hand instead of untagged enums, because their errors
+//! name the expected value and its position.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-/// A list of exactly so many values: one that is longer is a slip, not a shorter one.
+/// A list of exactly `N` values; a longer list is an error, too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct List<T, const N: usize>(pub [T; N]);
 
@@ -235,7 +235,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ManyVisitor<T> {
     }
 }
 
-/// A table, and nothing else: serde's derived readers would also take a list, its values in the order of the keys.
+/// A table only, because serde's derived readers would also accept a list with its values in the order of the keys.
 struct TableOnly<T>(T);
 
 struct TableVisitor<T>(PhantomData<T>);
@@ -275,7 +275,7 @@ pub(super) fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer
     deserializer.deserialize_any(TableVisitor(PhantomData))
 }
 
-/// Reads a table into a struct where the key is there.
+/// Reads an optional table into a struct.
 pub(super) fn some_table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {

@@ -1,52 +1,52 @@
-//! Poses that supports take nodes to, and the ways there.
+//! Prescribed poses of nodes, and the paths to them.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
 
-/// A turn by less than half a turn less this, rad, is the shorter one without a doubt.
+/// Distance from half a turn, rad, within which the shorter rotation is ambiguous.
 const HALF_TURN: f64 = 1e-6;
-/// Angle, rad, below which the screw's series stands for its closed form: their difference is rounding.
+/// Angle, rad, below which the series of the screw replaces its closed form, because their difference is rounding.
 const SMALL_ANGLE: f64 = 1e-4;
-/// Parts of a velocity below this, relative to the whole, count as rounding where ways are compared.
+/// Components of a velocity below this, relative to the whole, count as rounding in the comparison of paths.
 const ROUNDING: f64 = 1e-9;
 
-/// Where a clamped node is to be at the end of a stage, and the way there.
+/// The pose of a clamped node at the end of a stage, and the path to it.
 ///
-/// The frame turns by the shortest turn, at an even rate about an axis that is fixed in space; `turns` go on top, about
-/// the rod's own tangent d3.
+/// The frame makes the shortest rotation, at a constant rate about an axis fixed in space; `turns` about the rod's
+/// tangent d3 are added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Position \[L\], global; `None`: it stays.
+    /// Position \[L\], global; `None`: unchanged.
     pub position: Option<Vec3>,
-    /// Frame (columns d1, d2, d3); `None`: it stays but for `turns`.
+    /// Frame (columns d1, d2, d3); `None`: unchanged but for `turns`.
     pub frame: Option<Quat>,
-    /// The way of the position.
+    /// The path of the position.
     pub path: PosePath,
-    /// Whole turns about d3 at the end of the stage, since the start of the run, in all (those of [`super::Ramp::Rotation`]
-    /// count, too); `None`: no more than before. They do not show in the frame that is reached: they put link into the
+    /// Whole turns about d3 at the end of the stage, since the start of the run, in all (those of
+    /// [`super::Ramp::Rotation`] included); `None`: unchanged. They do not change the final frame, but the link of the
     /// rod.
     pub turns: Option<f64>,
-    /// Of two half turns the one about this side is taken; zero: the one whose axis has its largest component positive.
+    /// Side that selects one of two half turns; zero: the one whose axis has its largest component positive.
     pub half_turn: Vec3,
 }
 
-/// Way of a node from one position to another.
+/// Path of a node from one position to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PosePath {
     /// A straight line.
     #[default]
     Straight,
-    /// The screw that turns the frame as well: a helix about its axis, an arc if there is no advance along it.
+    /// The screw motion that also rotates the frame: a helix about its axis, an arc if there is no advance along it.
     Screw,
 }
 
-/// What is left of a way.
+/// The rest of the path to a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Way {
     path: PosePath,
-    /// From here to the position wanted \[L\].
+    /// From the present to the target position \[L\].
     chord: Vec3,
     /// Rotation vector without the turns about the tangent, rad, global.
     pub(crate) rotation: Vec3,
@@ -55,7 +55,7 @@ pub(crate) struct Way {
 }
 
 impl Pose {
-    /// The way from a place of the node, which has been turned by so many turns.
+    /// The path from a present pose of the node, which has made `turned` turns about its tangent.
     pub(crate) fn way(&self, position: &Vec3, remainder: &Vec3, frame: &Quat, turned: f64) -> Way {
         let turns = self.turns.map_or(0.0, |turns| turns - turned);
         let chord = self.position.map_or(Vec3::zeros(), |to| (to - position) - remainder);
@@ -73,7 +73,7 @@ impl Pose {
 }
 
 impl Way {
-    /// Displacement \[L\] on the first part of the way.
+    /// Displacement \[L\] over the first fraction `part` of the path.
     pub(crate) fn displacement(&self, part: f64) -> Vec3 {
         match self.path {
             PosePath::Screw if part < 1.0 => screw(&(self.rotation * part), &(self.velocity() * part)),
@@ -82,7 +82,7 @@ impl Way {
         }
     }
 
-    /// Velocity with which the node sets out, for a way that takes the time 1 \[L\].
+    /// Initial velocity of the node, for a path of duration 1 \[L\].
     fn velocity(&self) -> Vec3 {
         match self.path {
             PosePath::Straight => self.chord,
@@ -90,8 +90,8 @@ impl Way {
         }
     }
 
-    /// Six numbers that grow evenly along the way, from a node at `position`: velocity (on a screw, of the body at the
-    /// origin \[L\]) and rotation vector.
+    /// Six numbers proportional to the fraction of the path, for a node at `position`: velocity (on a screw, of the
+    /// body at the origin \[L\]) and rotation vector.
     pub(crate) fn controls(&self, position: &Vec3) -> [Vec3; 2] {
         let velocity = self.velocity();
         let at_origin = match self.path {
@@ -104,8 +104,8 @@ impl Way {
     }
 }
 
-/// Where a point gets in the time 1 that sets out with a velocity on the screw of a rotation vector θ:
-/// (1 + (1 − cos θ)/θ² [θ] + (θ − sin θ)/θ³ [θ]²) v.
+/// Displacement in time 1 of a point with an initial velocity v on the screw motion of a rotation vector θ: (1 + (1 −
+/// cos θ)/θ² [θ] + (θ − sin θ)/θ³ [θ]²) v.
 fn screw(rotation: &Vec3, velocity: &Vec3) -> Vec3 {
     let angle = rotation.norm();
     let once = rotation.cross(velocity);
@@ -145,8 +145,8 @@ mod tests {
         Pose { position, frame: Some(frame), path, turns: Some(turns), half_turn: Vec3::zeros() }
     }
 
-    /// However the way is cut into parts, it is the same: parts lie on it, what grows evenly does, and it ends in the
-    /// pose.
+    /// A path does not depend on its division into parts: parts lie on it, the controls grow linearly, and it ends in
+    /// the pose.
     #[test]
     fn parts_of_a_way_lie_on_it() {
         for path in [PosePath::Straight, PosePath::Screw] {
