@@ -427,7 +427,12 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let result = if from.is_some() { run.resume(&mut watch) } else { run.start(&mut watch) };
     bar.clear();
     match result {
-        Ok(outcome) => Ok(report(&outcome, &units, thermal, &dir, choices.quiet, interrupt.is_raised())),
+        Ok(outcome) => {
+            if !choices.quiet {
+                print_results(&outcome, &units, thermal, &dir);
+            }
+            Ok(report_status(&outcome, &dir, interrupt.is_raised()))
+        }
         Err(RunError::Input(error)) => Err(error),
         Err(error) => {
             eprintln!("error: {error}; what was reached is in {}", dir.display());
@@ -449,26 +454,21 @@ fn stop_on_signal(interrupt: Interrupt, note: impl Fn(&str) + Send + 'static) {
     .ok();
 }
 
-fn report(
-    outcome: &Outcome,
-    units: &Units,
-    thermal: Option<(f64, f64)>,
-    dir: &Path,
-    quiet: bool,
-    interrupted: bool,
-) -> u8 {
-    if !quiet {
-        say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
-        if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
-            let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
-            say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
-        }
-        if let Some(estimate) = &outcome.error_estimate {
-            say(format_args!("{estimate}"));
-        }
-        let status = if outcome.overlaps() { OVERLAP.to_owned() } else { outcome.status.to_string() };
-        say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
+fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, dir: &Path) {
+    say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+    if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
+        let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
+        say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
     }
+    if let Some(estimate) = &outcome.error_estimate {
+        say(format_args!("{estimate}"));
+    }
+    let status = if outcome.overlaps() { OVERLAP.to_owned() } else { outcome.status.to_string() };
+    say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
+}
+
+/// Explains a run that did not converge; returns the exit code.
+fn report_status(outcome: &Outcome, dir: &Path, interrupted: bool) -> u8 {
     if outcome.overlaps() {
         let notes = outcome.steps.last().map_or_else(String::new, |last| last.notes.join("; "));
         eprintln!("overlap: {notes}");

@@ -3,8 +3,6 @@
 mod forces;
 mod minima;
 
-use std::cell::Cell;
-
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
 use crate::contact::curves::input::{Curve, Strands};
 use crate::contact::law::potential::PairForce;
@@ -12,7 +10,7 @@ use crate::contact::options::{DetectorOptions, Neighbours};
 use crate::contact::sites::site::{Minimum, Site};
 use crate::contact::tree::broad_phase::BroadPhase;
 use crate::contact::tree::exclusion::{Exclusion, bytes};
-use crate::contact::zones::interval::{self, Part, Zone};
+use crate::contact::zones::interval::{self, Part, PartSearch, Zone};
 use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
@@ -216,6 +214,8 @@ impl Detector {
         let mut joining = std::mem::take(&mut self.joining);
         let this = &*self;
         let pairs = this.broad.pairs();
+        let arc = |s: usize, u: f64| this.arc(strands, s, u);
+        let search = PartSearch { strands, arc, range: this.options.range };
         lists.resize_with(pairs.len().div_ceil(CHUNK), Vec::new);
         parallel::each(&mut lists, 1, &|k, parts| {
             parts.clear();
@@ -224,10 +224,7 @@ impl Detector {
                 if this.exclusion.excluded(i, j) || strands.adjacent(i, j) {
                     continue;
                 }
-                let arc = |s: usize, u: f64| this.arc(strands, s, u);
-                let nearest = Cell::new(None);
-                interval::parts(strands, &arc, i, j, this.options.range, &nearest, parts);
-                interval::parts(strands, &arc, j, i, this.options.range, &nearest, parts);
+                search.both(i, j, parts);
             }
         });
         let far = strands.control_points().flatten().map(Vec3::amax).fold(0.0, f64::max);

@@ -133,7 +133,7 @@ mod tests {
     const BLOCK: [f64; 6] = [10.0, 70.0, -50.0, 4.0, -8.0, 25.0];
 
     /// The frame of each base pair of the stress-free rod.
-    fn walk(natural: impl Fn(f64) -> NaturalStrains, spacing: f64, count: usize) -> Vec<(Quat, Vec3)> {
+    fn base_pair_frames(natural: impl Fn(f64) -> NaturalStrains, spacing: f64, count: usize) -> Vec<(Quat, Vec3)> {
         let (mut frame, mut place, mut all) = (Quat::identity(), Vec3::zeros(), vec![]);
         for k in 0..count {
             all.push((frame, place));
@@ -161,7 +161,7 @@ mod tests {
         let (free, held) =
             (sequence.helix(&steps, false).unwrap(), sequence.helix_with(&steps, false, &bound).unwrap());
         let spacing = held.length / 23.0;
-        let all = walk(|s| held.natural.at(s), spacing, 24);
+        let all = base_pair_frames(|s| held.natural.at(s), spacing, 24);
         let between = |a: usize, b: usize| {
             let (first, last) = (all[a - 1], all[b - 1]);
             (first.0.inverse() * last.0, first.0.inverse() * (last.1 - first.1))

@@ -112,8 +112,12 @@ impl ElementProperties<'_> {
     }
 }
 
-/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y, T
-/// rotations of a node. Five numbers because an array's length must be named; the two implementations fix them all.
+/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y,
+/// T rotations of a node.
+///
+/// Five const parameters, because stable Rust does not accept an associated constant as the length of an array in the
+/// signature of a generic function. Associated array types would be accepted, but hide the lengths from the loops below:
+/// each access would be checked at run time, in the innermost code of the solver.
 trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize, const T: usize> {
     /// Kind of energy of each strain: 0 stretch, 1 shear, 2 bend, 3 twist.
     const KIND: [usize; S];
@@ -278,14 +282,12 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         body: &ElementProperties,
         nodes: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
-        reference: &[[f64; S]; 3],
-        predicted: Option<&[[f64; S]; 3]>,
+        given: &Given<S>,
         tangent: Option<&mut ElementTangent>,
-        out: &mut ElementOutput,
-    ) {
+    ) -> ElementOutput {
         let (table, length) = (body.table, body.length);
         let num_nodes = table.order + 1;
-        *out = ElementOutput::default();
+        let mut out = ElementOutput::default();
         let mut grad_r = [[0.0; R]; 4];
         let mut grad_q = [[0.0; Z]; 4];
         let mut blocks = tangent.is_some().then(NodeBlocks::<R, Z>::default);
@@ -294,7 +296,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
             let raw = Self::strain(&p);
             let b = Self::gradients(&p, &raw);
-            let strain: [f64; S] = std::array::from_fn(|i| raw[i] - reference[g][i]);
+            let strain: [f64; S] = std::array::from_fn(|i| raw[i] - given.reference[g][i]);
             let stress = material.stress(g, &strain);
             let mut energy = [0.0; 4];
             let mut grad = [0.0; N];
@@ -309,7 +311,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             }
             add_nodal_gradient(&grad, &shape, &mut grad_r, &mut grad_q);
             let Some(blocks) = &mut blocks else { continue };
-            let (mut h, grad) = Self::geometric(&p, &raw, &b, predicted.map_or(&stress, |s| &s[g]));
+            let (mut h, grad) = Self::geometric(&p, &raw, &b, given.predicted.map_or(&stress, |s| &s[g]));
             add_nodal_gradient(&grad, &shape, &mut [[0.0; R]; 4], &mut blocks.grad_q);
             let scaled = material.of_rows(g, &b);
             for i in 0..S {
@@ -321,24 +323,33 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             }
             blocks.add(&h, &shape);
         }
-        let ways: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
+        let rotations: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
         for a in 0..num_nodes {
             out.residual[6 * a..6 * a + R].copy_from_slice(&grad_r[a]);
             for k in 0..T {
-                out.residual[6 * a + Self::FIRST_ROTATION + k] = inner(&ways[a][k], &grad_q[a]);
+                out.residual[6 * a + Self::FIRST_ROTATION + k] = inner(&rotations[a][k], &grad_q[a]);
             }
         }
-        let (Some(blocks), Some(tangent)) = (blocks, tangent) else { return };
+        let (Some(blocks), Some(tangent)) = (blocks, tangent) else { return out };
         for a in 0..num_nodes {
             for c in a..num_nodes {
-                blocks.write(tangent, [a, c], Self::FIRST_ROTATION, &ways);
+                blocks.write(tangent, [a, c], Self::FIRST_ROTATION, &rotations);
             }
             let correction = -0.25 * inner(&blocks.grad_q[a], &nodes.q[a]);
             for k in 6 * a + Self::FIRST_ROTATION..6 * a + 6 {
                 tangent[k][k] += correction;
             }
         }
+        out
     }
+}
+
+/// Given values at the integration points of an element.
+struct Given<'a, const S: usize> {
+    /// Raw strains of the natural state.
+    reference: &'a [[f64; S]; 3],
+    /// Stresses for the geometric part of the tangent; `None`: C ε(x).
+    predicted: Option<&'a [[f64; S]; 3]>,
 }
 
 /// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): the
@@ -377,7 +388,7 @@ pub fn second_order_force(
     }
 }
 
-/// Result of [`evaluate`] without the tangent; overwritten, not accumulated.
+/// Result of [`evaluate`] without the tangent.
 #[derive(Debug, Clone, Default)]
 pub struct ElementOutput {
     /// Energies \[F·L\] of stretch, shear, bend, twist: half of stress times strain. The energy of a coupling is split
@@ -391,7 +402,7 @@ pub struct ElementOutput {
 /// plane only the displacements in x and y and the rotation about z of them.
 pub type ElementTangent = [[f64; MAX_DOF]; MAX_DOF];
 
-/// Energy, residual and, on request, tangent of an element. Entries that are not filled stay as they were.
+/// Energy, residual and, on request, tangent of an element. Entries of `tangent` that are not filled stay as they were.
 ///
 /// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent
 /// per point (`None`: C ε(x)).
@@ -399,23 +410,19 @@ pub fn evaluate(
     body: &ElementProperties,
     nodes: &ElementNodes,
     reference: &[Strain; 3],
-    predicted: Option<&[Strain; 3]>,
+    predicted: Option<&[Stress; 3]>,
     tangent: Option<&mut ElementTangent>,
-    out: &mut ElementOutput,
-) {
+) -> ElementOutput {
+    let given = Given { reference, predicted };
     match (body.flat(nodes), body.material) {
         (Some((plane, flat, material)), _) => {
             let reference = reference.map(|six| plane.part(&six));
             let predicted = predicted.map(|stress| stress.map(|six| plane.part(&six)));
-            let predicted = predicted.as_ref();
-            InPlane::evaluate(body, &flat, &material, &reference, predicted, tangent, out);
+            let given = Given { reference: &reference, predicted: predicted.as_ref() };
+            InPlane::evaluate(body, &flat, &material, &given, tangent)
         }
-        (None, Material::Diagonal(material)) => {
-            Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
-        }
-        (None, Material::Full(material)) => {
-            Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
-        }
+        (None, Material::Diagonal(material)) => Space::evaluate(body, nodes, material, &given, tangent),
+        (None, Material::Full(material)) => Space::evaluate(body, nodes, material, &given, tangent),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::along::{Along, Averaged};
 use crate::rod::natural::Natural;
 use crate::rod::stiffness::Stiffness;
-use crate::rod::{Section, Shape};
+use crate::rod::{Placement, Section, Shape};
 
 /// Largest rotation between the frames of neighbouring nodes, turns, because elements interpolate the shorter rotation
 /// and half a turn has none.
@@ -81,28 +81,25 @@ impl Rod {
             let each = twist * placement.length / (num_elements * order) as f64;
             placement.frames.iter_mut().enumerate().for_each(|(i, frame)| *frame *= spin(each * i as f64));
         }
-        Self::from_nodes(name, placement.length, placement.positions, placement.frames, closed, section, order, natural)
+        Self::from_nodes(name, placement, section, order, natural)
     }
 
-    /// A rod from given nodes and frames; `positions.len()` must be a multiple of the order (closed) or one more
-    /// (open).
+    /// A rod from given nodes and frames at equal reference arc lengths. Their number must be a multiple of the order
+    /// (closed) or one more (open).
     ///
     /// The closing segment of a closed rod has the mean twist of the other segments, so uniformly twisted frames may
     /// have any number of turns, fractions included; see [`Rod::start_excess_link`] and [`Rod::with_excess_link`].
     ///
     /// # Errors
     /// See [`Rod::check`].
-    #[allow(clippy::too_many_arguments)]
     pub fn from_nodes(
         name: &str,
-        length: f64,
-        positions: Vec<Vec3>,
-        frames: Vec<Quat>,
-        closed: bool,
+        nodes: Placement,
         section: Section,
         order: usize,
         natural: Natural,
     ) -> Result<Self, InputError> {
+        let Placement { length, positions, frames, closed } = nodes;
         let num_segments = if closed { positions.len() } else { positions.len().saturating_sub(1) };
         let mut rod = Self {
             name: name.to_owned(),
@@ -245,8 +242,8 @@ mod tests {
         let turned = |turns: f64| {
             let turn = |i: usize| Quat::from_axis_angle(&Vec3::z_axis(), TAU * turns * i as f64 / 40.0);
             let frames = rod.frames.iter().enumerate().map(|(i, q)| q * turn(i)).collect();
-            let (name, length, positions) = (&rod.name, rod.length, rod.positions.clone());
-            Rod::from_nodes(name, length, positions, frames, true, rod.section, 2, Natural::Straight).unwrap()
+            let nodes = Placement { length: rod.length, positions: rod.positions.clone(), frames, closed: true };
+            Rod::from_nodes(&rod.name, nodes, rod.section, 2, Natural::Straight).unwrap()
         };
         for turns in [-3.0, -0.3, 0.25, 1.0, 2.6] {
             let found = turned(turns).start_excess_link;
@@ -303,7 +300,8 @@ mod tests {
     #[test]
     fn bad_nodes_are_refused() {
         let build = |positions: Vec<Vec3>, frames: Vec<Quat>, order: usize| {
-            Rod::from_nodes("rod", 2.0, positions, frames, false, section(0.0), order, Natural::Straight)
+            let nodes = Placement { length: 2.0, positions, frames, closed: false };
+            Rod::from_nodes("rod", nodes, section(0.0), order, Natural::Straight)
         };
         let (x, q) = (|t: f64| Vec3::new(0.0, 0.0, t), Quat::identity());
         let about_z = |angle: f64| Quat::from_axis_angle(&Vec3::z_axis(), angle);

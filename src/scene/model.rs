@@ -8,7 +8,7 @@ use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
 #[cfg(feature = "solver")]
-pub(crate) use pose::Way;
+pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};
 
 /// A node of a rod.

@@ -20,7 +20,7 @@ use supercoil::contact::{self, Curve, Detector, Neighbours};
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::Quaternion;
 use supercoil::observe::observe;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Placement, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Status, run};
 
@@ -127,7 +127,8 @@ fn rods(cases: u32) -> BTreeMap<&'static str, usize> {
                 if count > 0 && frames.len() > 2 {
                     frames.resize(count, Quat::identity());
                 }
-                let rod = Rod::from_nodes("r", length, positions, frames, closed, section, order, natural);
+                let nodes = Placement { length, positions, frames, closed };
+                let rod = Rod::from_nodes("r", nodes, section, order, natural);
                 let end = match rod {
                     Err(_) => "refused",
                     Ok(rod) => {

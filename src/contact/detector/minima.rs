@@ -27,7 +27,7 @@ impl Detector {
         site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
         let arc = |s: usize, u: f64| this.arc(strands, s, u);
         sites.clear();
-        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::dress(strands, arc, &minima[k])));
+        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::site_of(strands, arc, &minima[k])));
         self.minima = minima;
     }
 
@@ -51,7 +51,7 @@ impl Detector {
         norm(&w) <= strands.radius_at(i, m.u) + strands.radius_at(j, m.v) + self.options.range
     }
 
-    /// All minima of a pair with distance at most `reach`.
+    /// All minima of a pair i < j with distance at most `reach`.
     fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
             // Adjacent straight segments are nearest at their joint.
@@ -68,8 +68,8 @@ impl Detector {
         closest::minima(&a, &b, reach, self.options.sampling, |u, v, flat| {
             out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
         });
-        vertex_minima(strands, i, j, reach, false, out);
-        vertex_minima(strands, j, i, reach, true, out);
+        vertex_minima(strands, i, j, reach, out);
+        vertex_minima(strands, j, i, reach, out);
         keep_from(out, first, |m| !self.neighbouring_points(strands, m));
     }
 

@@ -112,7 +112,7 @@ impl MinimumSearch {
                 undecided.push((cell, false));
                 continue;
             }
-            match self.look_at(&cell) {
+            match self.examine(&cell) {
                 CellVerdict::Dropped => {}
                 CellVerdict::Minimum(closest) => found.push(closest),
                 CellVerdict::Level => undecided.push((cell, true)),
@@ -132,7 +132,7 @@ impl MinimumSearch {
         if cell.flipped { (&self.b, &self.a) } else { (&self.a, &self.b) }
     }
 
-    fn look_at(&self, cell: &CellParallelogram) -> CellVerdict {
+    fn examine(&self, cell: &CellParallelogram) -> CellVerdict {
         let (a, b) = self.curves(cell);
         let [low, high] = cell.v_range();
         if low > 1.0 + BORDER || high < -BORDER {
@@ -272,8 +272,8 @@ impl MinimumSearch {
                 }
                 let inside = |x: f64, r: [f64; 2], radius: f64| x - r[0] > radius && r[1] - x > radius;
                 let [ru, rt] = nearness.radii();
-                let told = inside(u, cell.u, ru) && inside(t, cell.t, rt);
-                return if told { self.told(cell, u, t, ru.max(rt)) } else { Newton::Unsure };
+                let is_inside = inside(u, cell.u, ru) && inside(t, cell.t, rt);
+                return if is_inside { self.minimum_at(cell, u, t, ru.max(rt)) } else { Newton::Unsure };
             }
             (u, t) = (nu, nt);
         }
@@ -281,7 +281,7 @@ impl MinimumSearch {
     }
 
     /// The minimum at (u, t), if it lies on both segments and in range.
-    fn told(&self, cell: &CellParallelogram, u: f64, t: f64, radius: f64) -> Newton {
+    fn minimum_at(&self, cell: &CellParallelogram, u: f64, t: f64, radius: f64) -> Newton {
         let v = cell.v(u, t);
         let on = |x: f64| (-BORDER..=1.0 + BORDER).contains(&x);
         let (u, v) = if cell.flipped { (v, u) } else { (u, v) };

@@ -52,7 +52,7 @@ pub struct Site {
     pub flat: bool,
 }
 
-/// A minimum of a pair of segments (global indices); [`dress`] makes a [`Site`] of it.
+/// A minimum of a pair of segments (global indices); [`site_of`] makes a [`Site`] of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Minimum {
     pub(crate) u: f64,
@@ -139,7 +139,7 @@ fn owned(strands: &Strands, segment: usize, u: f64, w: &Vec3) -> bool {
 }
 
 /// The site of a minimum: gap, normal, angle and arc lengths from its parameters. `arc(segment, u)` is the arc length from the start of the curve.
-pub(crate) fn dress(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
+pub(crate) fn site_of(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
     let (i, j, u, v) = (found.i as usize, found.j as usize, found.u, found.v);
     let ((a, da), (b, db)) = (point_and_tangent(strands, i, u), point_and_tangent(strands, j, v));
     let w = b - a;

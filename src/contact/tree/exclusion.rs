@@ -78,9 +78,10 @@ impl Exclusion {
             self.total.push(sum);
             let range = curve.first..curve.first + curve.count;
             let (start, end) = (&self.start[range.clone()], &self.end[range.clone()]);
-            reach(curve.closed, start, end, sum, FRAC_PI_2, &mut self.reach[range.clone()]);
-            reach(curve.closed, start, end, sum, FRAC_PI_2 - SLACK, &mut self.reach_reduced[range.clone()]);
-            reach(curve.closed, start, end, sum, PI, &mut self.reach_bilateral[range]);
+            let turning = CurveTurning { closed: curve.closed, start, end, total: sum };
+            turning.reach(FRAC_PI_2, &mut self.reach[range.clone()]);
+            turning.reach(FRAC_PI_2 - SLACK, &mut self.reach_reduced[range.clone()]);
+            turning.reach(PI, &mut self.reach_bilateral[range]);
         }
         Ok(())
     }
@@ -167,21 +168,21 @@ impl Exclusion {
     /// v). Sharper than whole segments, because the end pieces are cut. Infinite if there is no such arc.
     #[must_use]
     pub fn turning_between(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        self.between(&set.segments[i], i, u, &set.segments[j], j, v)
+        self.turning_of_arc([i, j], [u, v], |k| set.segments[k])
     }
 
     /// As [`Exclusion::turning_between`], for borrowed curves.
     pub(crate) fn turning_between_pieces(&self, strands: &Strands, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        self.between(&strands.cubic(i), i, u, &strands.cubic(j), j, v)
+        self.turning_of_arc([i, j], [u, v], |k| strands.cubic(k))
     }
 
-    fn between(&self, a: &Cubic, i: usize, u: f64, b: &Cubic, j: usize, v: f64) -> f64 {
+    fn turning_of_arc(&self, [i, j]: [usize; 2], [u, v]: [f64; 2], cubic: impl Fn(usize) -> Cubic) -> f64 {
         let (first, _, closed) = self.place[i];
         if first != self.place[j].0 {
             return f64::INFINITY;
         }
         if i == j && u <= v {
-            return piece(a, u, v).turning_bound();
+            return piece(&cubic(i), u, v).turning_bound();
         }
         let total = self.total[self.curve[i] as usize];
         let mut between = self.start[j] - self.end[i];
@@ -191,7 +192,8 @@ impl Exclusion {
             }
             between += total;
         }
-        between.max(0.0) + a.split_at(u).1.turning_bound() + b.split_at(v).0.turning_bound() + ROUNDING * (1.0 + total)
+        let ends = [cubic(i).split_at(u).1, cubic(j).split_at(v).0].map(|end| end.turning_bound());
+        between.max(0.0) + ends[0] + ends[1] + ROUNDING * (1.0 + total)
     }
 
     /// True if neither point can be an orthogonal projection of the other because less than π/2 of turning lies between
@@ -278,22 +280,33 @@ fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     x_sq.sqrt() * (1.0 + 0.0554 * x_sq)
 }
 
-/// For each segment of one curve, the number of following ones within `limit` of turning (start of the one to end of
-/// the other).
-fn reach(closed: bool, start: &[f64], end: &[f64], total: f64, limit: f64, out: &mut [u32]) {
-    let count = start.len();
-    let limit = limit - ROUNDING * (1.0 + total);
-    // Position of the end of the k-th segment counted from the first, running on round a closed curve (k below twice
-    // the count).
-    let end_at = |k: usize| if k < count { end[k] } else { end[k - count] + total };
-    let mut ahead = 0;
-    for i in 0..count {
-        ahead = ahead.max(i);
-        let last = if closed { i + count - 1 } else { count - 1 };
-        while ahead < last && end_at(ahead + 1) - start[i] < limit {
-            ahead += 1;
+/// Turning accumulated along one curve, rad.
+struct CurveTurning<'a> {
+    closed: bool,
+    /// Up to the start of each segment.
+    start: &'a [f64],
+    /// Up to the end of each segment.
+    end: &'a [f64],
+    /// Of the whole curve.
+    total: f64,
+}
+
+impl CurveTurning<'_> {
+    /// For each segment, the number of following ones within `limit` of turning (start of the one to end of the other).
+    fn reach(&self, limit: f64, out: &mut [u32]) {
+        let count = self.start.len();
+        let limit = limit - ROUNDING * (1.0 + self.total);
+        // End of the k-th segment counted from the first, periodic on a closed curve (k below twice the count).
+        let end_at = |k: usize| if k < count { self.end[k] } else { self.end[k - count] + self.total };
+        let mut ahead = 0;
+        for i in 0..count {
+            ahead = ahead.max(i);
+            let last = if self.closed { i + count - 1 } else { count - 1 };
+            while ahead < last && end_at(ahead + 1) - self.start[i] < limit {
+                ahead += 1;
+            }
+            out[i] = (ahead - i) as u32;
         }
-        out[i] = (ahead - i) as u32;
     }
 }
 

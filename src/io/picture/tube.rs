@@ -49,10 +49,10 @@ pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<TubeSegment> {
             let last = i + 1 == nodes.len();
             let caps = [!tube.closed && i == 0, !tube.closed && i + 1 == spans];
             let seam = look.stripe.map_or(0.0, |s| if last { s.seam_turns } else { 0.0 });
-            span(&look, nodes[i], nodes[(i + 1) % nodes.len()], seam, caps, camera, &mut all);
+            look.cut(&Span::new(nodes[i], nodes[(i + 1) % nodes.len()], seam), caps, camera, &mut all);
         }
         if let ([only], false) = (nodes.as_slice(), tube.closed) {
-            span(&look, *only, *only, 0.0, [true; 2], camera, &mut all);
+            look.cut(&Span::new(*only, *only, 0.0), [true; 2], camera, &mut all);
         }
     }
     all
@@ -80,6 +80,28 @@ impl<'a> TubeStyle<'a> {
     fn pieces(&self, turning: f64, length: f64) -> f64 {
         let visible = (turning * length).sqrt();
         if self.thin { visible } else { visible.max(self.radius) }
+    }
+
+    /// Cuts the smooth curve between two nodes into capsules.
+    fn cut(&self, span: &Span, caps: [bool; 2], camera: &Camera, all: &mut Vec<TubeSegment>) {
+        let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
+        let pieces = pieces.min(self.pieces(span.turning, span.length * camera.scale));
+        let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
+        let at = |k: usize| span.at(k as f64 / pieces as f64);
+        let (half_angle, color) = self.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
+        let mut from = at(0);
+        for k in 1..=pieces {
+            let to = at(k);
+            all.push(TubeSegment {
+                shape: ScreenCapsule { ends: [camera.place(from.point), camera.place(to.point)], radius: self.radius },
+                tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
+                colors: [from.color, to.color],
+                stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],
+                stripe_look: (half_angle.cos(), linear(color)),
+                caps: [caps[0] && k == 1, caps[1] && k == pieces],
+            });
+            from = to;
+        }
     }
 }
 
@@ -125,27 +147,4 @@ fn nodes(look: &TubeStyle, sample: f64) -> Vec<Node> {
         stripe: stripe(i, tangent),
     };
     kept.iter().zip(&tangents).map(node).collect()
-}
-
-/// Cuts the smooth curve between two nodes into capsules.
-fn span(look: &TubeStyle, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<TubeSegment>) {
-    let span = Span::new(a, b, seam);
-    let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
-    let pieces = pieces.min(look.pieces(span.turning, span.length * camera.scale));
-    let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
-    let at = |k: usize| span.at(k as f64 / pieces as f64);
-    let (half_angle, color) = look.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
-    let mut from = at(0);
-    for k in 1..=pieces {
-        let to = at(k);
-        all.push(TubeSegment {
-            shape: ScreenCapsule { ends: [camera.place(from.point), camera.place(to.point)], radius: look.radius },
-            tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
-            colors: [from.color, to.color],
-            stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],
-            stripe_look: (half_angle.cos(), linear(color)),
-            caps: [caps[0] && k == 1, caps[1] && k == pieces],
-        });
-        from = to;
-    }
 }

@@ -73,8 +73,8 @@ fn run(order: usize, case: &Case) -> Run {
 fn run_in(order: usize, case: &Case, plane: Option<&RodPlane>, reference: &[Strain; 3]) -> Run {
     let body =
         ElementProperties { table: &ShapeTable::new(order), length: case.length, material: material(case), plane };
-    let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
-    evaluate(&body, &nodes_of(case), reference, None, Some(&mut tangent), &mut out);
+    let mut tangent = [[0.0; MAX_DOF]; MAX_DOF];
+    let out = evaluate(&body, &nodes_of(case), reference, None, Some(&mut tangent));
     Run { energy: out.energy.iter().sum(), residual: out.residual, tangent }
 }
 
@@ -184,8 +184,8 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             minus(rising, falling, 1.0)
         };
         let body = ElementProperties { table: &table, length: case.length, material: material(&case), plane: None };
-        let (mut out, mut tangent) = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
-        evaluate(&body, &nodes_of(&case), &case.reference, Some(&predicted), Some(&mut tangent), &mut out);
+        let mut tangent = [[0.0; MAX_DOF]; MAX_DOF];
+        evaluate(&body, &nodes_of(&case), &case.reference, Some(&predicted), Some(&mut tangent));
         for (i, j) in (0..dofs).flat_map(|i| (i / 6 * 6..dofs).map(move |j| (i, j))) {
             let second = bend(i, j);
             let mut slow = 0.0;
@@ -243,8 +243,7 @@ fn all_kernels_see_the_same_strains_to_the_last_bit() {
         let nodes = nodes_of(&case(order));
         let mut raw = raw_strains(&table, &nodes, length);
         let body = ElementProperties { table: &table, length, material: Material::Diagonal(&material), plane: None };
-        let mut out = ElementOutput::default();
-        evaluate(&body, &nodes, &raw, None, None, &mut out);
+        let out = evaluate(&body, &nodes, &raw, None, None);
         assert_eq!((out.energy, out.residual), ([0.0; 4], [0.0; MAX_DOF]), "order {order}, length {length}");
         raw[order..].fill([0.0; 6]);
         assert_eq!(predicted_stress(&body, &nodes, &raw, &[0.0; MAX_DOF]), [[0.0; 6]; 3]);

@@ -115,7 +115,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
             frames.push(frame(&d1, &carry.to));
         }
         let positions = parallel::map(num_nodes, GRAIN, &|node| self.curve.at(parameters[node])[0]);
-        Placement { length, positions, frames }
+        Placement { length, positions, frames, closed }
     }
 }
 

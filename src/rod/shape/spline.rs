@@ -123,7 +123,7 @@ impl Spline {
         let (mut piece, mut from, mut start) = (0, 0.0, 0.0);
         let tangent = self.pieces[0].derivative(0.0).normalize();
         let mut d1 = normal_to(&tangent, &Vec3::z(), &Vec3::x());
-        let mut placement = Placement { length, positions: Vec::new(), frames: Vec::new() };
+        let mut placement = Placement { length, positions: Vec::new(), frames: Vec::new(), closed: self.closed };
         for node in 0..num_nodes {
             let arc = length * (node as f64 / num_segments as f64);
             while arc > start + lengths[piece] && piece + 1 < self.pieces.len() {

@@ -14,13 +14,14 @@ use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLo
 
 use super::FollowChoice;
 use super::dna::{Dna, electrostatics};
+use super::mesh::Unmeshed;
 use super::section::section;
 use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
 use super::values::{At, NaturalText, RodNames};
-use super::{frames, memory, mesh, poses, state};
+use super::{frames, memory, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -251,19 +252,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
-    let natural = match (&text.natural, helix) {
-        (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
-        (_, Some(_)) => {
-            return Err(InputError::inconsistent(
-                format!("{path}.natural"),
-                "the sequence gives the natural strains: remove it",
-            ));
-        }
-        (NaturalText::Straight, None) => Natural::Straight,
-        (NaturalText::AsShaped, None) => Natural::AsShaped,
-        (NaturalText::Uniform(k), None) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
-        (NaturalText::Table(file), None) => Natural::Varying(read_natural(&base_dir.join(file))?),
-    };
+    let natural = natural(&path, text, helix, base_dir)?;
     let check_memory = |elements: usize| {
         let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
         memory::check(format!("{path}.elements"), elements, nodes, scene.planar)
@@ -281,7 +270,9 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         let elements = match (text.elements, scene.fidelity) {
             (Some(elements), _) => elements,
             (None, Some(fidelity)) => {
-                mesh::elements(fidelity, scene, text, &shape, &section, &natural, dna.as_ref()).map_err(inside)?
+                let (section, natural, dna) = (&section, &natural, dna.as_ref());
+                let unmeshed = Unmeshed { scene, rod: text, shape: &shape, section, natural, dna };
+                unmeshed.elements(fidelity).map_err(inside)?
             }
             (None, None) => {
                 let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
@@ -294,16 +285,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     if let Some(stiffness) = stiffness {
         rod = rod.with_stiffness(stiffness)?;
     }
-    rod = match (excess_link, text.link, text.twist) {
-        (None, None, None) => rod,
-        (Some(turns), None, None) => rod.with_excess_link(turns)?,
-        (None, Some(link), None) => {
-            let turns = link - rod.natural_link();
-            rod.with_excess_link(turns)?
-        }
-        (None, None, Some(turns)) => rod.with_twist(turns)?,
-        _ => return Err(InputError::inconsistent(path, LINK_TWICE)),
-    };
+    rod = with_link(&path, text, excess_link, rod)?;
     if let Some(dna) = &dna {
         dna.check_length(rod.length).map_err(inside)?;
     }
@@ -316,6 +298,37 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         }
     }
     Ok(rod)
+}
+
+/// The stress-free state: that of the scene, or of its sequence.
+fn natural(path: &str, text: &RodText, helix: Option<Helix>, base_dir: &Path) -> Result<Natural, InputError> {
+    Ok(match (&text.natural, helix) {
+        (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
+        (_, Some(_)) => {
+            return Err(InputError::inconsistent(
+                format!("{path}.natural"),
+                "the sequence gives the natural strains: remove it",
+            ));
+        }
+        (NaturalText::Straight, None) => Natural::Straight,
+        (NaturalText::AsShaped, None) => Natural::AsShaped,
+        (NaturalText::Uniform(k), None) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+        (NaturalText::Table(file), None) => Natural::Varying(read_natural(&base_dir.join(file))?),
+    })
+}
+
+/// The rod with its link or twist at the start.
+fn with_link(path: &str, text: &RodText, excess_link: Option<f64>, rod: Rod) -> Result<Rod, InputError> {
+    match (excess_link, text.link, text.twist) {
+        (None, None, None) => Ok(rod),
+        (Some(turns), None, None) => rod.with_excess_link(turns),
+        (None, Some(link), None) => {
+            let turns = link - rod.natural_link();
+            rod.with_excess_link(turns)
+        }
+        (None, None, Some(turns)) => rod.with_twist(turns),
+        _ => Err(InputError::inconsistent(path, LINK_TWICE)),
+    }
 }
 
 fn section_or_dna(

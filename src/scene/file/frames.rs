@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::dna::HELICAL_REPEAT;
 use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
-use crate::rod::{Natural, Rod, Section, within};
+use crate::rod::{Natural, Placement, Rod, Section, within};
 
 use super::text::RodText;
 use super::values::NaturalText;
@@ -32,7 +32,8 @@ pub(super) fn rod(
     let length = length.unwrap_or_else(way);
     let field = format!("rods.{}", text.name);
     let from = |order: usize, positions, frames| {
-        Rod::from_nodes(&text.name, length, positions, frames, text.closed, section, order, natural.clone())
+        let nodes = Placement { length, positions, frames, closed: text.closed };
+        Rod::from_nodes(&text.name, nodes, section, order, natural.clone())
     };
     let wanted = text.elements.map(|elements| elements.saturating_mul(text.order));
     let (positions, frames) = (pairs.positions, pairs.frames);

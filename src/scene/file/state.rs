@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, Unit};
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::rod::{Natural, Rod, Section, within};
+use crate::rod::{Natural, Placement, Rod, Section, within};
 use crate::scene::points::named_columns;
 use crate::text::read_regular;
 
@@ -43,7 +43,8 @@ pub(super) fn rod(
     let length = rows[rows.len() - 1][1] / (rows.len() - 1) as f64 * segments as f64;
     let path = format!("rods.{}", text.name);
     let from = |order: usize, positions: Vec<Vec3>, frames: Vec<Quat>| {
-        Rod::from_nodes(&text.name, length, positions, frames, text.closed, section, order, natural.clone())
+        let nodes = Placement { length, positions, frames, closed: text.closed };
+        Rod::from_nodes(&text.name, nodes, section, order, natural.clone())
     };
     let wanted = text.elements.map(|elements| elements.saturating_mul(text.order));
     if wanted.is_none_or(|wanted| wanted == segments) {

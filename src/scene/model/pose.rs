@@ -44,7 +44,7 @@ pub enum PosePath {
 
 /// The rest of the path to a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Way {
+pub(crate) struct RemainingPath {
     path: PosePath,
     /// From the present to the target position \[L\].
     chord: Vec3,
@@ -56,14 +56,14 @@ pub(crate) struct Way {
 
 impl Pose {
     /// The path from a present pose of the node, which has made `turned` turns about its tangent.
-    pub(crate) fn way(&self, position: &Vec3, remainder: &Vec3, frame: &Quat, turned: f64) -> Way {
+    pub(crate) fn remaining_path(&self, position: &Vec3, remainder: &Vec3, frame: &Quat, turned: f64) -> RemainingPath {
         let turns = self.turns.map_or(0.0, |turns| turns - turned);
         let chord = self.position.map_or(Vec3::zeros(), |to| (to - position) - remainder);
         let rotation = self.frame.map_or(Vec3::zeros(), |to| {
             let vector = (to * spin(-TAU * turns.fract()) * frame.inverse()).scaled_axis();
             if PI - vector.norm() < HALF_TURN { self.side_of_half_turn(vector) } else { vector }
         });
-        Way { path: self.path, chord, rotation, turns }
+        RemainingPath { path: self.path, chord, rotation, turns }
     }
 
     fn side_of_half_turn(&self, vector: Vec3) -> Vec3 {
@@ -72,7 +72,7 @@ impl Pose {
     }
 }
 
-impl Way {
+impl RemainingPath {
     /// Displacement \[L\] over the first fraction `part` of the path.
     pub(crate) fn displacement(&self, part: f64) -> Vec3 {
         match self.path {
@@ -135,8 +135,8 @@ mod tests {
     use super::*;
     use crate::math::quaternion::exp;
 
-    fn frame_after(way: &Way, frame: &Quat, part: f64) -> Quat {
-        exp(&(way.rotation * part)) * frame * spin(TAU * way.turns * part)
+    fn frame_after(rest: &RemainingPath, frame: &Quat, part: f64) -> Quat {
+        exp(&(rest.rotation * part)) * frame * spin(TAU * rest.turns * part)
     }
 
     fn pose(path: PosePath, turns: f64) -> Pose {
@@ -148,21 +148,21 @@ mod tests {
     /// A path does not depend on its division into parts: parts lie on it, the controls grow linearly, and it ends in
     /// the pose.
     #[test]
-    fn parts_of_a_way_lie_on_it() {
+    fn parts_of_a_path_lie_on_it() {
         for path in [PosePath::Straight, PosePath::Screw] {
             let pose = pose(path, 3.0);
             let (start, frame) = (Vec3::new(0.2, 0.1, -0.4), exp(&Vec3::new(-0.5, 0.1, 0.2)));
-            let whole = pose.way(&start, &Vec3::zeros(), &frame, 0.75);
+            let whole = pose.remaining_path(&start, &Vec3::zeros(), &frame, 0.75);
             let grown = whole.controls(&start);
             let (mut position, mut here, mut turned, mut done) = (start, frame, 0.75, 0.0);
             for part in [0.25, 0.4, 0.5, 1.0] {
-                let way = pose.way(&position, &Vec3::zeros(), &here, turned);
+                let rest = pose.remaining_path(&position, &Vec3::zeros(), &here, turned);
                 let take = part * (1.0 - done);
-                for (now, all) in way.controls(&position).iter().zip(&grown) {
+                for (now, all) in rest.controls(&position).iter().zip(&grown) {
                     assert!((now - all * (1.0 - done)).norm() < 1e-12, "{path:?} {done}");
                 }
-                let (by, to) = (way.displacement(part), frame_after(&way, &here, part));
-                (position, here, turned, done) = (position + by, to, turned + way.turns * part, done + take);
+                let (by, to) = (rest.displacement(part), frame_after(&rest, &here, part));
+                (position, here, turned, done) = (position + by, to, turned + rest.turns * part, done + take);
                 assert!((position - start - whole.displacement(done)).norm() < 1e-12, "{path:?} {done}");
                 assert!(here.angle_to(&frame_after(&whole, &frame, done)) < 1e-12, "{path:?} {done}");
             }
@@ -173,7 +173,7 @@ mod tests {
 
     /// A screw keeps its distance from its axis; half a turn about y leads from x = 1 to x = −1 through z.
     #[test]
-    fn half_turns_go_the_way_they_are_asked_to() {
+    fn half_turns_go_to_the_given_side() {
         for side in [1.0, -1.0] {
             let pose = Pose {
                 position: Some(Vec3::new(-1.0, 0.0, 0.0)),
@@ -182,8 +182,8 @@ mod tests {
                 turns: None,
                 half_turn: Vec3::y() * side,
             };
-            let way = pose.way(&Vec3::x(), &Vec3::zeros(), &Quat::identity(), 0.0);
-            let middle = Vec3::x() + way.displacement(0.5);
+            let rest = pose.remaining_path(&Vec3::x(), &Vec3::zeros(), &Quat::identity(), 0.0);
+            let middle = Vec3::x() + rest.displacement(0.5);
             assert!((middle + Vec3::z() * side).norm() < 1e-14, "{middle}");
         }
     }
