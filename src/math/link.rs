@@ -14,6 +14,7 @@ mod crossings;
 mod knot;
 mod smooth;
 
+use crate::math::direction::{any_normal, transport};
 use crate::math::{Vec3, parallel};
 use std::f64::consts::TAU;
 
@@ -188,21 +189,9 @@ fn across(v: Vec3, edge: Vec3) -> Option<Vec3> {
     (v - edge * edge.dot(&v)).try_normalize(1e-12 * size)
 }
 
-/// Some unit vector normal to the unit vector `t`.
-fn any_normal(t: Vec3) -> Vec3 {
-    let axis = Vec3::ith(t.iamin(), 1.0);
-    (axis - t * t.dot(&axis)).normalize()
-}
-
 /// Angle in (−π, π] from `u` to `v` about the unit vector `axis` (u, v normal to it).
 fn signed_angle(u: Vec3, v: Vec3, axis: Vec3) -> f64 {
     axis.dot(&u.cross(&v)).atan2(u.dot(&v))
-}
-
-/// Rotates `v` (normal to the unit vector `from`) with the smallest rotation that takes `from` to the unit vector `to`.
-fn transport(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let c = 1.0 + from.dot(&to);
-    if c <= f64::EPSILON { v } else { v - (from + to) * (to.dot(&v) / c) }
 }
 
 /// Neumaier's compensated sum, in the order given.
@@ -298,14 +287,5 @@ mod tests {
             let found = link_numbers(&points, &d1, seam);
             assert!((found.link - seam - (found.link - seam).round()).abs() < 1e-12, "{turns}: {found:?}");
         }
-    }
-
-    #[test]
-    fn transport_keeps_length_and_normality() {
-        let (from, to) = (Vec3::new(1.0, 2.0, 2.0) / 3.0, Vec3::new(2.0, -1.0, 2.0) / 3.0);
-        let v = any_normal(from);
-        let moved = transport(v, from, to);
-        assert!((moved.norm() - 1.0).abs() < 1e-15 && moved.dot(&to).abs() < 1e-15);
-        assert_eq!(transport(v, from, -from), v);
     }
 }

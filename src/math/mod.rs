@@ -1,8 +1,9 @@
 //! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein and Chebyshev
-//! polynomials, minimisation, groups, threads, topology of closed curves.
+//! polynomials, minimisation, disjoint sets, threads, directions, topology of closed curves.
 
 pub(crate) mod bernstein;
 pub(crate) mod chebyshev;
+pub(crate) mod direction;
 pub(crate) mod groups;
 pub mod link;
 pub(crate) mod minimise;

@@ -2,6 +2,7 @@
 
 use crate::io::picture::span::{Node, Span};
 use crate::math::Vec3;
+use crate::math::direction::any_normal;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Largest turning of the tangent (rad) between two rings; with smooth normals only the outline shows the rings.
@@ -105,13 +106,6 @@ impl Mesh {
             }
         }
     }
-}
-
-/// A unit vector normal to another.
-fn any_normal(tangent: Vec3) -> Vec3 {
-    let mut axis = Vec3::zeros();
-    axis[tangent.iamin()] = 1.0;
-    (axis - tangent * tangent.dot(&axis)).try_normalize(0.0).unwrap_or_default()
 }
 
 #[cfg(test)]

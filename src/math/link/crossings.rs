@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use super::twist_with_seam;
+use crate::math::direction::any_normal;
 use crate::math::{Vec3, parallel};
 
 /// Viewing directions without any relation to the axes, tried in turn.
@@ -103,7 +104,7 @@ type Edge = [Vec3; 2];
 
 /// Edges of a closed polygon in coordinates whose third axis is `n`.
 fn project(points: &[Vec3], n: Vec3) -> Vec<Edge> {
-    let x = super::any_normal(n);
+    let x = any_normal(n);
     let y = n.cross(&x);
     let seen: Vec<Vec3> = points.iter().map(|p| Vec3::new(x.dot(p), y.dot(p), n.dot(p))).collect();
     (0..seen.len()).map(|i| [seen[i], seen[(i + 1) % seen.len()]]).collect()

@@ -1,8 +1,9 @@
 //! Writhe of smooth closed curves, far more accurate than that of the polygon through the same samples.
 
-use super::{any_normal, signed_angle, writhe};
+use super::{signed_angle, writhe};
 use crate::math::Vec3;
 use crate::math::chebyshev::{ChebyshevRule, DEGREE};
+use crate::math::direction::any_normal;
 use std::f64::consts::TAU;
 
 /// Writhe (turns) of a smooth closed curve, from `8·panels` samples.
