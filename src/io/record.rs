@@ -125,8 +125,8 @@ pub struct RecordState {
 /// | `sites.csv` | all contact sites of the final state |
 /// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
-/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
-/// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
+/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if requested; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
+/// | `picture.png`, `filmstrip.png` | final shape; six states of the run |
 /// | `view.html` | an interactive page of the run for the browser (made from the `.vtp` files) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
 #[derive(Debug)]

@@ -335,7 +335,7 @@ pub(super) mod tests {
         assert_eq!(columns.cells(&second)[turned], Cell::Number(-2.0));
     }
 
-    /// A note is told once for all steps it holds for, and below the table.
+    /// A note of several steps appears once, below the table.
     #[test]
     fn notes_stand_below_the_table() {
         let noted = |step: usize, notes: &[&str]| Observation {

@@ -7,7 +7,7 @@
 //!   & Langowski 2000, method 1a), or, for long closed polygons, signed crossings in a projection plus the twist of the
 //!   projection's own ribbon (the same number to rounding, in a time proportional to the edges and crossings).
 //! * [`ribbon_twist`] is the twist of a material direction about the same polygon.
-//! * [`alexander`] tells knots apart.
+//! * [`alexander`] distinguishes knots.
 //! * [`writhe_smooth`] is the writhe of a smooth curve to near rounding from a few hundred samples.
 
 mod crossings;

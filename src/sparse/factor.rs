@@ -203,7 +203,7 @@ mod tests {
     }
 
     /// Symptom: a model with a single unknown, or with uncoupled unknowns, broke down. Mechanism: without off-diagonal
-    /// entries faer takes its simplicial method, whatever is asked for, and pivots were looked for in supernodes.
+    /// entries faer uses its simplicial method in any case, and pivots were read from supernodes.
     #[test]
     fn diagonal_matrices() {
         for diagonal in [vec![3.0], vec![-2.0], vec![4.0, -1.0, 0.5]] {

@@ -11,7 +11,7 @@ use crate::math::LARGEST;
 /// zones and the smallest clearance see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius<'a> {
-    /// The same all along.
+    /// One radius for the whole curve.
     Constant(f64),
     /// One for each segment, in order.
     PerSegment(&'a [f64]),

@@ -11,21 +11,20 @@
 //! * *sheared* along the valley of D that crosses it, so that it may be narrowed to a thin strip;
 //! * else halved.
 //!
-//! **Proof.** Cells are looked at enlarged by β = 1e-9 on all sides, and every bound has its roundings added.
-//! On a convex cell the mean H̄ of the Hessians between a point p and a stationary point q obeys the cell's bounds, and
-//! ∇D(p) = H̄ (p − q). So (i) there is at most one stationary point, and it is a minimum; (ii) from the slopes at p,
-//! rounding included, follow bounds of its distances from p along u and t; (iii) if p is farther than these from the
-//! border, there is one; (iv) if p rests against the border with the slope there rising inward, that slope bounds how
-//! far inside q can be, often not at all. The search ends in a convex cell only by (iii), or by (iv) with less than
-//! β/4, when the minimum lies outside the cell proper. Otherwise the cell is cut on. Hence: *all minima outside
-//! undecided cells are told, each once, and nothing else*. (A minimum within β of the end of a segment is told at that
-//! end.)
+//! **Proof.** Cells are enlarged by β = 1e-9 on all sides, and every bound includes its rounding. On a convex cell the
+//! mean H̄ of the Hessians between a point p and a stationary point q obeys the cell's bounds, and ∇D(p) = H̄ (p − q).
+//! So (i) there is at most one stationary point, and it is a minimum; (ii) from the slopes at p, rounding included,
+//! follow bounds of its distances from p along u and t; (iii) if p is farther than these from the border, there is one;
+//! (iv) if p rests against the border with the slope there rising inward, that slope bounds how far inside q can be,
+//! often not at all. The search ends in a convex cell only by (iii), or by (iv) with less than β/4, when the minimum
+//! lies outside the cell proper. Otherwise the cell is cut on. Hence *all minima outside undecided cells are found,
+//! each once, and nothing else*. (A minimum within β of the end of a segment is reported at that end.)
 //!
-//! **Undecided cells.** A cell along which D_u is zero to the rounding of the coordinates as given (parallel or
-//! coincident curves): it is *level*, every point of it a minimum as far as f64 can tell. And what is left when
-//! [`CELLS`] × sampling cells have been looked at: parallel curves of unlike speed, minima merging with saddles to
-//! within rounding. Undecided cells that hang together give one minimum, marked `flat`, at the nearest level point
-//! found among them; a group without a level point gives none.
+//! **Undecided cells.** First, a cell along which D_u is zero to the rounding of the coordinates as given (parallel or
+//! coincident curves): it is *level*: every point of it is a minimum within the accuracy of f64. Second, the cells that
+//! remain after [`CELLS`] × sampling cells: parallel curves of different speed, minima that merge with saddles to
+//! within rounding. A connected group of undecided cells gives one minimum, marked `flat`, at its nearest level point;
+//! a group without a level point gives none.
 
 mod cell;
 mod valley;

@@ -46,9 +46,9 @@ pub struct Site {
     pub angle: f64,
     /// Interior or end.
     pub kind: SiteLocation,
-    /// The minimum is not isolated as far as can be told: one point of it, for parallel segments the middle of what
-    /// this pair has of it. (Straight cubics 1e12 of their length apart are flat as well: the distance changes along
-    /// them by less than its rounding.)
+    /// Whether the minimum is not isolated within rounding. The site is then one point of it; for parallel segments the
+    /// middle of their overlap. (Straight cubics 1e12 of their length apart are flat, too, because their distance
+    /// varies by less than its rounding.)
     pub flat: bool,
 }
 

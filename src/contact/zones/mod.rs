@@ -56,7 +56,7 @@ const NARROW: f64 = 16.0 * f64::EPSILON;
 /// Bound of the relative rounding of sums of up to twenty products of control points, squared distances among them.
 const ROUNDING: f64 = 1e-13;
 
-/// A slave and a master segment, and how the master's curve goes on at its ends.
+/// A slave and a master segment, and the continuation of the master's curve at both ends.
 #[derive(Debug, Clone, Copy)]
 pub struct SegmentPair<'a> {
     /// Slave segment.

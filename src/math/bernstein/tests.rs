@@ -35,7 +35,7 @@ fn simple_roots_to_machine_precision_at_any_scale() {
     }
 }
 
-/// A change of sign is followed to the root that makes it, not to one just beyond the end, where the secant starts.
+/// A change of sign leads to its own root, not to one just beyond the end, where the secant starts.
 #[test]
 fn a_root_beyond_the_end_is_not_mistaken_for_the_one_inside() {
     for beyond in [1.0 + 1e-16, 1.0 + 1e-15, 1.0 + 1e-13, 1.0 + 1e-9] {

@@ -128,7 +128,7 @@ fn count(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option
         for (k, &(key, i)) in cell.iter().enumerate() {
             for &(_, j) in &cell[k + 1..] {
                 let (a, b) = (&edges[i as usize], &edges[j as usize]);
-                // A pair that shares several cells is looked at in one of them only.
+                // A pair that shares several cells is tested in one of them only.
                 if wanted(i as usize, j as usize) && grid.first_shared(a, b) == key {
                     sum += crossing(a, b)?;
                 }

@@ -1,19 +1,21 @@
-//! One site of the fragments of a line.
+//! Merges the fragments of a line into one site.
 //!
-//! A law whose layer is half as long as nodes are apart lets pressure vanish between nodes, so a line shows as a fragment a
-//! node. Contacts of two strands that are nearer to each other on both than such a mesh can tell are one site.
+//! Under a law with a contact layer of half the node spacing the pressure may vanish between nodes, and a line breaks
+//! up into one fragment per node. Contacts of two strands that are closer to each other on both than such a mesh
+//! resolves are one site.
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
 
 use super::{Layer, SiteZone};
 
-/// Distance of two contacts on either strand, in layers (B/κ)^¼, up to which they are fragments of one: that of
-/// neighbouring nodes where the mesh gives the law its stiffness.
+/// Largest distance of two fragments of one contact on either strand, in layers (B/κ)^¼: the node spacing if the mesh
+/// sets the stiffness of the law.
 const NEAR: f64 = 2.0;
 
-/// Largest ratio of the mean pressures of two fragments of one line. Between the point at the end of a twisted ring's line
-/// and the line, where exact strands do not touch, a mesh has fragments of a tenth of the point's pressure.
+/// Largest ratio of the mean pressures of two fragments of one line. On a mesh there are fragments between the line of
+/// a twisted ring and the point at its end, where exact strands do not touch; their pressure is a tenth of that of the
+/// point.
 const ALIKE: f64 = 4.0;
 
 /// Indices of zones, true for those that see the contact from the other strand than the first.

@@ -32,7 +32,7 @@ fn case(order: usize) -> Case {
     Case { r, q, length: 0.8, material, full: None, reference }
 }
 
-/// The same of a material that is another at each point and couples all strains.
+/// The same for a material that varies from point to point and couples all strains.
 fn coupled(order: usize) -> Case {
     let factor =
         |g: usize, i: usize, j: usize| if i == j { 2.0 } else { 0.3 * (1.0 + (i * j + i + j + g) as f64).sin() };
@@ -233,9 +233,9 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
     }
 }
 
-/// Symptom: rods of slenderness 1e4 and more missed branch points and did not come to rest. Mechanism: lengths divided
-/// by in one kernel, multiplied by the inverse in another, strains that differ in the last bit, times EA. Threshold:
-/// none may differ.
+/// Symptom: rods of slenderness 1e4 and more missed branch points and did not converge. Mechanism: lengths divided by
+/// in one kernel, multiplied by the inverse in another, strains that differ in the last bit, times EA. Threshold: none
+/// may differ.
 #[test]
 fn all_kernels_see_the_same_strains_to_the_last_bit() {
     for (order, length) in (1..=3).flat_map(|order| [0.3, 1.0 / 49.0, 1.7].map(|length| (order, length))) {
@@ -273,7 +273,7 @@ fn strains_do_not_change_under_rigid_motion() {
     }
 }
 
-/// Strongly bent, stretched and sheared in the plane, on the way of a rod whose d1 (or d2, or neither) is normal to it.
+/// Elements strongly bent, stretched and sheared in the plane, of a rod whose d1 (or d2, or neither) is normal to it.
 fn flat_case(order: usize, spin: f64, isotropic: bool) -> Case {
     let along = |a: usize| a as f64 / order as f64;
     let r = (0..=order).map(along).map(|s| Vec3::new(0.9 * s + 0.1 * (3.0 * s).sin(), 0.4 * s * s - 0.05 * s, 0.7));

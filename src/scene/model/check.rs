@@ -28,7 +28,7 @@ const MOST_DEBYE: f64 = 100.0;
 const TOL_JOINT: f64 = 1e-9;
 
 impl Model {
-    /// Refuses a model that is not a well-posed problem, naming the field, what was found and what is allowed.
+    /// Refuses a model that is not a well-posed problem; the error names the field, its value and the legal range.
     ///
     /// # Errors
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
