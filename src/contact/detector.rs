@@ -38,7 +38,7 @@ pub struct Contacts {
 /// use supercoil::math::Vec3;
 /// let a = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
 /// let b = [Vec3::new(0.0, -1.0, 0.25), Vec3::new(0.0, 1.0, 0.25)];
-/// let mut detector = Detector::new(Options { range: 0.1, ..Options::default() });
+/// let mut detector = Detector::new(DetectorOptions { range: 0.1, ..DetectorOptions::default() });
 /// let contacts = detector.detect(&[Curve::polyline(&a, 0.1), Curve::polyline(&b, 0.1)])?;
 /// assert_eq!(contacts.sites.len(), 1);
 /// assert!((contacts.sites[0].gap - 0.05).abs() < 1e-15);
