@@ -29,7 +29,7 @@ use std::time::Instant;
 use fit::exponent;
 use inputs::Kind;
 use supercoil::contact::Want;
-use supercoil::contact::{Curve, Detector, Neighbours, Options};
+use supercoil::contact::{Curve, Detector, DetectorOptions, Neighbours};
 use supercoil::internals::capsule::segment_distance;
 use supercoil::internals::steps::DetectorStep;
 use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
@@ -100,7 +100,7 @@ fn median(repeat: usize, mut run: impl FnMut() -> usize) -> (f64, usize) {
 /// The independent program's three counts, from the detector's own box pairs.
 fn verify(kind: Kind, points: &[Vec3]) {
     let Some(expected) = kind.reference(points.len() - 1) else { return };
-    let options = Options { neighbours: Neighbours::Segments(1), ..Options::default() };
+    let options = DetectorOptions { neighbours: Neighbours::Segments(1), ..DetectorOptions::default() };
     let curve = [Curve::polyline(points, RADIUS)];
     let mut detector = Detector::new(options);
     for stage in [DetectorStep::Prepare, DetectorStep::Refit, DetectorStep::Boxes] {
@@ -135,7 +135,7 @@ fn measure(kind: Kind, points: &[Vec3], threads: usize, arguments: &Arguments, r
     let mut push = |stage: &'static str, (seconds, found): (f64, usize)| {
         rows.push(Row { input: kind.name(), segments: n, threads, stage, seconds, found });
     };
-    let options = Options { zones: false, ..Options::default() };
+    let options = DetectorOptions { zones: false, ..DetectorOptions::default() };
     let mut fresh = || {
         let mut detector = Detector::new(options);
         detector.run_stage(&curve, DetectorStep::Refit).unwrap()
@@ -201,7 +201,8 @@ fn round(name: &str, arguments: &Arguments) {
     }
     let curve = [Curve::polyline(&points, RADIUS)];
     // The same neighbours as the others leave out.
-    let options = Options { zones: false, neighbours: Neighbours::Segments(neighbours), ..Options::default() };
+    let options =
+        DetectorOptions { zones: false, neighbours: Neighbours::Segments(neighbours), ..DetectorOptions::default() };
     let mut detector = Detector::new(options);
     detector.detect(&curve).unwrap();
     let mut stage = |stage: DetectorStep| median(arguments.repeat, || detector.run_stage(&curve, stage).unwrap());
@@ -209,7 +210,7 @@ fn round(name: &str, arguments: &Arguments) {
         (stage(DetectorStep::Refit), stage(DetectorStep::Boxes), stage(DetectorStep::Candidates));
     println!("ours refit {:.6}\nours boxes {:.6}\nours candidates {:.6}", refit.0, boxes.0, candidates.0);
     println!("ours refit+candidates {:.6}\nours pairs {}\nours near {}", refit.0 + candidates.0, boxes.1, candidates.1);
-    let turning = Options { zones: false, ..Options::default() };
+    let turning = DetectorOptions { zones: false, ..DetectorOptions::default() };
     for (name, options) in [("whole", options), ("whole-by-turning", turning)] {
         let mut detector = Detector::new(options);
         detector.detect(&curve).unwrap();

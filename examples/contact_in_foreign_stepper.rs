@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout)] // an example talks to its reader
 
 use supercoil::InputError;
-use supercoil::contact::{Curve, Detector, Options};
+use supercoil::contact::{Curve, Detector, DetectorOptions};
 use supercoil::math::Vec3;
 
 const BEADS: usize = 21;
@@ -36,7 +36,8 @@ pub fn run() -> Result<Summary, InputError> {
     v[BEADS..].fill(-Vec3::z());
     let (before, dt, mut deepest) = (v.iter().sum::<Vec3>(), 0.005, f64::INFINITY);
     // keeps its lists between steps
-    let mut detector = Detector::new(Options { range: 0.0, margin: 0.2, zones: false, ..Options::default() });
+    let mut detector =
+        Detector::new(DetectorOptions { range: 0.0, margin: 0.2, zones: false, ..DetectorOptions::default() });
     for _ in 0..600 {
         let (lower, upper) = x.split_at(BEADS);
         let contact = detector.forces(&[Curve::polyline(lower, RADIUS), Curve::polyline(upper, RADIUS)], 400.0)?;

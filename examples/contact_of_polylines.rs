@@ -8,7 +8,7 @@
 
 use std::error::Error;
 
-use supercoil::contact::{Contacts, Curve, Options, detect};
+use supercoil::contact::{Contacts, Curve, DetectorOptions, detect};
 use supercoil::math::Vec3;
 
 fn read(text: &str) -> Result<Vec<Vec<Vec3>>, Box<dyn Error>> {
@@ -32,7 +32,7 @@ fn read(text: &str) -> Result<Vec<Vec<Vec3>>, Box<dyn Error>> {
 pub fn run(path: &str, radius: f64) -> Result<Contacts, Box<dyn Error>> {
     let strands = read(&std::fs::read_to_string(path)?)?;
     let curves: Vec<Curve> = strands.iter().map(|points| Curve::polyline(points, radius)).collect();
-    Ok(detect(&curves, Options { range: radius, ..Options::default() })?)
+    Ok(detect(&curves, DetectorOptions { range: radius, ..DetectorOptions::default() })?)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -52,7 +52,7 @@ pub enum InputError {
     Inconsistent {
         /// Path of the offending field.
         field: String,
-        /// The reason, and a way out.
+        /// The reason, and a remedy.
         reason: String,
     },
     /// Text that could not be parsed (TOML, CSV, XYZ).
@@ -84,8 +84,7 @@ pub enum InputError {
 /// Longest line of a message. The longest of our own has some 700 characters; a line of a file may have millions.
 const LONGEST_LINE: usize = 1000;
 
-/// Text as it may be shown wherever it came from: control characters, which a terminal obeys, are escaped, and long
-/// lines are cut.
+/// Text that is safe to show: control characters, which a terminal obeys, are escaped, and long lines are cut.
 fn legible(text: &str) -> String {
     let line = |line: &str| -> String {
         let shown = line.chars().take(LONGEST_LINE).map(|c| match c {
@@ -147,12 +146,13 @@ pub enum SolveError {
         curve: usize,
         /// Segment index within the curve.
         segment: usize,
-        /// Upper bound of the turning of the tangent along the segment, rad.
+        /// Upper bound of the total curvature ∫κ ds along the segment, rad.
         turning: f64,
-        /// Largest turning a segment may have, rad.
+        /// Largest total curvature of a segment, rad.
         limit: f64,
     },
-    /// Frames that turn too far from one node to the next: near half a turn elements would take the other way round.
+    /// Frames of neighbouring nodes that differ by too much rotation: near half a turn an element would interpolate the
+    /// other way round.
     #[error(
         "the frames of nodes {node} and {next} of rod {rod} turn by {turns:.3} turns against each other, more than {limit}: use more \
          elements"
@@ -164,9 +164,9 @@ pub enum SolveError {
         node: usize,
         /// The node after it.
         next: usize,
-        /// Turns of one frame against the other, at least: prescribed ones where they are the cause.
+        /// Relative rotation of the two frames, turns, at least; the prescribed one if that is the cause.
         turns: f64,
-        /// Most turns allowed.
+        /// Largest relative rotation, turns.
         limit: f64,
     },
     /// Not enough memory or index range for the factorisation.

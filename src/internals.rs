@@ -1,8 +1,8 @@
-//! For benchmarks and for tests that look inside: no part of the interface, and may change at any time.
+//! Internal items for benchmarks and white-box tests. Not part of the interface; may change at any time.
 
 /// Bernstein polynomials.
 pub mod bernstein {
-    pub use crate::math::bernstein::{Crossing, Roots, eval, roots};
+    pub use crate::math::bernstein::{Roots, SignChange, eval, roots};
 }
 
 /// Gauss rules.
@@ -63,7 +63,7 @@ pub mod steps {
 /// One rod element.
 pub mod element {
     pub use crate::rod::element::{
-        ElementNodes, ElementOutput, ElementProperties, ElementTangent, MAX_DOF, Material, Nodes, Plane, Strain,
-        Stress, evaluate, predicted_stress, raw_strains, second_order_force, stiffness,
+        ElementNodes, ElementOutput, ElementProperties, ElementTangent, MAX_DOF, Material, NodeValues, RodPlane,
+        Strain, Stress, evaluate, predicted_stress, raw_strains, second_order_force, stiffness,
     };
 }

@@ -93,7 +93,7 @@
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
 //! * [`observe`]: numbers of a state
-//! * [`io`]: VTK, CSV, pictures, pages to turn and to step through, glTF, the record of a run, sweeps
+//! * [`io`]: VTK, CSV, pictures, interactive pages, glTF, the record of a run, sweeps
 //! * [`dna`]: constants and molecules; natural strains and stiffness of a sequence
 //!
 //! # Features
@@ -118,14 +118,14 @@
 //! Without `solver` there are no modules `sparse`, `solve` and `observe`. Without features and with
 //! `solver` it builds for `wasm32-unknown-unknown` and runs in the browser (`live/` is a page with the solver in it).
 //!
-//! # Manners
+//! # Conventions
 //!
 //! The library never prints and never panics on input: bad input is an [`InputError`] with field and value,
 //! numbers that break down are a [`SolveError`], and a run that does not converge has a [`Status`](solve::Status) that
 //! says so. Work is parallel in the caller's rayon pool (or in one of its own), with the feature `parallel`; results
 //! are the same bits for any number of threads.
 
-// the layers below hold what the solver alone asks for
+// the lower layers have items that only the solver uses
 #![cfg_attr(not(feature = "solver"), allow(dead_code))]
 
 pub mod contact;
@@ -149,12 +149,12 @@ pub(crate) mod text;
 pub use error::{InputError, SolveError};
 pub use nalgebra;
 
-/// The README's code is run with the documentation's.
+/// The README's code is tested with the documentation's.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// So is the book's.
+/// The book's code is tested, too.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/book/src/contact-alone.md")]
 struct Book;

@@ -3,7 +3,7 @@
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
 //! read-only, folder in use), 4 came to rest with tubes inside each other, 130 stopped by Ctrl-C or `--time-limit`.
-#![allow(clippy::print_stderr)] // a program talks to its user
+#![allow(clippy::print_stderr)] // a program prints to its user
 
 mod progress;
 mod sweep;
@@ -38,7 +38,7 @@ const NOT_WRITTEN: u8 = 3;
 const OVERLAPS: u8 = 4;
 const INTERRUPTED: u8 = 130;
 
-/// Overlaps told one by one.
+/// Most overlaps listed one by one.
 const MOST_WARNINGS: usize = 10;
 
 /// Equilibria of elastic rods that touch themselves and each other.
@@ -120,7 +120,7 @@ enum Command {
     /// Run a scene many times with other values: `supercoil help sweep`.
     Sweep {
         #[command(subcommand)]
-        command: sweep::Command,
+        command: sweep::SweepCommand,
     },
     /// Write a commented scene to begin with.
     New {
@@ -257,7 +257,7 @@ fn plot(dir: &Path, x: &str, y: &[String], out: Option<PathBuf>) -> Result<u8, I
     Ok(CONVERGED)
 }
 
-/// Prints a line; a reader that has gone away (`supercoil check FILE | head`) is no failure.
+/// Prints a line; a closed pipe (`supercoil check FILE | head`) is not an error.
 fn say(line: std::fmt::Arguments) {
     std::io::stdout().write_fmt(format_args!("{line}\n")).ok();
 }
@@ -312,7 +312,7 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
     scene.expectations().iter().for_each(|line| say(format_args!("  {line}")));
     let warnings = scene.warnings();
     warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    // what a run refuses before its first step
+    // errors of a run before its first step
     let overlaps = Solver::new(scene.model.clone(), Options::default())
         .map(drop)
         .map_err(RunError::Input)
@@ -338,7 +338,7 @@ fn export(what: &Export) -> Result<u8, InputError> {
         BasePairs::write(&path, content).map(|()| written.push(path.display().to_string()))
     };
     if let (Some(name), Some(sequence)) = (&what.oxdna, &sequence) {
-        // a name may have dots of its own
+        // a name may contain dots
         let named = |ending: &str| PathBuf::from(format!("{}.{ending}", name.display()));
         write(named("top"), pairs.oxdna_topology(sequence)?.as_bytes())?;
         write(named("dat"), pairs.oxdna_configuration().as_bytes())?;
@@ -370,7 +370,7 @@ fn run(file: &Path, set: &[String], out: Option<PathBuf>, force: bool, choices: 
     }
     if !choices.quiet {
         scene.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
-        // what goes wrong here goes wrong in the run, too, and is told there
+        // errors here occur in the run, too, which reports them
         let overlaps = start_overlaps(&scene.model).unwrap_or_default();
         warn(&overlaps.into_iter().filter(|overlap| overlap.through).collect::<Vec<_>>());
     }
@@ -414,7 +414,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let shown = bar.clone();
     stop_on_signal(run.interrupt.clone(), move |line| shown.note(line));
     let interrupt = run.interrupt.clone();
-    // a limit too long for a Duration is none
+    // a limit beyond the range of Duration is none
     if let Some(limit) = choices.time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok()) {
         let (interrupt, shown) = (interrupt.clone(), bar.clone());
         std::thread::spawn(move || {
@@ -427,7 +427,12 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let result = if from.is_some() { run.resume(&mut watch) } else { run.start(&mut watch) };
     bar.clear();
     match result {
-        Ok(outcome) => Ok(report(&outcome, &units, thermal, &dir, choices.quiet, interrupt.is_raised())),
+        Ok(outcome) => {
+            if !choices.quiet {
+                print_results(&outcome, &units, thermal, &dir);
+            }
+            Ok(report_status(&outcome, &dir, interrupt.is_raised()))
+        }
         Err(RunError::Input(error)) => Err(error),
         Err(error) => {
             eprintln!("error: {error}; what was reached is in {}", dir.display());
@@ -438,7 +443,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
 
 /// Raises `interrupt` at Ctrl-C or a request to terminate; the second one ends the program at once.
 fn stop_on_signal(interrupt: Interrupt, note: impl Fn(&str) + Send + 'static) {
-    // without a handler Ctrl-C still ends the program, only less tidily
+    // without a handler Ctrl-C still ends the program, but without outputs
     ctrlc::set_handler(move || {
         if interrupt.is_raised() {
             std::process::exit(i32::from(INTERRUPTED));
@@ -449,26 +454,21 @@ fn stop_on_signal(interrupt: Interrupt, note: impl Fn(&str) + Send + 'static) {
     .ok();
 }
 
-fn report(
-    outcome: &Outcome,
-    units: &Units,
-    thermal: Option<(f64, f64)>,
-    dir: &Path,
-    quiet: bool,
-    interrupted: bool,
-) -> u8 {
-    if !quiet {
-        say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
-        if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
-            let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
-            say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
-        }
-        if let Some(estimate) = &outcome.error_estimate {
-            say(format_args!("{estimate}"));
-        }
-        let status = if outcome.overlaps() { OVERLAP.to_owned() } else { outcome.status.to_string() };
-        say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
+fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, dir: &Path) {
+    say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+    if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
+        let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
+        say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
     }
+    if let Some(estimate) = &outcome.error_estimate {
+        say(format_args!("{estimate}"));
+    }
+    let status = if outcome.overlaps() { OVERLAP.to_owned() } else { outcome.status.to_string() };
+    say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
+}
+
+/// Explains a run that did not converge; returns the exit code.
+fn report_status(outcome: &Outcome, dir: &Path, interrupted: bool) -> u8 {
     if outcome.overlaps() {
         let notes = outcome.steps.last().map_or_else(String::new, |last| last.notes.join("; "));
         eprintln!("overlap: {notes}");

@@ -1,5 +1,5 @@
-//! The command line's progress: how much of the path is done, how long the rest will take. A bar on a terminal; where
-//! standard error goes to a file or a pipe, a line every half minute.
+//! Progress of the command line: the fraction done and the time left. A bar on a terminal; a line every half minute if
+//! standard error is a file or a pipe.
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use supercoil::observe::report::Observation;
 use supercoil::scene::Stage;
 
-/// Time between two lines where there is no terminal: few in a log, soon enough to see that a run lives.
+/// Time between two lines without a terminal: few lines in a log, yet a sign of life.
 const HEARTBEAT: Duration = Duration::from_secs(30);
 
 /// Ticks of the bar per planned step.
@@ -23,7 +23,7 @@ pub struct Bar {
     bar: ProgressBar,
     /// Planned steps of each stage.
     steps: Vec<usize>,
-    /// No more lines.
+    /// Whether no more lines are printed.
     is_over: Arc<AtomicBool>,
 }
 
@@ -69,7 +69,7 @@ impl Bar {
         self.bar.suspend(|| eprintln!("{line}"));
     }
 
-    /// Prints a line after each such time until the bar is taken away.
+    /// Prints a line at such intervals until the bar is removed.
     fn tell_every(&self, time: Duration) {
         loop {
             std::thread::sleep(time);
@@ -83,7 +83,7 @@ impl Bar {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn clear(&self) {
         self.is_over.store(true, Ordering::Relaxed);
         self.bar.finish_and_clear();

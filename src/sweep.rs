@@ -7,13 +7,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use supercoil::InputError;
 use supercoil::io::csv::{Cell, write_table};
 use supercoil::io::sweep::{
-    Axes, Collected, Plan, Shard, SweepRun, Table, Tally, Values, collect, plot, ranges, status,
+    Collected, ColumnValues, Plan, PlotAxes, Shard, SweepRun, SweepTable, Tally, collect, plot, ranges, status,
 };
 
 use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, say, seconds, stop_on_signal};
 
 #[derive(Subcommand)]
-pub enum Command {
+pub enum SweepCommand {
     /// Make the cases of a sweep file and write them, a line a case, into a folder. Planning again with more values keeps
     /// what was computed.
     Plan {
@@ -82,7 +82,7 @@ pub enum Command {
     },
 }
 
-impl Command {
+impl SweepCommand {
     pub fn go(self) -> Result<u8, InputError> {
         match self {
             Self::Plan { file, out } => plan(&file, out),
@@ -95,7 +95,7 @@ impl Command {
             Self::Collect { dir, csv } => gather(&dir, csv.as_deref()),
             Self::Plot { dir, x, y, by, steps, out } => {
                 let out = out.unwrap_or_else(|| dir.join(format!("{y}.svg")));
-                plot(&out, &collect(&dir)?.table, &Axes { x, y, by, steps })?;
+                plot(&out, &collect(&dir)?.table, &PlotAxes { x, y, by, steps })?;
                 say(format_args!("{}", out.display()));
                 Ok(CONVERGED)
             }
@@ -106,7 +106,7 @@ impl Command {
 fn plan(file: &Path, out: Option<PathBuf>) -> Result<u8, InputError> {
     let dir = out.unwrap_or_else(|| Path::new("out").join(file.file_stem().unwrap_or_default()));
     let plan = Plan::of_file(file)?;
-    // a slip in a key is told now, not ten thousand times
+    // an error in a key is reported now, not in ten thousand cases
     if let Some(case) = plan.cases().first() {
         plan.scene(case)?;
     }
@@ -172,9 +172,9 @@ fn gather(dir: &Path, csv: Option<&Path>) -> Result<u8, InputError> {
     Ok(NOT_CONVERGED)
 }
 
-fn write_csv(path: &Path, table: &Table) -> Result<(), InputError> {
+fn write_csv(path: &Path, table: &SweepTable) -> Result<(), InputError> {
     let names: Vec<&str> = table.columns().iter().map(|column| column.name.as_str()).collect();
-    let cell = |values: &Values, row: usize| Cell::Text(values.text(row).unwrap_or_default());
+    let cell = |values: &ColumnValues, row: usize| Cell::Text(values.text(row).unwrap_or_default());
     let row = |row: usize| table.columns().iter().map(|column| cell(&column.values, row)).collect::<Vec<_>>();
     write_table(path, &names, (0..table.num_rows()).map(row))
 }

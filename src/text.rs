@@ -1,4 +1,4 @@
-//! Text that somebody names: files of moderate size, tables of numbers with named columns.
+//! Text files of limited size, and tables of numbers with named columns.
 
 pub(crate) mod npy;
 
@@ -11,7 +11,7 @@ use crate::error::InputError;
 /// Most bytes of a scene or of a file of points: a million points with all their digits take 60 MB.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// The text of a file that somebody names: no more than is sensible, whatever it is.
+/// The text of any file, pipes included, of at most [`MOST_BYTES`].
 pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
     String::from_utf8(read_bytes(path)?).map_err(|_| {
         let reason = "stream did not contain valid UTF-8".to_owned();
@@ -43,7 +43,7 @@ pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
 }
 
 fn check_regular(path: &Path) -> Result<(), InputError> {
-    // before it is opened: opening a pipe that nobody writes to never ends
+    // checked before opening, because opening a pipe without a writer never ends
     if path.metadata().is_ok_and(|found| !found.is_file()) {
         let reason = "is no regular file: only those are read".to_owned();
         return Err(InputError::File { path: path.to_owned(), reason });
@@ -68,7 +68,7 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
 }
 
 /// A table with named columns of finite numbers.
-pub(crate) struct Table {
+pub(crate) struct NumberTable {
     /// Line of the column names.
     pub(crate) head: usize,
     pub(crate) names: Vec<String>,
@@ -78,13 +78,13 @@ pub(crate) struct Table {
     pub(crate) words: Vec<String>,
 }
 
-impl Table {
+impl NumberTable {
     /// Reads a table whose first line names the columns.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         Self::parse_with(text, None)
     }
 
-    /// As [`Table::parse`]; the first column, if it is named `words`, holds words.
+    /// As [`NumberTable::parse`]; a first column with the name `words` holds words.
     pub(crate) fn parse_with(text: &str, words: Option<&str>) -> Result<Self, String> {
         let mut lines = (1..)
             .zip(text.trim_start_matches('\u{feff}').lines())
@@ -128,7 +128,7 @@ impl Table {
         Ok(Self { head, names: names[skipped..].to_vec(), rows, words })
     }
 
-    /// The columns besides `others`, with what each means; unknown ones are refused.
+    /// The columns other than `others`, each with its meaning; unknown ones are refused.
     pub(crate) fn columns<T>(
         &self,
         others: &[&str],

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use supercoil::io::view::{Film, FilmRod, Frame, FrameRod, Plot, Table};
+use supercoil::io::view::{Film, FilmRod, FilmTable, Frame, FrameRod, Plot};
 use supercoil::scene::Units;
 use supercoil_live::ring::{COLUMNS, Ring, contacts_of_cubics, pulled_rod};
 use wasm_bindgen_cli_support::Bindgen;
@@ -73,7 +73,7 @@ fn circle() -> Result<Film, Box<dyn Error>> {
         units: Units { length: "nm".to_owned(), force: "pN".to_owned() },
         rods: vec![FilmRod { name: "dna".to_owned(), radius: ring.radius(), closed: true }],
         frames: vec![Frame { step: 0, rods: vec![rod], forces: Vec::new() }],
-        table: Table { columns, rows: vec![ring.row().to_vec()] },
+        table: FilmTable { columns, rows: vec![ring.row().to_vec()] },
         plots,
         note: NOTE.to_owned(),
     })

@@ -1,6 +1,6 @@
 //! The minicircle whose link the page turns, its numbers and its picture. Units: nm, pN.
 
-use supercoil::contact::{Curve, Detector, Options as ContactOptions};
+use supercoil::contact::{Curve, Detector, DetectorOptions};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
@@ -158,7 +158,7 @@ pub fn contacts_of_cubics() -> Result<Vec<f64>, InputError> {
         (-60..=60).map(|k| point(f64::from(k) / 50.0)).collect()
     };
     let (a, b) = (cubic(1.0), cubic(-1.0));
-    let mut detector = Detector::new(ContactOptions { range: 0.5, ..ContactOptions::default() });
+    let mut detector = Detector::new(DetectorOptions { range: 0.5, ..DetectorOptions::default() });
     let contacts = detector.detect(&[Curve::polyline(&a, 0.05), Curve::polyline(&b, 0.05)])?;
     Ok(contacts.sites.iter().flat_map(|site| [site.arc_a, site.arc_b, site.gap]).collect())
 }

@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use supercoil::contact::{self, Curve, Options, Radius, Site};
+use supercoil::contact::{self, Curve, DetectorOptions, Radius, Site};
 use supercoil::math::{Vec3, link};
 use supercoil::{InputError, dna as constants};
 
@@ -36,7 +36,8 @@ pub fn detect<'py>(
     }
     let sites = py.detach(|| {
         let curves: Vec<Curve> = own.iter().map(|(points, radii, closed)| curve_of(points, radii, *closed)).collect();
-        contact::detect(&curves, Options { range, zones: false, ..Options::default() }).map(|found| found.sites)
+        contact::detect(&curves, DetectorOptions { range, zones: false, ..DetectorOptions::default() })
+            .map(|found| found.sites)
     });
     let sites = sites.map_err(refuse::input)?;
     let numbers = |of: fn(&Site) -> f64| sites.iter().map(of).collect::<Vec<_>>().into_pyarray(py);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use supercoil::io::sweep::{self, SweepRun, Table, Values, from_bytes, to_bytes};
+use supercoil::io::sweep::{self, ColumnValues, SweepRun, SweepTable, from_bytes, to_bytes};
 use supercoil::solve::Interrupt;
 
 use crate::refuse;
@@ -15,11 +15,11 @@ use crate::supervise::supervised;
 #[pyclass(frozen, module = "supercoil._supercoil")]
 pub struct Plan(sweep::Plan);
 
-fn table(bytes: &[u8]) -> PyResult<Table> {
+fn table(bytes: &[u8]) -> PyResult<SweepTable> {
     from_bytes(bytes.to_vec(), &|_| true).map_err(|reason| refuse::damaged("part", reason))
 }
 
-fn as_bytes<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyBytes>> {
+fn as_bytes<'py>(py: Python<'py>, table: &SweepTable) -> PyResult<Bound<'py, PyBytes>> {
     Ok(PyBytes::new(py, &to_bytes(table).map_err(|reason| refuse::damaged("table", reason))?))
 }
 
@@ -67,7 +67,7 @@ impl Plan {
             py,
             &interrupt,
             |_: std::sync::mpsc::Sender<()>| {
-                let mut all = Table::default();
+                let mut all = SweepTable::default();
                 for case in self.0.cases() {
                     let rows = self.0.run(case, &interrupt)?;
                     all.append(&rows, 0..rows.num_rows());
@@ -114,7 +114,7 @@ impl Plan {
     /// Writes rows, as bytes, into the folder of a sweep.
     #[staticmethod]
     fn write_part(py: Python, dir: PathBuf, parts: Vec<Vec<u8>>) -> PyResult<()> {
-        let mut all = Table::default();
+        let mut all = SweepTable::default();
         for part in &parts {
             let rows = table(part)?;
             all.append(&rows, 0..rows.num_rows());
@@ -130,8 +130,8 @@ pub fn table_columns<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, 
     for column in table(bytes)?.columns() {
         let rows = 0..column.values.len();
         match &column.values {
-            Values::Text(words) => columns.set_item(&column.name, words.clone())?,
-            Values::Whole(wholes) if wholes.iter().all(Option::is_some) => {
+            ColumnValues::Text(words) => columns.set_item(&column.name, words.clone())?,
+            ColumnValues::Whole(wholes) if wholes.iter().all(Option::is_some) => {
                 let wholes: Vec<i64> = wholes.iter().flatten().copied().collect();
                 columns.set_item(&column.name, wholes.into_pyarray(py))?;
             }

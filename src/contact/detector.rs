@@ -3,25 +3,23 @@
 mod forces;
 mod minima;
 
-use std::cell::Cell;
-
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
 use crate::contact::curves::input::{Curve, Strands};
 use crate::contact::law::potential::PairForce;
-use crate::contact::options::{Neighbours, Options};
+use crate::contact::options::{DetectorOptions, Neighbours};
 use crate::contact::sites::site::{Minimum, Site};
 use crate::contact::tree::broad_phase::BroadPhase;
 use crate::contact::tree::exclusion::{Exclusion, bytes};
-use crate::contact::zones::interval::{self, Part, Zone};
+use crate::contact::zones::interval::{self, Part, PartSearch, Zone};
 use crate::error::{InputError, SolveError};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 
 pub use forces::Forces;
 
-/// Candidate pairs per parallel piece of work.
+/// Candidate pairs per parallel task.
 const CHUNK: usize = 2048;
-/// Segments per parallel piece of work.
+/// Segments per parallel task.
 const SEGMENTS: usize = 4096;
 
 /// Sites and zones found.
@@ -29,41 +27,41 @@ const SEGMENTS: usize = 4096;
 pub struct Contacts {
     /// Sites ordered by (curve, segment, parameter) of a, then of b.
     pub sites: Vec<Site>,
-    /// Zones ordered by curve, partner, start of the interval; empty unless asked for.
+    /// Zones ordered by curve, partner, start of the interval; empty without [`DetectorOptions::zones`].
     pub zones: Vec<Zone>,
 }
 
 /// Finds contacts of curves and keeps tree, lists and buffers from one call to the next.
 ///
 /// ```
-/// use supercoil::contact::{Curve, Detector, Options};
+/// use supercoil::contact::{Curve, Detector, DetectorOptions};
 /// use supercoil::math::Vec3;
 /// let a = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
 /// let b = [Vec3::new(0.0, -1.0, 0.25), Vec3::new(0.0, 1.0, 0.25)];
-/// let mut detector = Detector::new(Options { range: 0.1, ..Options::default() });
+/// let mut detector = Detector::new(DetectorOptions { range: 0.1, ..DetectorOptions::default() });
 /// let contacts = detector.detect(&[Curve::polyline(&a, 0.1), Curve::polyline(&b, 0.1)])?;
 /// assert_eq!(contacts.sites.len(), 1);
 /// assert!((contacts.sites[0].gap - 0.05).abs() < 1e-15);
 /// # Ok::<(), supercoil::InputError>(())
 /// ```
 ///
-/// **Promise.** All local minima with gap ≤ `range` of the distance between different curves, and between
-/// parts of one curve that are not neighbours, are found: broad phase and capsule test discard only what provably is
-/// farther; straight pairs are solved in closed form; pairs of cubics by cutting up their square of parameters, where
-/// every part is discarded or accepted on bounds of slopes and second derivatives of the distance in Bernstein form,
-/// roundings included (contact lines too; parallel to rounding is the exception, below, and told as `flat`). No
-/// tolerance is a length. The result depends on the curves only (with `margin` 0 not even on earlier calls), never on
-/// the number of threads.
+/// **Guarantee.** All local minima with gap ≤ `range` of the distance between different curves, and between parts of
+/// one curve that are not neighbours, are found. Broad phase and capsule test discard a pair only if it is provably
+/// farther apart. Straight pairs are solved in closed form. For pairs of cubics the square of parameters is subdivided;
+/// each part is discarded or accepted by bounds of the first and second derivatives of the distance in Bernstein form,
+/// roundings included. This holds for lines of contact, too; the exception are curves that are parallel to rounding
+/// (below), marked `flat`. No tolerance is a length. The result depends on the curves only (with `margin` 0 not even on
+/// earlier calls), never on the number of threads.
 ///
 /// **Units.** All lengths in one unit of the caller's choice; no tolerance is absolute, so results scale with it.
 ///
 /// **Special cases.**
 /// * *Parallel* or *coincident* straight segments, and cubics that are so to rounding: one site per pair of segments,
-///   marked `flat`, in the middle of the overlap; the zones tell the whole interval.
-/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero; forces have no direction there and are left
-///   out.
-/// * *Tangent* curves: their touching point is one site; where minima merge with saddles to within rounding, one of the
-///   group, marked `flat`.
+///   marked `flat`, in the middle of the overlap; the zones hold the whole interval.
+/// * Centrelines that *cross* or coincide: gap −(r_a + r_b), normal zero. Forces have no direction there and are
+///   omitted.
+/// * *Tangent* curves: the touching point is one site. Where minima merge with saddles to within rounding, one of the
+///   group is returned, marked `flat`.
 /// * *Kinks* and *open ends*: minima there are found by the one-sided slopes.
 /// * *Repeated* control points within a cubic are legal; repeated points of a polyline and cubics shrunk to a point are
 ///   refused by name.
@@ -75,14 +73,14 @@ pub struct Contacts {
 /// the points if `margin` > 0.
 #[derive(Debug, Default)]
 pub struct Detector {
-    pub(super) options: Options,
+    pub(super) options: DetectorOptions,
     pub(super) exclusion: Exclusion,
     pub(super) broad: BroadPhase,
-    /// Arc length before each segment, and of it.
+    /// Arc length before each segment, and length of each segment.
     start: Vec<f64>,
     lengths: Vec<f64>,
     minima: Vec<Minimum>,
-    /// Parts of zones, by pieces of the candidate list, and the buffers they are joined in.
+    /// Parts of zones, by chunks of the candidate list, and the buffers that join them.
     parts: Vec<Vec<Part>>,
     joining: interval::JoinBuffers,
     pub(super) contacts: Contacts,
@@ -91,25 +89,25 @@ pub struct Detector {
     set: CurveSet,
 }
 
-/// [`Detector::detect`] once.
+/// A single [`Detector::detect`].
 ///
 /// # Errors
 /// As there.
-pub fn detect(curves: &[Curve], options: Options) -> Result<Contacts, InputError> {
+pub fn detect(curves: &[Curve], options: DetectorOptions) -> Result<Contacts, InputError> {
     let mut detector = Detector::new(options);
     detector.detect(curves)?;
     Ok(detector.contacts)
 }
 
 impl Detector {
-    /// Nothing found yet; the options are checked by the first call.
+    /// A detector without results; the options are checked by the first call.
     #[must_use]
-    pub fn new(options: Options) -> Self {
+    pub fn new(options: DetectorOptions) -> Self {
         Self { options, ..Self::default() }
     }
 
     /// The options; they may be changed between calls.
-    pub fn options_mut(&mut self) -> &mut Options {
+    pub fn options_mut(&mut self) -> &mut DetectorOptions {
         &mut self.options
     }
 
@@ -161,7 +159,7 @@ impl Detector {
         Ok(strands)
     }
 
-    /// Everything up to the candidate list.
+    /// Input check, exclusion of neighbours, tree and candidate list.
     fn update<'a>(&mut self, curves: &[Curve<'a>], range: f64) -> Result<Strands<'a>, InputError> {
         let strands = self.prepare(curves)?;
         self.measure(&strands);
@@ -216,6 +214,8 @@ impl Detector {
         let mut joining = std::mem::take(&mut self.joining);
         let this = &*self;
         let pairs = this.broad.pairs();
+        let arc = |s: usize, u: f64| this.arc(strands, s, u);
+        let search = PartSearch { strands, arc, range: this.options.range };
         lists.resize_with(pairs.len().div_ceil(CHUNK), Vec::new);
         parallel::each(&mut lists, 1, &|k, parts| {
             parts.clear();
@@ -224,17 +224,14 @@ impl Detector {
                 if this.exclusion.excluded(i, j) || strands.adjacent(i, j) {
                     continue;
                 }
-                let arc = |s: usize, u: f64| this.arc(strands, s, u);
-                let nearest = Cell::new(None);
-                interval::parts(strands, &arc, i, j, this.options.range, &nearest, parts);
-                interval::parts(strands, &arc, j, i, this.options.range, &nearest, parts);
+                search.both(i, j, parts);
             }
         });
         let far = strands.control_points().flatten().map(Vec3::amax).fold(0.0, f64::max);
         let tolerance = |curve: usize| {
             let c = &strands.curves[curve];
             let mean = (this.start[c.first + c.count - 1] + this.lengths[c.first + c.count - 1]) / c.count as f64;
-            // Far from the origin the coordinates' own rounding.
+            // Far from the origin the rounding of the coordinates counts.
             1e-9 * mean + 256.0 * f64::EPSILON * far
         };
         let zones = interval::join(&lists, strands.len(), tolerance, &mut joining);
@@ -242,7 +239,7 @@ impl Detector {
         zones
     }
 
-    /// The curves as a set of cubics, in the old buffers if their numbers have not changed.
+    /// The curves as a set of cubics. Buffers are reused if the numbers of curves and segments have not changed.
     fn place(&mut self, strands: &Strands) -> Result<(), InputError> {
         let same = self.set.curves.len() == strands.curves.len()
             && self.set.curves.iter().zip(&strands.curves).all(|(c, s)| {

@@ -1,6 +1,6 @@
 //! Contact of curves with radii: usable on its own, knows no rods. All lengths in one unit of the caller's choice.
 //!
-//! [`Detector`] takes curves in and gives contact sites, zones, energy and forces out. The folders follow the data:
+//! [`Detector`] computes contact sites, zones, energy and forces of curves. The folders follow the data:
 //!
 //! | folder | from → to |
 //! |---|---|
@@ -24,7 +24,7 @@ pub(crate) mod steps;
 mod tree;
 mod zones;
 
-// For the layers above.
+// For higher layers.
 #[cfg(feature = "solver")]
 pub(crate) use curves::arc;
 pub(crate) use curves::curve;
@@ -41,7 +41,7 @@ pub use curves::radius::Radius;
 pub use detector::{Contacts, Detector, Forces, detect};
 pub use law::Law;
 pub use law::potential::{Hessian, PairTerm, Want, ZonePiece};
-pub use options::{Neighbours, Options};
+pub use options::{DetectorOptions, Neighbours};
 pub use sites::clearance::Clearance;
 pub use sites::site::{Site, SiteLocation};
 pub use zones::interval::Zone;

@@ -6,7 +6,7 @@
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::math::Vec3;
-use crate::math::bernstein::{Crossing, Roots, product_with_quadratic, roots};
+use crate::math::bernstein::{Roots, SignChange, product_with_quadratic, roots};
 
 const CAPACITY: usize = 8;
 
@@ -89,7 +89,7 @@ fn distance_at(a: &[Vec3; 4], u: f64) -> f64 {
 /// All stationary local minima of |c(u) − x| on \[0, 1\] with distance ≤ `max_distance`, ascending in u, replacing
 /// `out`.
 ///
-/// * None is missed and none invented beyond rounding: roots of the quintic are isolated by sign variation.
+/// * Complete and without spurious minima up to rounding: roots of the quintic are isolated by sign variation.
 /// * A minimum exactly at u = 0 or 1 *with c′·(c − x) = 0 there* is included when the curve's own side of it rises; an
 ///   end that is merely nearest (slope not zero) is not: see `end_is_local_min`. Over a whole curve use
 ///   [`feet_on_segment`], which counts joints once.
@@ -110,7 +110,7 @@ fn minima_from(curve: &Cubic, x: &Vec3, q: &[f64; 6], max_distance: f64, out: &m
     let mut found = Roots::new();
     roots(q, &mut found);
     let a = relative(curve, x);
-    for root in found.iter().filter(|r| r.crossing == Crossing::Rising) {
+    for root in found.iter().filter(|r| r.crossing == SignChange::Rising) {
         let distance = distance_at(&a, root.t);
         if distance <= max_distance {
             out.push(Foot { u: root.t, distance });
@@ -131,8 +131,8 @@ pub fn end_is_local_min(curve: &Cubic, x: &Vec3, at_end: bool) -> bool {
     }
 }
 
-/// The local minima of the distance from x over the *whole curve* that segment `segment` owns, replacing `out`: walking
-/// all segments of a curve finds every local minimum exactly once.
+/// The local minima of the distance from x over the *whole curve* that segment `segment` owns, replacing `out`: the
+/// union over all segments of a curve has every local minimum exactly once.
 ///
 /// A segment owns its interior, its start (u = 0, joint with its predecessor) and any open end. At a smooth joint both
 /// neighbours use the one computed sign of c′·(c − x), so that rounding neither loses a minimum sitting on the joint
@@ -163,7 +163,7 @@ pub fn feet_on_segment(set: &CurveSet, segment: usize, x: &Vec3, max_distance: f
     let mut inner = Feet::new();
     minima_from(curve, x, &q, max_distance, &mut inner);
     for foot in inner.as_slice() {
-        // An exactly stationary start was settled above; an exactly stationary end belongs to the successor.
+        // An exactly stationary start is handled above; an exactly stationary end belongs to the successor.
         if (foot.u > 0.0 || q[0] != 0.0) && (foot.u < 1.0 || q[5] != 0.0) {
             out.push(*foot);
         }
@@ -199,7 +199,7 @@ pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic, far: f64) -> bool {
 /// Same direction to rounding (1e-12 rad) of two differences of points that are `far` \[L\] from the origin; false if
 /// one is zero.
 pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
-    // The usual cases at once, of segments less than 1e6 of their length from the origin: an angle above 1e-6 or below
+    // Usual cases first, for segments less than 1e6 of their length from the origin: an angle above 1e-6 or below
     // 3e-13.
     let (aa, bb, cross_sq) = (a.norm_squared(), b.norm_squared(), a.cross(b).norm_squared());
     let shorter = aa.min(bb);

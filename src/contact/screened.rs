@@ -5,20 +5,20 @@
 //! U = ½ ∫∫ w(s,t) A exp(−r/λ)/r S(r) ds dt        r = |r(s) − r(t)|, λ the Debye length
 //! ```
 //!
-//! A zone of contact knows its nearest points alone, and a potential with range sees more than these: so this is a
-//! double sum over Gauss points of pairs of segments, found by the broad phase. Gradient and tangent are the derivatives of
-//! the sum itself.
+//! A contact zone holds nearest points only, and a potential with a range needs more than these: this is a double sum
+//! over Gauss points of pairs of segments, found by the broad phase. Gradient and tangent are the derivatives of the
+//! sum itself.
 //!
-//! **Range.** S falls from 1 to 0, twice differentiable, between 9 and [`RANGE`] = 10 Debye lengths. Two parallel strands
-//! five Debye lengths apart lose .2 % of their energy by it, two that are two apart 7e-5; a crossing at a distance d loses a part
-//! exp(d/λ − 9).
+//! **Range.** S falls from 1 to 0, twice differentiable, between 9 and [`RANGE`] = 10 Debye lengths. This cut-off
+//! removes .2 % of the energy of two parallel strands five Debye lengths apart, 7e-5 at two Debye lengths, and a
+//! fraction exp(d/λ − 9) at a crossing at a distance d.
 //!
-//! **Neighbours along the strand.** The hard law leaves out what has turned by less than a right angle on the way: a rod
-//! that is straight or gently bent does not feel itself. That limit moves with the shape, which a potential with range
-//! would answer by a jump. Here the weight w is a function of the reference arc length between the points: 0 up to 4
-//! Debye lengths (at least a segment), 1 from 8. What is nearer is part of the bending stiffness as it is measured: of
-//! the stiffening by salt of Odijk, Skolnick and Fixman, A λ²/4, no more than 7 % is counted twice. Of points of one curve
-//! the energy is taken from that of the straight rod, so that a straight rod has none.
+//! **Neighbours along the strand.** The contact law excludes points with less than a right angle of turning between
+//! them, so a straight or gently bent rod does not touch itself. That limit moves with the shape, and a potential with
+//! a range would jump there. Here the weight w is a function of the reference arc length between the points: 0 up to 4
+//! Debye lengths (at least a segment), 1 from 8. Nearer points contribute to the measured bending stiffness: at most 7
+//! % of the electrostatic stiffening A λ²/4 of Odijk, Skolnick and Fixman is counted twice. The energy of points of one
+//! curve is that beyond the straight rod, so a straight rod has none.
 //!
 //! **Quadrature.** Three Gauss points on each piece of .75 contact distances, or two Debye lengths if that is less: the
 //! energy of strands that touch is known to 1e-4.
@@ -34,15 +34,15 @@ use crate::math::bernstein::cubic_weights;
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3, parallel};
 
-/// Debye lengths from which strands do not feel each other …
+/// Range of the potential, in Debye lengths …
 pub const RANGE: f64 = 10.0;
-/// … and from which their energy is switched off.
+/// … and the distance from which it is switched off.
 const SWITCH: f64 = 9.0;
-/// Debye lengths along the strand up to which points are neighbours, and from which they are not at all.
+/// Arc lengths, in Debye lengths, where the weight of points of one curve begins to rise from 0 and where it reaches 1.
 const NEIGHBOURS: [f64; 2] = [4.0, 8.0];
-/// Contact distances and Debye lengths that three Gauss points resolve: see the header.
+/// Length that three Gauss points resolve, in contact distances and in Debye lengths; see the header.
 const PIECE: [f64; 2] = [0.75, 2.0];
-/// Debye lengths that nodes may move before pairs are looked for anew. A longer list costs more than a search.
+/// Movement of nodes, in Debye lengths, after which pairs are searched again. A longer list costs more than a search.
 const MARGIN: f64 = 0.5;
 
 /// Energy A exp(−r/λ)/r of two points per product of their lengths.
@@ -56,10 +56,10 @@ pub struct Screened {
 
 /// Energy of two points and its derivatives by their distance.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Derivatives {
+pub struct PairEnergy {
     /// Energy per product of lengths \[F/L\].
     pub energy: f64,
-    /// Its slope \[F/L²\]; negative: the points push each other away.
+    /// Its slope \[F/L²\]; negative: repulsion.
     pub slope: f64,
     /// Its second derivative \[F/L³\].
     pub curvature: f64,
@@ -68,10 +68,10 @@ pub struct Derivatives {
 impl Screened {
     /// The energy of points at a distance r > 0 \[L\], switched off at the end of the range.
     #[must_use]
-    pub fn at(&self, r: f64) -> Derivatives {
+    pub fn at(&self, r: f64) -> PairEnergy {
         let x = r / self.debye_length;
         if x >= RANGE {
-            return Derivatives::default();
+            return PairEnergy::default();
         }
         let (inverse, per) = (1.0 / r, 1.0 / self.debye_length);
         let energy = self.strength * (-x).exp() * inverse;
@@ -79,12 +79,12 @@ impl Screened {
         let slope = -energy * decay;
         let curvature = energy * (decay * decay + inverse * inverse);
         if x <= SWITCH {
-            return Derivatives { energy, slope, curvature };
+            return PairEnergy { energy, slope, curvature };
         }
         let [s, ds, dds] = smooth_step((RANGE - x) / (RANGE - SWITCH));
         let unit = -per / (RANGE - SWITCH);
         let (ds, dds) = (ds * unit, dds * unit * unit);
-        Derivatives {
+        PairEnergy {
             energy: energy * s,
             slope: slope * s + energy * ds,
             curvature: curvature * s + 2.0 * slope * ds + energy * dds,
@@ -92,7 +92,7 @@ impl Screened {
     }
 }
 
-/// 10 t³ − 15 t⁴ + 6 t⁵ and its first two derivatives: from 0 to 1, which it is outside 0 … 1.
+/// 10 t³ − 15 t⁴ + 6 t⁵ and its first two derivatives; t is clamped to \[0, 1\].
 fn smooth_step(t: f64) -> [f64; 3] {
     let t = t.clamp(0.0, 1.0);
     let left = 1.0 - t;
@@ -101,13 +101,14 @@ fn smooth_step(t: f64) -> [f64; 3] {
 
 /// A Gauss point of the segments of a curve: parameter, weight × reference length \[L\], shape functions of the control points.
 #[derive(Debug, Clone, Copy)]
-struct Point {
+struct GaussPoint {
     u: f64,
     weight: f64,
     shape: [f64; 4],
 }
 
-/// What one pair of segments adds: the coordinates are displacement and rotation vector of the four ends, as for contact.
+/// Contribution of one pair of segments. The coordinates are displacement and rotation vector of the four ends, as for
+/// contact.
 pub(crate) struct Term {
     pub(crate) segments: [usize; 2],
     pub(crate) energy: f64,
@@ -120,7 +121,7 @@ pub(crate) struct Term {
 pub(crate) struct Repulsion {
     law: Screened,
     /// Per curve.
-    points: Vec<Vec<Point>>,
+    points: Vec<Vec<GaussPoint>>,
     /// Per curve: arc lengths between which points cease to be neighbours \[L\].
     neighbours: Vec<[f64; 2]>,
     exclusion: Exclusion,
@@ -128,7 +129,7 @@ pub(crate) struct Repulsion {
 }
 
 impl Repulsion {
-    /// Of a set whose segments have equal reference lengths along each curve.
+    /// For a set whose segments have equal reference lengths along each curve.
     pub(crate) fn new(law: Screened, set: &CurveSet) -> Self {
         let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
         let piece = (PIECE[0] * 2.0 * least).min(PIECE[1] * law.debye_length);
@@ -148,7 +149,7 @@ impl Repulsion {
         Self { law, points, neighbours, exclusion, broad_phase: BroadPhase::new() }
     }
 
-    /// Looks for pairs anew if the present ones may not hold any more.
+    /// Searches pairs again if the present ones may be incomplete.
     pub(crate) fn update(&mut self, set: &CurveSet) -> Result<(), InputError> {
         let (range, margin) = (RANGE * self.law.debye_length, MARGIN * self.law.debye_length);
         self.broad_phase.candidates(set, &self.exclusion, range, margin).map(|_| ())
@@ -159,7 +160,7 @@ impl Repulsion {
         self.broad_phase = BroadPhase::new();
     }
 
-    /// Pairs of segments within range, and some more.
+    /// Pairs of segments within range, and some beyond.
     pub(crate) fn pairs(&self) -> &[[u32; 2]] {
         self.broad_phase.pairs()
     }
@@ -186,7 +187,7 @@ impl Repulsion {
         let mut felt = false;
         for p in &self.points[set.curve_of(i)] {
             let x = a.point(p.u);
-            let mut here = Here::default();
+            let mut here = PointSums::default();
             for q in &self.points[set.curve_of(j)] {
                 let Some((weight, straight)) = self.weight(set, [i, j], [p.u, q.u]) else { continue };
                 let weight = weight * p.weight * q.weight;
@@ -229,17 +230,17 @@ impl Repulsion {
     }
 }
 
-/// What the points of a pair of segments add, by the control points.
+/// Contribution of the points of a pair of segments, with respect to the control points.
 struct Sum {
     energy: f64,
     gradient: [Vec3; 8],
     hessian: Option<Box<Hessian>>,
 }
 
-/// Sums over the points of j for one point of i: of the pushes on it, of second derivatives, and of these with the shape
-/// functions of j.
+/// Sums over the points of j for one point of i: forces on it, second derivatives, and these times the shape functions
+/// of j.
 #[derive(Default)]
-struct Here {
+struct PointSums {
     push: Vec3,
     second: Mat3,
     mixed: [Mat3; 4],
@@ -247,11 +248,11 @@ struct Here {
 
 impl Sum {
     /// Adds a pair of points: `between` from the point q of j to that of i.
-    fn add(&mut self, law: &Screened, between: &Vec3, weight: f64, q: &Point, here: &mut Here) {
+    fn add(&mut self, law: &Screened, between: &Vec3, weight: f64, q: &GaussPoint, here: &mut PointSums) {
         let r = between.norm();
         let law = law.at(r);
         self.energy += weight * law.energy;
-        // points that coincide have no direction: their energy is infinite, and a search turns back
+        // coincident points have no direction: their energy is infinite, which a search rejects
         let normal = between / r;
         let push = normal * (weight * law.slope);
         here.push += push;
@@ -269,7 +270,7 @@ impl Sum {
     }
 
     /// Adds the sums for the point p of i.
-    fn close(&mut self, p: &Point, here: &Here) {
+    fn close(&mut self, p: &GaussPoint, here: &PointSums) {
         (0..4).for_each(|m| self.gradient[m] += here.push * p.shape[m]);
         let Some(hessian) = &mut self.hessian else { return };
         for m in 0..4 {
@@ -280,13 +281,13 @@ impl Sum {
 }
 
 /// Gauss points of a segment of this length in equal parts no longer than `piece`.
-fn points(length: f64, piece: f64) -> Vec<Point> {
+fn points(length: f64, piece: f64) -> Vec<GaussPoint> {
     let parts = (length / piece).ceil().max(1.0);
     let rule = gauss(3);
     let of_part = |part: usize| {
         rule.points.iter().zip(rule.weights).map(move |(x, w)| {
             let u = (part as f64 + x) / parts;
-            Point { u, weight: w * length / parts, shape: cubic_weights(u) }
+            GaussPoint { u, weight: w * length / parts, shape: cubic_weights(u) }
         })
     };
     (0..parts as usize).flat_map(of_part).collect()

@@ -1,4 +1,4 @@
-//! The detector's steps one by one, for benchmarks and tests that look inside.
+//! The detector's steps one by one, for benchmarks and white-box tests.
 
 use crate::contact::curves::input::Curve;
 use crate::contact::detector::Detector;
@@ -23,8 +23,8 @@ pub enum DetectorStep {
 }
 
 impl Detector {
-    /// Bytes that the detector holds between calls, in use or kept for later: first without, then only, the sites and zones
-    /// found.
+    /// Memory of the detector between calls, bytes, spare capacity included: without the results, and that of the sites
+    /// and zones.
     #[doc(hidden)]
     #[must_use]
     pub fn memory(&self) -> (usize, usize) {
@@ -32,8 +32,8 @@ impl Detector {
         (self.exclusion.memory() + self.broad.memory() + self.own_memory(), found)
     }
 
-    /// Runs one step on the results of the steps before it, and returns the number of things found (segments, pairs, sites,
-    /// zones).
+    /// Runs one step on the results of the steps before it; returns the number of segments, pairs, sites or zones
+    /// found.
     ///
     /// # Errors
     /// As [`Detector::detect`].

@@ -1,5 +1,5 @@
-//! Base pairs of a molecule, and the files that programs for DNA read and write: oxDNA, XYZ, VECT, PDB, frames as NumPy
-//! arrays, 3DNA's frames and step parameters.
+//! Base pairs of a molecule, and their file formats: oxDNA, XYZ, VECT, PDB, frames as NumPy arrays, 3DNA's frames and
+//! step parameters.
 
 mod frames;
 mod oxdna;
@@ -19,18 +19,18 @@ use crate::text::read_regular_bytes;
 const OXDNA_LENGTH: f64 = 0.8518;
 /// Distance of a nucleotide's centre from the helix axis in oxDNA, its units.
 const OXDNA_OFFSET: f64 = 0.6;
-/// Side of the simulation box over the largest extent of the molecule: room to turn and to open.
+/// Side of the simulation box over the largest extent of the molecule, because it must be free to rotate and to open.
 const BOX: f64 = 2.0;
 
-/// Places (nm) and frames of base pairs: d1 to the major groove, d2 to the strand that is read, d3 along it from 5′ to
-/// 3′.
+/// Origins (nm) and frames of base pairs: d1 to the major groove, d2 to the strand of the sequence, d3 along it from 5′
+/// to 3′.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BasePairs {
     /// Origins, nm.
     pub positions: Vec<Vec3>,
     /// Frames.
     pub frames: Vec<Quat>,
-    /// The last pair is followed by the first.
+    /// Whether the first pair follows the last.
     pub closed: bool,
 }
 
@@ -43,7 +43,7 @@ pub struct Nodes<'a> {
     pub frames: &'a [Quat],
     /// Order of the elements, 1 to 3.
     pub order: usize,
-    /// Closed rods: link Tw + Wr of the frames, turns; the frame at the end is the first turned by it.
+    /// Closed rods: link Tw + Wr of the frames, turns; the frame at the end is the first one rotated by it.
     pub closed: Option<f64>,
 }
 
@@ -77,7 +77,7 @@ impl Nodes<'_> {
         (position, Quat::new_normalize(nalgebra::Quaternion::from(sum)))
     }
 
-    /// Turns of the frames about d3 along the rod.
+    /// Twist of the frames along the rod, turns.
     fn twist(&self) -> f64 {
         let turn = |k: usize| (self.node(k).1.inverse() * self.node(k + 1).1).scaled_axis().z;
         (0..self.num_segments()).map(turn).sum::<f64>() / TAU
@@ -85,15 +85,15 @@ impl Nodes<'_> {
 }
 
 impl BasePairs {
-    /// `count` base pairs evenly along a rod: of a closed one the first lies at s = 0, of an open one also the last at
-    /// its end.
+    /// `count` equally spaced base pairs along a rod. The first lies at s = 0, the last of an open rod at its end.
     ///
-    /// A rod whose frames carry the double helix, as that of a sequence, hands them on. Others model the axis alone: they
-    /// have less than half of a turn per [`HELICAL_REPEAT`] base pairs, and the helix is put in, evenly, with the whole
-    /// number of turns in a closed molecule that is next to pairs / [`HELICAL_REPEAT`] + link of the frames.
+    /// A rod whose frames follow the double helix, such as that of a sequence, keeps its frames. Other rods model the
+    /// axis alone: their frames have less than half a turn per [`HELICAL_REPEAT`] base pairs. Then the helix is added
+    /// uniformly; a closed molecule gets the whole number of turns nearest to pairs / [`HELICAL_REPEAT`] + link of the
+    /// frames.
     ///
     /// # Errors
-    /// Fewer than two base pairs; nodes that are none of a rod of that order.
+    /// Fewer than two base pairs; a number of nodes that does not fit the order.
     pub fn along(nodes: &Nodes, count: usize) -> Result<Self, InputError> {
         if count < 2 {
             let field = "number of base pairs".to_owned();
@@ -120,7 +120,7 @@ impl BasePairs {
         Ok(Self { positions, frames, closed: nodes.closed.is_some() })
     }
 
-    /// Centres of the nucleotides of the strand that is read and of the other one, nm, in the order of the pairs.
+    /// Centres of the nucleotides of the strand of the sequence and of its complement, nm, in the order of the pairs.
     #[must_use]
     pub fn strands(&self) -> [Vec<Vec3>; 2] {
         [1.0, -1.0].map(|side| {
@@ -129,11 +129,11 @@ impl BasePairs {
         })
     }
 
-    /// Base pairs of a file: `.npy` (frames as mdna has them), or a text that shows by its first line whether it is an
-    /// oxDNA configuration (`t = …`), step parameters (`.par`) or frames (`ref_frames.dat`) of 3DNA.
+    /// Base pairs of a file: `.npy` (frames as mdna has them), or a text whose first line identifies it as an oxDNA
+    /// configuration (`t = …`), step parameters (`.par`) or frames (`ref_frames.dat`) of 3DNA.
     ///
     /// # Errors
-    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value of what is none of these.
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for other contents.
     pub fn read(path: &Path, closed: bool) -> Result<Self, InputError> {
         let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
         let bytes = read_regular_bytes(path)?;
@@ -150,8 +150,8 @@ impl BasePairs {
         read.map_err(refuse)
     }
 
-    /// The frames of the axis that a rod straight at rest models: without the double helix, `repeat` base pairs a turn
-    /// taken out evenly.
+    /// Frames of the axis, for a rod that is straight when stress-free: the double helix of `repeat` base pairs a turn
+    /// is removed uniformly.
     #[must_use]
     pub fn unwound(mut self, repeat: f64) -> Self {
         for (k, frame) in self.frames.iter_mut().enumerate() {
@@ -160,7 +160,7 @@ impl BasePairs {
         self
     }
 
-    /// Writes one of the texts or arrays above, replacing what is there.
+    /// Writes one of the texts or arrays above to a file, replacing an existing one.
     ///
     /// # Errors
     /// [`InputError::Write`].

@@ -1,29 +1,29 @@
-//! Proteins on a sequence: steps that are held as they are, steps with other parameters, and blocks between two frames.
+//! Proteins on a sequence: frozen steps, steps with imposed parameters, rigid blocks between two frames.
 //!
-//! A held piece is ten thousand times as stiff as the DNA in it: it gives way by a ten-thousandth of what a free piece would, and
-//! the solver needs no constraint for it. A block is a piece of constant strain (a part of a helix) from the frame of one
-//! base pair to that of another; contact sees it as such.
+//! A held piece is ten thousand times as stiff as its DNA: it deforms by a ten-thousandth of a free piece, without a
+//! constraint in the solver. A block is a piece of constant strain (a part of a helix) from the frame of one base pair
+//! to that of another, also for contact.
 
 use std::path::Path;
 
 use super::pose::strains;
 use crate::error::InputError;
 use crate::rod::{NaturalStrains, Stiffness};
-use crate::text::{Table, read_regular};
+use crate::text::{NumberTable, read_regular};
 
 use super::sequence::PARAMETERS;
 
-/// Stiffness of what is held over that of the DNA there.
+/// Stiffness of a held piece over that of its DNA.
 const RIGID: f64 = 1e4;
 
-/// How a piece is held; six parameters are tilt, roll, twist (degrees), shift, slide, rise (Å).
+/// Constraint of a piece; the six parameters are tilt, roll, twist (degrees), shift, slide, rise (Å).
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Hold {
-    /// With the parameters that the sequence gives.
+    /// The parameters of the sequence.
     Frozen,
-    /// Each step with these.
+    /// The same parameters for each step.
     Steps([f64; 6]),
-    /// Its last base pair as seen from its first.
+    /// Parameters from the first base pair of the piece to the last.
     Block([f64; 6]),
 }
 
@@ -61,7 +61,7 @@ impl Bound {
     /// # Errors
     /// As there, without the file.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let table = Table::parse_with(text, Some("hold"))?;
+        let table = NumberTable::parse_with(text, Some("hold"))?;
         let column = |name: &str| {
             let found = table.names.iter().position(|here| here == name);
             found.ok_or_else(|| format!("line {}: there is no column {name}", table.head))
@@ -97,7 +97,7 @@ impl Bound {
         Ok(Self(pieces))
     }
 
-    /// Holds the steps, each of length `spacing` (nm), in a molecule of so many base pairs.
+    /// Applies the proteins to the steps of a molecule, each of length `spacing` (nm).
     pub(super) fn hold(
         &self,
         (natural, stiffness): (&mut [NaturalStrains], &mut [Stiffness]),
@@ -132,8 +132,8 @@ mod tests {
     const HEAD: &str = "hold, from, to, tilt, roll, twist, shift, slide, rise\n";
     const BLOCK: [f64; 6] = [10.0, 70.0, -50.0, 4.0, -8.0, 25.0];
 
-    /// The frame of each base pair of a rod at rest.
-    fn walk(natural: impl Fn(f64) -> NaturalStrains, spacing: f64, count: usize) -> Vec<(Quat, Vec3)> {
+    /// The frame of each base pair of the stress-free rod.
+    fn base_pair_frames(natural: impl Fn(f64) -> NaturalStrains, spacing: f64, count: usize) -> Vec<(Quat, Vec3)> {
         let (mut frame, mut place, mut all) = (Quat::identity(), Vec3::zeros(), vec![]);
         for k in 0..count {
             all.push((frame, place));
@@ -161,7 +161,7 @@ mod tests {
         let (free, held) =
             (sequence.helix(&steps, false).unwrap(), sequence.helix_with(&steps, false, &bound).unwrap());
         let spacing = held.length / 23.0;
-        let all = walk(|s| held.natural.at(s), spacing, 24);
+        let all = base_pair_frames(|s| held.natural.at(s), spacing, 24);
         let between = |a: usize, b: usize| {
             let (first, last) = (all[a - 1], all[b - 1]);
             (first.0.inverse() * last.0, first.0.inverse() * (last.1 - first.1))

@@ -1,7 +1,7 @@
 //! DNA in nanometres and piconewtons: material constants, well-known molecules, salt-dependent contact diameter.
 //!
-//! Units: length nm, force pN, energy pN·nm, bending and twist stiffness pN·nm². Temperature 298 K. The values are
-//! those of B-DNA in physiological conditions; sources stand beside each.
+//! Units: length nm, force pN, energy pN·nm, bending and twist stiffness pN·nm². Temperature 298 K. Values are for
+//! B-DNA in physiological conditions, each with its source.
 
 pub mod base_pairs;
 pub mod bound;
@@ -127,7 +127,7 @@ pub fn contact_diameter_nm(sodium_chloride: f64) -> Result<f64, InputError> {
 mod tests {
     use super::*;
 
-    /// Relative agreement with a printed value.
+    /// Whether a value agrees with a printed one, relative.
     fn close(found: f64, printed: f64, tolerance: f64) -> bool {
         (found / printed - 1.0).abs() <= tolerance
     }

@@ -6,7 +6,7 @@ use crate::rod::NaturalStrains;
 /// Length unit of the translations in nm.
 pub(crate) const ANGSTROM: f64 = 0.1;
 
-/// Rotation, and that to the frame half way, for tilt, roll and twist in degrees.
+/// Rotation, and rotation to the mid-step frame, for tilt, roll and twist in degrees.
 fn turns(tilt: f64, roll: f64, twist: f64) -> (Quat, Quat) {
     let [tilt, roll, twist] = [tilt, roll, twist].map(f64::to_radians);
     let (bend, phase) = (roll.hypot(tilt), tilt.atan2(roll));
@@ -35,7 +35,7 @@ pub(crate) fn parameters(turn: &Quat, shift: &Vec3) -> [f64; 6] {
         [first + last, last - first]
     };
     let twist = sum.sin().atan2(sum.cos());
-    // half a turn more of the one is half a turn more of the other
+    // sum and difference are each known modulo a turn; half a turn shifts both
     let phase = 0.5 * (difference + (twist - sum));
     let [tilt, roll, twist] = [bend * phase.sin(), bend * phase.cos(), twist].map(f64::to_degrees);
     let (_, middle) = turns(tilt, roll, twist);
@@ -48,7 +48,7 @@ pub(crate) fn strains(parameters: &[f64; 6], spacing: f64) -> NaturalStrains {
     let (turn, shift) = pose(parameters);
     let rotation = turn.scaled_axis();
     let (angle, cross) = (rotation.norm(), rotation.cross_matrix());
-    // mean of exp(u θ×) over u from 0 to 1
+    // mean of exp(u θ×), u from 0 to 1
     let mean = if angle < 1e-4 {
         Mat3::identity() + cross * 0.5 + cross * cross / 6.0
     } else {

@@ -1,5 +1,5 @@
-//! Electrostatics of the duplex in solutions of a monovalent salt: Debye length and charge of the line that stands for
-//! it, for [`Electrostatics`](crate::scene::Electrostatics). Water at 298 K.
+//! Electrostatics of the duplex in solutions of a monovalent salt: Debye length and effective line charge, for
+//! [`Electrostatics`](crate::scene::Electrostatics). Water at 298 K.
 
 use super::{BARE_DIAMETER, THERMAL_ENERGY, contact_diameter_nm};
 use crate::error::InputError;
@@ -20,15 +20,15 @@ pub fn debye_length_nm(salt: f64) -> Result<f64, InputError> {
     Ok((8.0 * std::f64::consts::PI * BJERRUM_LENGTH * PER_MOLAR * salt).sqrt().recip())
 }
 
-/// Where the charge of the line comes from. A Debye–Hückel line has to carry more than the duplex's net charge: the charge
-/// sits on a surface, outside of which the same potential prevails.
+/// Model of the effective line charge. It exceeds the net charge of the duplex, because the charge of the duplex lies
+/// on a surface and the line must give the same potential outside.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Charge {
-    /// Lines that cross repel as rods of the effective diameter of [`SALT_TABLE`](super::SALT_TABLE) do: their second
-    /// virial coefficients are the same, d = λ (ln w + γ + ln 2 − ½), w = 2πν²ℓ_B λ (Stigter 1977, Biopolymers 16:1435).
-    /// The diameters are those of the non-linear theory, confirmed by knots.
+    /// Crossing lines have the second virial coefficient of hard rods of the effective diameter of
+    /// [`SALT_TABLE`](super::SALT_TABLE), d = λ (ln w + γ + ln 2 − ½), w = 2πν²ℓ_B λ (Stigter 1977, Biopolymers
+    /// 16:1435). The diameters are those of the non-linear theory, confirmed by knots.
     #[default]
     Diameter,
     /// Counterions condense until one charge is left per Bjerrum length (Manning 1978, Q. Rev. Biophys. 11:179); it sits on
@@ -66,8 +66,8 @@ impl Charge {
     }
 }
 
-/// The modified Bessel function K₁(x) = ∫ exp(−x cosh t) cosh t dt from 0: the trapezoidal rule has all digits for x of .01
-/// to 100.
+/// The modified Bessel function K₁(x) = ∫ exp(−x cosh t) cosh t dt from 0: the trapezoidal rule is exact to rounding
+/// for x of .01 to 100.
 fn bessel_k1(x: f64) -> f64 {
     const STEP: f64 = 0.05;
     let at = |k: usize| (STEP * k as f64).cosh();

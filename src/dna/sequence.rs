@@ -4,15 +4,15 @@
 //! convention of El Hassan & Calladine (1995, J. Mol. Biol. 251:648) that 3DNA uses. A table gives their means and a
 //! symmetric 6×6 of force constants (kT/deg², kT/(deg Å), kT/Å²) for each pair of bases.
 //!
-//! The rod's frame is that of the base pairs: d1 to the major groove, d2 to the strand that is read, d3 along the helix; so
-//! Γ1 Γ2 Γ3 are shift, slide, rise and K1 K2 K3 tilt, roll, twist, per reference length. Base pair k lies at s = k h, h
-//! the mean rise. Within a step natural strains are constant, such that the rod at rest passes exactly through all base
-//! pairs at rest. Its stiffness is C = F h with the force constants F, in pN and nm: deviations of step parameters are
-//! taken for h times those of the strains. The two agree to first order in the angles of a step; a bend that keeps its
-//! direction in space, as in a ring, costs both the same.
+//! The rod's frame is that of the base pairs: d1 to the major groove, d2 to the strand of the sequence, d3 along the
+//! helix; so Γ1 Γ2 Γ3 are shift, slide, rise and K1 K2 K3 tilt, roll, twist, per reference length. Base pair k lies at
+//! s = k h, h the mean rise. Natural strains are constant within a step, chosen so that the stress-free rod passes
+//! exactly through all base pairs. Its stiffness is C = F h with the force constants F, in pN and nm: deviations of
+//! step parameters are approximated by h times those of the strains. The two agree to first order in the angles of a
+//! step; a bend of constant direction in space, as in a ring, costs the same energy in both.
 //!
-//! A node a base pair suffices. Finer meshes resolve how shift and slide move the centres of base pairs to and fro, which
-//! is sharper than the strand is thick: with contact on, such a mesh finds the strand in itself and does not come to rest.
+//! One node per base pair suffices. Finer meshes resolve the displacements of base-pair centres by shift and slide,
+//! which are sharper than the strand is thick: with contact such a mesh overlaps itself and does not converge.
 
 use std::path::Path;
 
@@ -22,12 +22,12 @@ use crate::dna::pose::{ANGSTROM, pose, strains};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Along, NaturalStrains, Stiffness, check_stiffness};
-use crate::text::{Table, read_regular};
+use crate::text::{NumberTable, read_regular};
 
-/// Names of the parameters, in their order.
+/// Names of the step parameters, in order.
 pub(super) const PARAMETERS: [&str; 6] = ["tilt", "roll", "twist", "shift", "slide", "rise"];
 const BASES: [char; 4] = ['A', 'C', 'G', 'T'];
-/// Parameters that change their sign when a step is read along the other strand: tilt and shift.
+/// Signs of the parameters when a step is read along the complementary strand: tilt and shift change.
 const SIGNS: [f64; 6] = [-1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
 
 /// Means and force constants of one step, in the order tilt, roll, twist, shift, slide, rise.
@@ -40,7 +40,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// The same step read along the other strand.
+    /// The same step read along the complementary strand.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self {
@@ -80,8 +80,8 @@ impl Steps {
         Self([[Step { mean: [0.0, 0.0, 34.2857, 0.0, 0.0, 3.4], stiffness }; 4]; 4])
     }
 
-    /// Steps in crystals of B-DNA with proteins: Olson, Gorin, Lu, Hock & Zhurkin (1998), PNAS 95:11163. Force constants
-    /// as two programs give them that cite the paper, means as one does; the file says which.
+    /// Steps in crystals of B-DNA with proteins: Olson, Gorin, Lu, Hock & Zhurkin (1998), PNAS 95:11163. The force
+    /// constants are those of two programs that cite the paper, the means those of one of them; the file names them.
     ///
     /// # Errors
     /// None: the table is part of the library.
@@ -90,12 +90,12 @@ impl Steps {
     }
 
     /// Reads a table: CSV with the columns `step` (two letters), `tilt`, `roll`, `twist`, `shift`, `slide`, `rise`, and
-    /// force constants, each named by two of these: `roll_roll`, `roll_twist` … Those left out are 0. A step that is not
-    /// there is taken from that of the other strand (`TT` from `AA`).
+    /// force constants, each named by two of these: `roll_roll`, `roll_twist` … Missing force constants are 0. A
+    /// missing step is taken from the complementary strand (`TT` from `AA`).
     ///
     /// # Errors
-    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for columns that are unknown
-    /// or missing, letters other than A, C, G, T, steps that are there twice or not at all, force constants that are not
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for columns that are
+    /// unknown or missing, letters other than A, C, G, T, duplicate or missing steps, force constants that are not
     /// positive definite.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::named(&path.display().to_string(), &read_regular(path)?)
@@ -106,7 +106,7 @@ impl Steps {
     }
 
     fn parse(text: &str) -> Result<Self, String> {
-        let table = Table::parse_with(text, Some("step"))?;
+        let table = NumberTable::parse_with(text, Some("step"))?;
         let index = |name: &str| PARAMETERS.iter().position(|parameter| *parameter == name);
         let means = PARAMETERS.map(|name| table.column(name).ok_or(name));
         if let Some(missing) = means.iter().find_map(|found| found.err()) {
@@ -142,16 +142,16 @@ impl Steps {
     }
 }
 
-/// Index of a base among [`BASES`]; complements are mirrored.
+/// Index of a base among [`BASES`], in which complements are mirrored.
 fn base(letter: char) -> Option<usize> {
     BASES.iter().position(|known| letter.eq_ignore_ascii_case(known))
 }
 
-/// A sequence of bases, of the strand that is read from 5′ to 3′.
+/// A sequence of bases, of one strand from 5′ to 3′.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sequence(Vec<u8>);
 
-/// A sequence as a rod: what [`Rod`](crate::rod::Rod) takes, in nm and pN.
+/// Input of [`Rod`](crate::rod::Rod) for a sequence, in nm and pN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Helix {
     /// Natural strains, for [`Natural::Varying`](crate::rod::Natural).
@@ -160,15 +160,15 @@ pub struct Helix {
     pub stiffness: Along<Stiffness>,
     /// Length of the rod, nm: steps × mean rise.
     pub length: f64,
-    /// Turns of the natural twist, ∫ K3 ds/2π: where a ring is free of twist.
+    /// Natural twist ∫ K3 ds/2π, turns: the link of a relaxed ring.
     pub turns: f64,
 }
 
 impl Sequence {
-    /// A sequence from letters; blanks and line ends do not count, upper and lower case are alike.
+    /// A sequence from letters; white space is ignored, upper and lower case are equal.
     ///
     /// # Errors
-    /// [`InputError::Name`] for other letters, with their place; [`InputError::Count`] for fewer than two bases.
+    /// [`InputError::Name`] for other letters, with their position; [`InputError::Count`] for fewer than two bases.
     ///
     /// ```
     /// use supercoil::dna::sequence::{Sequence, Steps};
@@ -196,8 +196,8 @@ impl Sequence {
     /// Reads a FASTA file of one sequence: lines that begin with `>` or `;` are its name or comments.
     ///
     /// # Errors
-    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] for a second sequence and for letters that are no
-    /// bases, with their line.
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] for a second sequence and for other letters,
+    /// with their line.
     pub fn read_fasta(path: &Path) -> Result<Self, InputError> {
         let text = read_regular(path)?;
         let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
@@ -229,7 +229,7 @@ impl Sequence {
         self.0.iter().map(|&base| BASES[usize::from(base)]).collect()
     }
 
-    /// The steps from base pair to base pair; of a closed molecule also the one from the last to the first.
+    /// The steps between consecutive base pairs, in a closed molecule also from the last to the first.
     fn steps<'a>(&'a self, steps: &'a Steps, closed: bool) -> impl Iterator<Item = &'a Step> {
         let count = self.0.len();
         let number = if closed { count } else { count - 1 };
@@ -239,12 +239,12 @@ impl Sequence {
     /// The molecule as a rod, one constant piece a step.
     ///
     /// # Errors
-    /// None with a table that was read here.
+    /// None for tables of this module.
     pub fn helix(&self, steps: &Steps, closed: bool) -> Result<Helix, InputError> {
         self.helix_with(steps, closed, &Bound::default())
     }
 
-    /// [`Sequence::helix`] with proteins on it.
+    /// [`Sequence::helix`] with bound proteins.
     ///
     /// # Errors
     /// Proteins beyond the last base pair.

@@ -1,4 +1,4 @@
-//! Checkpoints: a run between two steps, on disk, so that it survives being killed.
+//! Checkpoints: the state of a run between two steps, on disk, from which a killed run can resume.
 //!
 //! | bytes | content (integers little endian) |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | 24–27 | CRC-32 of the 24 bytes before |
 //! | 28– | body: [`Checkpoint`] in the postcard format, numbers bit for bit |
 //!
-//! A checkpoint is written beside the last one, flushed to the disk, and takes its name only then: whatever happens,
-//! there is a whole one. What cannot be read back exactly as it was written is refused.
+//! A checkpoint is written to a temporary file, flushed to the disk and then renamed: there is a complete one at any
+//! time. A damaged checkpoint is refused.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub const FORMAT: u32 = 9;
 const MAGIC: &[u8; 8] = b"SUPRCOIL";
 const HEADER: usize = 28;
 
-/// A run between two steps: all that it needs to go on, and all that it will still write.
+/// A run between two steps: all data to resume it and to write its outputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Version of the program that wrote it.
@@ -41,18 +41,18 @@ pub struct Checkpoint {
     pub scene: Option<PathBuf>,
     /// Values of the scene that were replaced, as `KEY=VALUE`.
     pub set: Vec<String>,
-    /// What the scene was.
+    /// Fingerprint of the scene.
     pub fingerprint: Fingerprint,
     /// Wall time of the run so far \[s\].
     pub seconds: f64,
-    /// The solver's side.
+    /// State of the solver.
     pub restart: Restart,
-    /// The record's side.
+    /// State of the record.
     pub record: RecordState,
 }
 
 impl Checkpoint {
-    /// Replaces the checkpoint at `path`; the old one is there until the new one is safely on the disk.
+    /// Replaces the checkpoint at `path`; the old one remains until the new one is on the disk.
     ///
     /// # Errors
     /// [`InputError::Write`] if it cannot be written; the old one is then untouched.
@@ -77,7 +77,7 @@ impl Checkpoint {
     /// Reads the checkpoint at `path`.
     ///
     /// # Errors
-    /// [`InputError::File`] saying whether there is none, or it is no checkpoint, of another version, cut short or
+    /// [`InputError::File`] if there is none, or the file is not a checkpoint, of another version, cut short or
     /// damaged.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
@@ -123,7 +123,7 @@ impl Checkpoint {
         }
     }
 
-    /// Refuses to go on with another scene than the one the run began with.
+    /// Refuses to resume with a scene other than that of the run.
     ///
     /// # Errors
     /// [`InputError::Inconsistent`] naming the part that differs.
@@ -146,8 +146,8 @@ impl Checkpoint {
     }
 }
 
-/// What decides a run's numbers, condensed: lengths and CRC-32 sums of its parts. Title, outputs and threads may
-/// change.
+/// Fingerprint of the settings that determine a run's results: lengths and CRC-32 sums of its parts. Title, outputs and
+/// threads may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fingerprint {
     model: (u64, u32),
@@ -156,7 +156,7 @@ pub struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// Of a scene.
+    /// Fingerprint of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let solver = SolverChoice { threads: None, ..scene.solver };
@@ -164,29 +164,29 @@ impl Fingerprint {
     }
 }
 
-/// Length and CRC-32 of a value's debug form, which has every field (those yet to come too) and every bit of every
+/// Length and CRC-32 of a value's debug form, which contains every field, future ones too, and every bit of every
 /// number.
 fn digest(value: &impl std::fmt::Debug) -> (u64, u32) {
-    struct Sink(u64, crc32fast::Hasher);
-    impl std::fmt::Write for Sink {
+    struct DigestSink(u64, crc32fast::Hasher);
+    impl std::fmt::Write for DigestSink {
         fn write_str(&mut self, text: &str) -> std::fmt::Result {
             self.0 += text.len() as u64;
             self.1.update(text.as_bytes());
             Ok(())
         }
     }
-    let mut sink = Sink(0, crc32fast::Hasher::new());
-    // the sink takes everything
+    let mut sink = DigestSink(0, crc32fast::Hasher::new());
+    // the sink never fails
     let _ = std::fmt::write(&mut sink, format_args!("{value:?}"));
     (sink.0, sink.1.finalize())
 }
 
-/// Writes a file so that at every moment either the old or the new content is found under its name.
+/// Writes a file atomically: at any time its name has either the old or the new content.
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".new");
     let beside = PathBuf::from(name);
-    // A leftover goes, be it a link that someone has put there: what it points to is not to be written to.
+    // A leftover is removed, also if it is a link, whose target must not be written to.
     if beside.symlink_metadata().is_ok() {
         std::fs::remove_file(&beside)?;
     }

@@ -7,7 +7,7 @@ use crate::math::{Quat, Vec3};
 use crate::scene::finite;
 use std::path::Path;
 
-/// Centrelines belong to scenes, one layer below; offered here beside the other readers.
+/// Re-export from scenes, one layer below, beside the other readers.
 pub use crate::scene::read_points;
 
 /// One cell of a table.
@@ -17,7 +17,7 @@ pub enum Cell {
     Number(f64),
     /// A count or index.
     Count(usize),
-    /// A word; quoted in the file where it has to be.
+    /// A string; quoted in the file if necessary.
     Text(String),
 }
 
@@ -116,7 +116,7 @@ pub fn write_state(path: &Path, rods: &[RodState]) -> Result<(), InputError> {
 
 /// Reads what [`write_state`] wrote, bit for bit.
 ///
-/// Quaternions typed by hand may be off unit length by 1e-6 and are then normalised.
+/// Quaternions may deviate from unit length by 1e-6 and are then normalised.
 ///
 /// # Errors
 /// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] naming file and line if the header differs, a
@@ -162,7 +162,7 @@ fn add_node(rods: &mut Vec<RodState>, record: &::csv::StringRecord) -> Result<()
     if (q.norm() - 1.0).abs() > 1e-6 {
         return Err(format!("quaternion of length {} is no rotation", q.norm()));
     }
-    // A unit quaternion to rounding keeps its bits.
+    // A quaternion of unit length to rounding keeps its bits.
     let frame = if (q.norm() - 1.0).abs() < 1e-13 { Quat::new_unchecked(q) } else { Quat::new_normalize(q) };
     state.arc_lengths.push(s);
     state.positions.push(Vec3::new(x, y, z));

@@ -1,9 +1,8 @@
-//! Level of detail: which points of a long curve to keep.
+//! Level of detail: selection of points of a long curve.
 
 use crate::math::Vec3;
 
-/// Points that are looked at together: bounds the work to `BLOCK`/2 distances a point, and keeps at least every
-/// `BLOCK`-th point.
+/// Points per block, which bounds the work to `BLOCK`/2 distances a point. At least every `BLOCK`-th point is kept.
 pub(super) const BLOCK: usize = 512;
 
 /// Every `stride`-th of `count` points and, on open curves, the last.
@@ -37,7 +36,7 @@ pub fn within(points: &[Vec3], tolerance: f64, stride: usize) -> Vec<usize> {
         open.push((first, (first + block).min(last)));
         while let Some((from, to)) = open.pop() {
             match farthest(points, from, to).filter(|&(_, distance)| distance > tolerance) {
-                // the nearer half on top: pieces come out in order
+                // the first half on top, so that pieces come out in order
                 Some((middle, _)) => open.extend([(middle, to), (from, middle)]),
                 None => kept.push(to),
             }

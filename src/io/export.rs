@@ -1,4 +1,4 @@
-//! The base pairs of a run that has been: from the files in its folder.
+//! The base pairs of a finished run, from the files in its folder.
 
 use std::path::Path;
 
@@ -8,17 +8,17 @@ use crate::error::InputError;
 use crate::io::csv::read_state;
 use crate::text::read_regular;
 
-/// What of `summary.json` tells how nodes make a rod.
+/// The part of `summary.json` that describes the meshes of rods.
 #[derive(serde::Deserialize)]
-struct Summary {
+struct MeshSummary {
     units: crate::scene::Units,
-    rods: Vec<RodHead>,
+    rods: Vec<MeshOfRod>,
     #[serde(rename = "final")]
     last: Option<Last>,
 }
 
 #[derive(serde::Deserialize)]
-struct RodHead {
+struct MeshOfRod {
     name: String,
     length: f64,
     closed: bool,
@@ -36,16 +36,16 @@ struct Link {
     link: f64,
 }
 
-/// Base pairs of the final state in the folder of a run: of the rod called `rod` (the only one needs no name), `count` of
-/// them; if not given, as many as its length has at [`RISE`].
+/// Base pairs of the final state in the folder of a run: of the rod named `rod` (the only one needs no name). `count`
+/// is their number; default: its length over [`RISE`].
 ///
 /// # Errors
-/// Files that are missing or unreadable; several rods and no name, or a name that none has; a unit of length that is not
-/// nm; see [`BasePairs::along`].
+/// Files that are missing or unreadable; several rods and no name, or an unknown name; a unit of length other than nm;
+/// see [`BasePairs::along`].
 pub fn base_pairs(dir: &Path, rod: Option<&str>, count: Option<usize>) -> Result<BasePairs, InputError> {
     let file = dir.join("summary.json");
     let refuse = |e: serde_json::Error| InputError::Parse { file: file.display().to_string(), reason: e.to_string() };
-    let summary: Summary = serde_json::from_str(&read_regular(&file)?).map_err(refuse)?;
+    let summary: MeshSummary = serde_json::from_str(&read_regular(&file)?).map_err(refuse)?;
     if summary.units.length != "nm" {
         let (field, name) = ("units.length of the scene".to_owned(), summary.units.length);
         return Err(InputError::Name { field, name, allowed: "\"nm\": base pairs have a size".to_owned() });

@@ -6,27 +6,27 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::scene::Scene;
 
-/// The scene as it was run: where it came from, and its text.
+/// Copy of the scene: its origin and its text.
 pub(super) const SCENE: &str = "scene_as_run.toml";
-/// Locked while a run writes to the folder; left there, since taking it away could let two in.
+/// Lock file of a run that writes to the folder. It is never removed, because removal could admit two runs.
 const LOCK: &str = ".lock";
 
-/// Makes the folder and keeps other runs out of it until what is returned goes, or the program ends in whatever way.
+/// Creates the folder and locks it until the returned file is dropped or the program ends.
 ///
 /// # Errors
-/// [`InputError::Write`] if it cannot be made or written to, or another run has it.
+/// [`InputError::Write`] if it cannot be created or written to, or another run has locked it.
 pub(super) fn lock(dir: &Path) -> Result<File, InputError> {
     let refuse = |reason: String| InputError::Write { path: dir.to_owned(), reason };
     std::fs::create_dir_all(dir).map_err(|e| refuse(e.to_string()))?;
     let file = File::options().create(true).append(true).open(dir.join(LOCK)).map_err(|e| refuse(e.to_string()))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(refuse("another run is writing to this folder".to_owned())),
-        // file systems that know no locks keep nobody out
+        // file systems without locks exclude no one
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
 }
 
-/// What tells a scene from others: its file, and the values that were replaced. None for scenes from no file.
+/// Origin of a scene: its file and the values that were replaced. `None` for a scene from text.
 fn origin(scene: &Scene) -> Option<String> {
     let path = scene.path.as_ref()?;
     let set: String = scene.set.iter().map(|assignment| format!("# --set {assignment:?}\n")).collect();
@@ -48,7 +48,7 @@ pub(super) fn check(dir: &Path, scene: &Scene) -> Result<(), InputError> {
     Err(InputError::Inconsistent { field: dir.display().to_string(), reason })
 }
 
-/// Leaves a copy of the scene in the folder, with its origin and the program's version.
+/// Writes a copy of the scene to the folder, with its origin and the program's version.
 pub(super) fn describe(dir: &Path, scene: &Scene) -> Result<(), InputError> {
     let Some(origin) = origin(scene) else { return Ok(()) };
     let path = dir.join(SCENE);

@@ -5,9 +5,9 @@
 //! ```
 //! Orthographic view, key light with a soft shadow, fill and rim light, ambient occlusion from the depth buffer. The
 //! work is that of the covered samples plus the capsules, in parallel over bands of rows; the same bytes for any number
-//! of threads. Rods too thin to be seen are drawn as lines one pixel wide, of no more points than can be told apart, so
-//! that a rod of a million nodes costs little more than one of a thousand. Text is in a bundled font; no system
-//! fonts are needed.
+//! of threads. Rods thinner than a pixel are drawn as lines one pixel wide, of no more points than can be
+//! distinguished, so that a rod of a million nodes costs little more than one of a thousand. Text is in a bundled font;
+//! no system fonts are needed.
 
 pub(super) mod camera;
 mod legend;
@@ -28,16 +28,16 @@ pub use palette::{Palette, colors_by_value};
 pub use plot::{PlotSpec, Series, SeriesStyle, plot_lines};
 pub use strip::film_strip;
 
-/// A rod as it is drawn.
+/// A rod to be drawn.
 #[derive(Debug, Clone, Default)]
 pub struct Tube {
-    /// Centreline points \[L\]; drawn through by a smooth curve, so a coarse mesh looks smooth.
+    /// Centreline points \[L\]. A smooth curve through them is drawn, so a coarse mesh looks smooth.
     pub points: Vec<Vec3>,
     /// Radius \[L\], greater than 0.
     pub radius: f64,
     /// Whether the curve returns to its first point (which is not repeated).
     pub closed: bool,
-    /// Colours (sRGB): one a point, or a single one for the whole tube, or none for grey.
+    /// Colours (sRGB): one per point, one for the whole tube, or none for grey.
     pub colors: Vec<[u8; 3]>,
     /// Material line to be drawn on the surface, so that twist can be seen.
     pub stripe: Option<Stripe>,
@@ -49,11 +49,12 @@ pub struct Stripe {
     /// Material direction (d1) at each point of the tube; need not be unit or exactly normal. Neighbours may differ by
     /// less than half a turn.
     pub directions: Vec<Vec3>,
-    /// Turns of the frame at the end of a closed tube against that at its start (see `link_numbers`); 0 if open.
+    /// Rotation of the frame at the end of a closed tube relative to that at its start, turns (see `link_numbers`); 0
+    /// if open.
     pub seam_turns: f64,
     /// Colour (sRGB).
     pub color: [u8; 3],
-    /// Half the angle the stripe covers on the cross-section, rad; 0.3 looks right. Legal: 0 to π.
+    /// Half the angle of the stripe on the cross-section, rad; 0.3 is usual. Legal: 0 to π.
     pub half_angle: f64,
 }
 
@@ -64,7 +65,7 @@ impl Stripe {
     }
 }
 
-/// A spot that glows on whatever surface passes through it: a place of contact.
+/// A highlight on the surfaces within a sphere: a contact site.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// Centre \[L\]; the middle between the two surfaces for a contact.
@@ -75,17 +76,18 @@ pub struct Spot {
     pub color: [u8; 3],
 }
 
-/// Where a picture is seen from.
+/// Viewing direction of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum View {
-    /// Along the axis in which the points spread least, the widest axis along the picture's longer side.
+    /// Along the direction of least extent of the points, with the direction of largest extent along the picture's
+    /// longer side.
     #[default]
     Auto,
     /// Along `forward` (from the eye into the scene), `up` towards the top of the picture; neither need be unit.
     Along {
         /// Viewing direction.
         forward: Vec3,
-        /// What appears upwards; must not be parallel to `forward`.
+        /// Upward direction; must not be parallel to `forward`.
         up: Vec3,
     },
 }
@@ -102,15 +104,15 @@ pub enum View {
 /// ```
 #[derive(Debug, Clone)]
 pub struct TubePicture {
-    /// What is drawn.
+    /// The tubes.
     pub tubes: Vec<Tube>,
-    /// Highlighted places of contact.
+    /// Highlighted contact sites.
     pub spots: Vec<Spot>,
     /// Width in pixels, 1 to 20000.
     pub width: usize,
     /// Height in pixels, 1 to 20000.
     pub height: usize,
-    /// Where it is seen from.
+    /// Viewing direction.
     pub view: View,
     /// Background (sRGB).
     pub background: [u8; 3],
@@ -135,7 +137,7 @@ impl Default for TubePicture {
     }
 }
 
-/// Most samples of a picture: 8 bytes each make 2 GB.
+/// Largest number of samples of a picture, because at 8 bytes each they take 2 GB.
 const MAX_SAMPLES: usize = 1 << 28;
 
 impl TubePicture {
@@ -148,7 +150,7 @@ impl TubePicture {
         self.check()?;
         let camera = camera::Camera::new(self)?;
         let capsules = tube::capsules(&self.tubes, &camera);
-        let shapes: Vec<raster::Shape> = capsules.iter().map(|c| c.shape).collect();
+        let shapes: Vec<raster::ScreenCapsule> = capsules.iter().map(|c| c.shape).collect();
         let light = shade::Light::new(&shapes);
         let samples = raster::draw(&shapes, camera.width, camera.height);
         Ok(shade::develop(self, &camera, &capsules, &samples, &light))
@@ -282,7 +284,7 @@ impl Picture {
     pub fn save_transparent_png(&self, on_black: &Self, path: &Path) -> Result<(), InputError> {
         let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
         let pixel = |(white, black): (&[u8], &[u8])| {
-            // background shows through as far as the two differ, and is told from the brightest channel of either
+            // the difference of the two is the transparency; the brightest channel determines it
             let differ = (0..3).map(|k| white[k].saturating_sub(black[k])).min().unwrap_or(0);
             let alpha = 255 - differ;
             let channel = |k: usize| (255 * usize::from(black[k]) / usize::from(alpha.max(1))).min(255) as u8;

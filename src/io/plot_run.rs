@@ -1,4 +1,4 @@
-//! A plot of columns of a run's table.
+//! Plots of columns of a run's table.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::error::InputError;
 
 use super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 
-/// The table that a run has left.
+/// The table of a finished run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunTable {
     /// Names of the columns.
@@ -46,7 +46,7 @@ impl RunTable {
         Ok(cells().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect())
     }
 
-    /// Plots columns against another one as SVG; steps in which the rods snapped are joined by a dashed line.
+    /// Plots columns against another one as SVG; a dashed line marks steps in which the rods snapped.
     ///
     /// # Errors
     /// As [`RunTable::numbers`] and [`plot_lines`].
@@ -80,8 +80,8 @@ impl RunTable {
     }
 }
 
-/// A curve that is interrupted where the rods snapped, and the pieces across.
-pub(super) fn with_jumps(points: &[Point], snapped: &[bool]) -> (Vec<Point>, Vec<Point>) {
+/// A curve interrupted where the rods snapped, and the pieces across the interruptions.
+pub(super) fn with_jumps(points: &[PlotPoint], snapped: &[bool]) -> (Vec<PlotPoint>, Vec<PlotPoint>) {
     let gap = (f64::NAN, f64::NAN);
     let (mut line, mut jumps) = (Vec::new(), Vec::new());
     for (k, &point) in points.iter().enumerate() {
@@ -94,10 +94,10 @@ pub(super) fn with_jumps(points: &[Point], snapped: &[bool]) -> (Vec<Point>, Vec
     (line, jumps)
 }
 
-type Point = (f64, f64);
-type Rows = (Vec<String>, Vec<Vec<String>>);
+type PlotPoint = (f64, f64);
+type TextTable = (Vec<String>, Vec<Vec<String>>);
 
-fn read(path: &Path) -> Result<Rows, InputError> {
+fn read(path: &Path) -> Result<TextTable, InputError> {
     let refuse = |e: ::csv::Error| InputError::Parse { file: path.display().to_string(), reason: e.to_string() };
     let mut reader = ::csv::Reader::from_path(path).map_err(refuse)?;
     let words = |record: &::csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();

@@ -1,4 +1,5 @@
-//! What a run leaves behind: tables, final state, VTK files, pictures, summary. Fed with snapshots, knows no solver.
+//! The outputs of a run: tables, final state, VTK files, pictures, summary. Input are snapshots; the solver is not
+//! known here.
 
 mod files;
 mod pictures;
@@ -38,7 +39,7 @@ pub struct RodSnapshot {
     pub contact_force: Vec<Vec3>,
 }
 
-/// What the record must know of each rod.
+/// Data of each rod for the record.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct RodHead {
     pub name: String,
@@ -51,7 +52,7 @@ pub(super) struct RodHead {
 }
 
 impl RodHead {
-    /// Radius it is drawn with; a rod without a contact radius is a thin line.
+    /// Radius for drawing; a rod without a contact radius is a thin line.
     pub fn radius(&self) -> f64 {
         if self.contact_radius > 0.0 { self.contact_radius } else { 2e-3 * self.length }
     }
@@ -59,7 +60,7 @@ impl RodHead {
 
 /// `summary.json`.
 #[derive(Debug, Clone, Serialize)]
-struct Summary<'a> {
+struct SummaryFile<'a> {
     program: &'a str,
     title: &'a str,
     units: &'a Units,
@@ -86,24 +87,24 @@ struct Thermal {
     /// pN·nm
     #[serde(rename = "kT")]
     thermal_energy: f64,
-    /// Of every step, in kT.
+    /// Energies of every step, in kT.
     energies: Vec<Energies>,
 }
 
-/// Frames kept for the film strip; when full, every other one is dropped.
+/// Most frames kept for the film strip; then every other one is dropped.
 const MAX_FILM: usize = 48;
 
 /// Contact sites listed for each step; more are counted, and listed for the final state in a file of their own.
 pub const MAX_SITES: usize = 100;
 
 #[derive(Debug, Clone)]
-struct Frame {
+struct RecordedFrame {
     step: usize,
     rods: Vec<RodSnapshot>,
     sites: Vec<SiteReport>,
 }
 
-/// What a record must remember of the steps so far in order to go on later.
+/// Data of a record from which it can be resumed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecordState {
     steps: Vec<Observation>,
@@ -114,7 +115,7 @@ pub struct RecordState {
     collection: String,
 }
 
-/// Writes the files of a run into a folder, which is made if need be:
+/// Writes the files of a run into a folder, which is created if need be:
 ///
 /// | file | content |
 /// |---|---|
@@ -122,11 +123,11 @@ pub struct RecordState {
 /// | `table.csv`, `table_columns.csv` | one line per accepted step; name, unit and meaning of its columns |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
-/// | `lines.csv` | where strands lie along each other in the final state: pressure and gap along the lines |
+/// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
-/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
-/// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
-/// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
+/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if requested; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
+/// | `picture.png`, `filmstrip.png` | final shape; six states of the run |
+/// | `view.html` | an interactive page of the run for the browser (made from the `.vtp` files) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
 #[derive(Debug)]
 pub struct Record {
@@ -143,7 +144,7 @@ pub struct Record {
     steps: Vec<Observation>,
     film: Vec<Still>,
     stride: usize,
-    last: Option<Frame>,
+    last: Option<RecordedFrame>,
     lines: Vec<LineSample>,
     last_written: Option<usize>,
     pvd: PvdWriter,
@@ -152,11 +153,11 @@ pub struct Record {
 }
 
 impl Record {
-    /// A record of `scene` in the folder `dir`. Files of these names that an earlier run has left there are removed: a
-    /// folder holds one run.
+    /// A record of `scene` in the folder `dir`. Files of these names from an earlier run are removed, because a folder
+    /// holds one run.
     ///
     /// # Errors
-    /// [`InputError::Write`] if the folder cannot be made, or a file of an earlier run not be removed.
+    /// [`InputError::Write`] if the folder cannot be created, or a file of an earlier run cannot be removed.
     pub fn new(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
         let record = Self::open(scene, dir)?;
         files::remove_all(dir)?;
@@ -198,10 +199,10 @@ impl Record {
         })
     }
 
-    /// Goes on with the record of an earlier run of the same scene.
+    /// Resumes the record of an earlier run of the same scene.
     ///
     /// # Errors
-    /// [`InputError::Write`] if the folder cannot be made.
+    /// [`InputError::Write`] if the folder cannot be created.
     pub fn resume(scene: &Scene, dir: &Path, state: RecordState) -> Result<Self, InputError> {
         let fresh = Self::open(scene, dir)?;
         let RecordState { steps, film, stride, last_written, collection } = state;
@@ -209,7 +210,7 @@ impl Record {
         Ok(Self { steps, film, stride: stride.max(1), last_written, pvd, ..fresh })
     }
 
-    /// What [`Record::resume`] needs.
+    /// The input of [`Record::resume`].
     pub fn state(&self) -> RecordState {
         RecordState {
             steps: self.steps.clone(),
@@ -225,12 +226,12 @@ impl Record {
         &self.steps
     }
 
-    /// See [`Observation::overlaps`], of the last state.
+    /// [`Observation::overlaps`] of the last state.
     pub fn overlaps(&self) -> bool {
         self.steps.last().is_some_and(Observation::overlaps)
     }
 
-    /// A rod with length and radius as they are in a step.
+    /// A rod with its length and radius in a step.
     fn head(&self, rod: usize, step: usize) -> RodHead {
         let head = self.rods[rod].clone();
         match self.steps.get(step).and_then(|step| step.sizes.get(rod)) {
@@ -239,7 +240,7 @@ impl Record {
         }
     }
 
-    /// Takes in an accepted state and writes its VTK file if it is due; `rods` in the order of the scene.
+    /// Adds an accepted state and writes its VTK file if due; `rods` in the order of the scene.
     ///
     /// # Errors
     /// [`InputError::Write`] if a file cannot be written.
@@ -250,7 +251,7 @@ impl Record {
             let changed = changes(first, &observation, &self.rods);
             observation.notes.extend(changed);
         }
-        let frame = Frame { step: self.steps.len(), rods, sites };
+        let frame = RecordedFrame { step: self.steps.len(), rods, sites };
         self.steps.push(observation);
         if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
             self.write_vtk(&frame)?;
@@ -266,30 +267,30 @@ impl Record {
         Ok(())
     }
 
-    /// Sets the last state of a resumed record that has taken in none since.
+    /// Sets the last state of a resumed record without new states.
     pub(super) fn set_last(&mut self, rods: impl FnOnce() -> (Vec<RodSnapshot>, Vec<SiteReport>)) {
         if let (None, Some(step)) = (&self.last, self.steps.len().checked_sub(1)) {
             let (rods, sites) = rods();
-            self.last = Some(Frame { step, rods, sites });
+            self.last = Some(RecordedFrame { step, rods, sites });
         }
     }
 
-    /// Takes in the pressure along lines of contact in the final state.
+    /// Sets the pressure along lines of contact in the final state.
     pub fn set_lines(&mut self, lines: Vec<LineSample>) {
         self.lines = lines;
     }
 
-    /// Takes in why the run went no further, for the summary.
+    /// Sets the reason why the run ended early, for the summary.
     pub fn set_failure(&mut self, failure: Option<String>) {
         self.failure = failure;
     }
 
-    /// Takes in an estimate of the final state's error, for the summary.
+    /// Sets an estimate of the final state's error, for the summary.
     pub fn set_error_estimate(&mut self, estimate: ErrorEstimate) {
         self.error_estimate = Some(estimate);
     }
 
-    /// Writes all that is left to write; `status` says how the run ended.
+    /// Writes the remaining files; `status` describes how the run ended.
     ///
     /// # Errors
     /// [`InputError::Write`] if a file cannot be written.
@@ -330,7 +331,7 @@ impl Record {
             let energies = steps.iter().map(|step| step.energies.over(thermal_energy)).collect();
             Thermal { temperature, thermal_energy, energies }
         });
-        let summary = Summary {
+        let summary = SummaryFile {
             program,
             title,
             units,
@@ -349,7 +350,7 @@ impl Record {
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
     }
 
-    fn write_final_state(&self, last: &Frame) -> Result<(), InputError> {
+    fn write_final_state(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let state = |(index, rod): (usize, &RodSnapshot)| {
             let head = self.head(index, last.step);
             let spacing = head.length / (head.elements * head.order) as f64;
@@ -363,7 +364,7 @@ impl Record {
         write_state(&self.dir.join(files::FINAL_STATE), &states)
     }
 
-    fn write_vtk(&mut self, frame: &Frame) -> Result<(), InputError> {
+    fn write_vtk(&mut self, frame: &RecordedFrame) -> Result<(), InputError> {
         let vtk = |(head, rod): (&RodHead, &RodSnapshot)| {
             let kept = self.vtk_nodes(head, rod);
             let axis = |axis: Vec3| kept.iter().map(|&i| rod.frames[i] * axis).collect::<Vec<_>>();
@@ -391,7 +392,7 @@ impl Record {
         self.pvd.push(frame.step as f64, &path)
     }
 
-    /// Nodes that go into a VTK file.
+    /// Indices of the nodes of a VTK file.
     fn vtk_nodes(&self, head: &RodHead, rod: &RodSnapshot) -> Vec<usize> {
         match self.output.node_tolerance {
             Some(tolerance) => within(&rod.positions, tolerance, self.output.node_every),
@@ -400,7 +401,7 @@ impl Record {
     }
 }
 
-/// Knots and links of rods that are no longer those of the start, in words.
+/// Knots and links of rods that differ from those of the start, as text.
 fn changes(first: &Observation, now: &Observation, rods: &[RodHead]) -> Vec<String> {
     let name = |rod: usize| rods.get(rod).map_or("", |rod| rod.name.as_str());
     let knots = now.knots.iter().filter_map(|knot| {
@@ -418,7 +419,7 @@ fn changes(first: &Observation, now: &Observation, rods: &[RodHead]) -> Vec<Stri
     knots.chain(linking).collect()
 }
 
-/// The [`MAX_SITES`] sites with the largest forces, in their old order.
+/// The [`MAX_SITES`] sites with the largest forces, in their original order.
 fn strongest(sites: &[SiteReport]) -> Vec<SiteReport> {
     let mut order: Vec<usize> = (0..sites.len()).collect();
     if sites.len() > MAX_SITES {

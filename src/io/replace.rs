@@ -1,16 +1,16 @@
-//! Files that are there whole or not at all.
+//! Atomic replacement of files.
 
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Fills a new file that stands beside `path` and gives it that name: at every moment either the old or the new content
-/// is found there, also after a loss of power.
+/// Fills the new file at `beside` and renames it to `path`: at any time `path` has either the old or the new content,
+/// also after a loss of power.
 pub(super) fn fill_and_rename(mut file: File, beside: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     file.write_all(bytes)?;
     file.sync_all()?;
     std::fs::rename(beside, path)?;
-    // the new name, too, has to reach the disk; where folders cannot be opened this is left to the system
+    // the new name must reach the disk, too; where folders cannot be opened the system does it
     if let Some(folder) = path.parent() {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         if let Ok(folder) = File::open(folder) {

@@ -1,5 +1,5 @@
-//! Runs a scene and leaves its record in a folder; silent, progress goes through a callback. A run that was stopped or
-//! killed goes on from its last checkpoint and ends with the same bits.
+//! Runs a scene and writes its record to a folder. Silent; a callback reports progress. A stopped or killed run resumes
+//! from its last checkpoint and ends with the same bits.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -20,20 +20,19 @@ use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
 use super::folder;
 use super::record::{Record, RodSnapshot};
 
-/// How a run went.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Outcome {
     /// How the run ended.
     pub status: Status,
-    /// Accepted steps, the start and those before the run was taken up again included; of their contact sites only the
-    /// strongest.
+    /// Accepted steps, the start and those before a resumption included, each with its strongest contact sites only.
     pub steps: Vec<Observation>,
-    /// Wall time, all parts of the run together \[s\].
+    /// Wall time of all parts of the run \[s\].
     pub seconds: f64,
-    /// The checkpoint from which an unfinished run can go on.
+    /// The checkpoint from which an unfinished run can resume.
     pub checkpoint: Option<PathBuf>,
-    /// Why the run went no further, if it did not converge and was not stopped.
+    /// Reason of the end, if the run neither converged nor was stopped.
     pub failure: Option<Failure>,
     /// An estimate of the final state's error, if the scene asks for it and the run converged.
     pub error_estimate: Option<ErrorEstimate>,
@@ -50,7 +49,7 @@ pub fn options(scene: &Scene) -> Options {
     Options { newton, threads: choice.threads, ..Options::default() }
 }
 
-/// Sees every accepted step and may stop the run.
+/// Callback for every accepted step; may stop the run.
 pub type Watch<'a> = dyn FnMut(&Observation) -> ControlFlow<()> + 'a;
 
 /// Runs `scene` and writes its outputs to the folder `dir`: [`SceneRun::start`].
@@ -61,19 +60,19 @@ pub fn run_scene(scene: Scene, dir: &Path, watch: &mut Watch) -> Result<Outcome,
     SceneRun::new(scene, dir).start(watch)
 }
 
-/// Goes on with the run in the folder `dir`, whose scene file must still be where it was: [`SceneRun::resume`].
+/// Resumes the run in the folder `dir`, whose scene file must not have moved: [`SceneRun::resume`].
 ///
 /// # Errors
-/// As there; a scene that came from no file, or whose file cannot be read.
+/// As there; a scene without a file, or whose file cannot be read.
 pub fn resume(dir: &Path, watch: &mut Watch) -> Result<Outcome, RunError> {
     let scene = scene_of(&Checkpoint::read(&dir.join(FILE_NAME))?)?;
     SceneRun::new(scene, dir).resume(watch)
 }
 
-/// The scene a checkpoint was written for, read from its file.
+/// The scene of a checkpoint, read from its file.
 ///
 /// # Errors
-/// A scene that came from no file, or whose file cannot be read.
+/// A scene without a file, or whose file cannot be read.
 pub fn scene_of(checkpoint: &Checkpoint) -> Result<Scene, InputError> {
     let Some(path) = &checkpoint.scene else {
         let reason = "its scene came from no file: give the scene to go on with".to_owned();
@@ -82,7 +81,7 @@ pub fn scene_of(checkpoint: &Checkpoint) -> Result<Scene, InputError> {
     Scene::read_with(path, &checkpoint.set)
 }
 
-/// A scene about to be run in a folder.
+/// A scene and the folder for its run.
 #[derive(Debug, Clone)]
 pub struct SceneRun {
     /// The scene.
@@ -91,28 +90,28 @@ pub struct SceneRun {
     pub dir: PathBuf,
     /// Stops the run between two Newton iterations.
     pub interrupt: Interrupt,
-    /// Replaces what another scene has left in the folder; else that is refused.
+    /// Whether results of another scene in the folder may be replaced; otherwise they are an error.
     pub force: bool,
 }
 
 impl Outcome {
-    /// Whether the final state came to rest with tubes inside each other where contact does not resist it.
+    /// Whether tubes overlap in the final equilibrium where contact does not resist it.
     pub fn overlaps(&self) -> bool {
         self.status == Status::Converged && self.steps.last().is_some_and(Observation::overlaps)
     }
 }
 
 impl SceneRun {
-    /// A run that nothing interrupts yet.
+    /// A run without an interrupt.
     pub fn new(scene: Scene, dir: &Path) -> Self {
         Self { scene, dir: dir.to_owned(), interrupt: Interrupt::default(), force: false }
     }
 
     /// Runs the scene from its start; `watch` sees every accepted step and may stop the run.
     ///
-    /// The record of what was accepted is written also when the run stops, does not converge or breaks down.
-    /// Checkpoints are written after steps as the scene's output choices say, and when the run is stopped; a finished
-    /// run leaves none. One that an earlier run has left in the folder is set aside as `checkpoint.bin.old`.
+    /// The record of accepted steps is written also if the run is stopped, does not converge or breaks down.
+    /// Checkpoints are written after steps according to the scene's output choices, and when the run is stopped; a
+    /// finished run removes its own. A checkpoint of an earlier run in the folder is renamed to `checkpoint.bin.old`.
     ///
     /// # Errors
     /// [`RunError`]: input refused (files that cannot be written included), a folder in which another run is writing or
@@ -132,15 +131,15 @@ impl SceneRun {
         self.go(record, None, 0.0, watch)
     }
 
-    /// Goes on from the checkpoint in the folder. The steps that follow, the final state and all tables are, bit for
-    /// bit, those of a run that never stopped, but for wall times; `watch` sees the steps that follow.
+    /// Resumes from the checkpoint in the folder. The remaining steps, the final state and all tables are those of an
+    /// uninterrupted run, bit for bit, except wall times; `watch` sees the remaining steps.
     ///
     /// # Errors
     /// As [`SceneRun::start`]; a checkpoint that is missing, damaged or of another version, or that was written for
     /// another scene (title, outputs and threads may differ).
     pub fn resume(self, watch: &mut Watch) -> Result<Outcome, RunError> {
         let path = self.dir.join(FILE_NAME);
-        // a folder that is not there is not made
+        // a missing folder is not created
         let _lock = path.exists().then(|| folder::lock(&self.dir)).transpose()?;
         let checkpoint = Checkpoint::read(&path)?;
         checkpoint.check_scene(&self.scene)?;
@@ -206,7 +205,7 @@ impl SceneRun {
     }
 }
 
-/// Keeps record and checkpoint of a run.
+/// Writer of record and checkpoints of a run.
 struct Keeper {
     record: Record,
     path: PathBuf,
@@ -215,11 +214,11 @@ struct Keeper {
     fingerprint: Fingerprint,
     steps: Option<usize>,
     seconds: f64,
-    /// A checkpoint of this run is on the disk.
+    /// Whether a checkpoint of this run is on the disk.
     on_disk: bool,
     /// When the last one was written.
     last: Instant,
-    /// From where the run could go on.
+    /// State from which the run could resume.
     latest: Option<Restart>,
     started: Instant,
     seconds_before: f64,
@@ -232,13 +231,13 @@ impl Keeper {
         self.record.push(observation, snapshots(engine))?;
         self.latest = waypoint.restart();
         let by_steps = self.steps.is_some_and(|every| waypoint.place().num_steps.is_multiple_of(every));
-        // an interval too long for a Duration never ends
+        // an interval beyond the range of Duration never ends
         let interval = Duration::try_from_secs_f64(self.seconds).unwrap_or(Duration::MAX);
         if by_steps || self.last.elapsed() >= interval { self.write() } else { Ok(()) }
     }
 
-    /// Follows the path of a ramp from where a solution stands. No checkpoint is written on the way: a run that is taken
-    /// up again follows the path from its beginning.
+    /// Follows the path of a ramp from a solution. No checkpoint is written meanwhile: a resumed run follows the path
+    /// from its beginning.
     fn follow(
         &mut self,
         solution: &mut solve::Solution,
@@ -263,7 +262,7 @@ impl Keeper {
             ..FollowOptions::default()
         };
         let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
-            // it is the state that the stages before have ended with
+            // the start is the final state of the stages before
             if point.kind == PointKind::Start {
                 return ControlFlow::Continue(());
             }
@@ -325,7 +324,7 @@ impl Keeper {
             self.record.set_last(|| (snapshots(engine), observe::contact_sites(engine)));
             self.record.set_lines(observe::contact_lines(engine));
             self.record.set_failure(solution.failure.as_ref().map(Failure::to_string));
-            // before the outputs, which may take a while
+            // before the outputs, which take time
             if solution.status == Status::Stopped || (self.on_disk && !converged) {
                 self.write()?;
             }
@@ -335,11 +334,11 @@ impl Keeper {
         if let Ok(Some(estimate)) = &estimated {
             self.record.set_error_estimate(estimate.clone());
         }
-        // also where no estimate can be made: the run itself has converged
+        // also without an estimate: the run itself has converged
         self.record.finish(converged && !self.record.overlaps(), &status, seconds)?;
         let error_estimate = estimated?;
         if converged && self.on_disk {
-            // all there is to know is in the outputs now; a checkpoint that cannot be removed does no harm
+            // the outputs are complete; a checkpoint that cannot be removed does no harm
             std::fs::remove_file(&self.path).ok();
             self.on_disk = false;
         }
@@ -355,7 +354,7 @@ impl Keeper {
     }
 }
 
-/// What a point of a path is, where that is worth a note.
+/// Note on the kind of a point of a path, if it is special.
 fn kind_in_words(point: &PathPoint) -> Option<String> {
     let value = point.value;
     match point.kind {

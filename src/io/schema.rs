@@ -1,10 +1,10 @@
-//! JSON Schema of scene files, for editors: made of the same reference as `supercoil help scene`.
+//! JSON Schema of scene files, for editors, from the reference of `supercoil help scene`.
 
 use serde_json::{Map, Value, json};
 
 use crate::scene::file::{Key, keys};
 
-/// The schema (draft 2020-12), as text. Editors check keys and types by it and show what keys mean.
+/// The schema (draft 2020-12), as text. Editors check keys and types with it and show the meaning of keys.
 #[must_use]
 pub fn scene_schema() -> String {
     let all = keys();
@@ -53,13 +53,13 @@ fn text() -> Value {
     json!({ "type": "string" })
 }
 
-/// A node as supports, loads and ramps name it.
+/// A node in supports, loads and ramps.
 fn node() -> Value {
     let arc = json!({ "type": "object", "properties": { "arc": number() }, "additionalProperties": false });
     json!({ "anyOf": [{ "enum": ["start", "end"] }, { "type": "integer", "minimum": 0 }, arc] })
 }
 
-/// What a key holds, by the words of the reference.
+/// Type of a key, from the wording of the reference.
 fn kind(key: &Key, tables: &[&str]) -> Value {
     let path = key.path();
     let value = key.value.as_str();
@@ -69,7 +69,7 @@ fn kind(key: &Key, tables: &[&str]) -> Value {
         let of = reference(&path);
         return match value {
             _ if value.starts_with("[[") => list(of),
-            // ramps may be several of a kind
+            // a stage may have several ramps of a kind
             _ if key.table == "stages.ramp" => one_or_more(of),
             _ => of,
         };
@@ -96,7 +96,7 @@ fn kind(key: &Key, tables: &[&str]) -> Value {
     }
 }
 
-/// A small table that has no heading of its own: `{ rod, to }`, `{ rod, at }`, units.
+/// A small table without a heading: `{ rod, to }`, `{ rod, at }`, units.
 fn braces(key: &Key) -> Value {
     let inside = key.value.trim_start_matches('{').split('}').next().unwrap_or_default();
     let of = |name: &str| match name {
@@ -111,7 +111,7 @@ fn braces(key: &Key) -> Value {
     if key.table == "stages.ramp" { json!({ "anyOf": [object, list(object.clone())] }) } else { object }
 }
 
-/// Words that are allowed, as the reference lists them.
+/// Allowed strings, as listed in the reference.
 fn words(allowed: &str) -> Vec<&str> {
     let list = allowed.split([';', ':']).next().unwrap_or_default();
     list.split(',').map(|word| word.trim().trim_matches('"')).filter(|word| !word.is_empty()).collect()

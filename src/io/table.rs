@@ -15,7 +15,7 @@ pub use columns::Columns;
 
 /// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod.
 ///
-/// Columns may be printed as they come: [`StepTable::head`], then [`StepTable::line`] for each step.
+/// Lines may be printed one by one: [`StepTable::head`], then [`StepTable::line`] for each step.
 #[derive(Debug, Clone, Copy)]
 pub struct StepTable<'a> {
     /// Names of the units.
@@ -63,7 +63,7 @@ impl StepTable<'_> {
         let e = &step.energies;
         let mut line = format!("{:>5}", step.step);
         line += &[link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)].map(turns).concat();
-        // what is rounding beside the others is zero
+        // an energy within rounding of the total prints as zero
         let energy = |x: f64| number(if x.abs() < ROUNDING * e.total.abs() { 0.0 } else { x });
         line += &[e.bend, e.twist, e.stretch, e.shear].map(energy).concat();
         line += &format!("{gap}{:>6} {}", step.num_sites, number(step.total_contact_force));
@@ -82,7 +82,7 @@ impl StepTable<'_> {
     }
 
     /// Notes of the steps marked by a star, one a line; steps that follow each other with the same note share a line.
-    /// The first so many lines, and a line that counts the others.
+    /// Further lines are counted in the last one.
     fn footnotes(&self) -> Vec<String> {
         let mut runs: Vec<(usize, usize, &str)> = Vec::new();
         for (step, note) in self.steps.iter().flat_map(|step| step.notes.iter().map(|note| (step.step, note.as_str())))
@@ -97,7 +97,7 @@ impl StepTable<'_> {
             false => format!("* steps {from} to {to}: {note}"),
         };
         let left_out = runs.len().saturating_sub(MOST_NOTES);
-        // the last are those of the final state
+        // the last ones are those of the final state
         let shown = runs
             .iter()
             .take(MOST_NOTES - 1)
@@ -121,7 +121,7 @@ pub(super) fn fixed(x: f64, decimals: usize) -> String {
     if text.bytes().any(|c| (b'1'..=b'9').contains(&c)) { text } else { text.trim_start_matches('-').to_owned() }
 }
 
-/// What [`Observation::status`] says of a converged step.
+/// [`Observation::status`] of a converged step.
 const CONVERGED: &str = "converged";
 
 /// A number in 11 columns, one of them blank: plain where that shows 5 digits, else in powers of ten.
@@ -138,13 +138,13 @@ impl fmt::Display for StepTable<'_> {
     }
 }
 
-/// Name of a rod that a step or site tells of.
+/// Name of a rod of a step or site.
 fn name_of(rods: &[String], rod: usize) -> Result<&str, InputError> {
     let refuse = || InputError::Count { field: "rods".to_owned(), value: rods.len(), allowed: "one name a rod" };
     rods.get(rod).map(String::as_str).ok_or_else(refuse)
 }
 
-/// Length of an interval, over the seam of a closed rod if it ends below its start.
+/// Length of an interval; across the seam of a closed rod if its end is below its start.
 fn length_of(arc: [f64; 2], rod: Option<&f64>) -> f64 {
     let length = arc[1] - arc[0];
     if length < 0.0 { length + rod.copied().unwrap_or(0.0) } else { length }
@@ -335,7 +335,7 @@ pub(super) mod tests {
         assert_eq!(columns.cells(&second)[turned], Cell::Number(-2.0));
     }
 
-    /// A note is told once for all steps it holds for, and below the table.
+    /// A note of several steps appears once, below the table.
     #[test]
     fn notes_stand_below_the_table() {
         let noted = |step: usize, notes: &[&str]| Observation {

@@ -1,10 +1,10 @@
-//! A run to be turned and stepped through: one page for the browser ([`Film::page`]), one glTF file for Blender, slides
-//! and viewers ([`Film::glb`]). [`of_run`] makes a film of the folder of a run (feature `runs`).
+//! Interactive views of a run: one page for the browser ([`Film::page`]), one glTF file for Blender, slides and viewers
+//! ([`Film::glb`]). [`of_run`] makes a film of the folder of a run (feature `runs`).
 //!
-//! The page needs no network and nothing beside it. It draws with WebGL 2 by itself, in 50 kB of text (`assets/view`):
-//! a rod is one instanced tube that its vertex shader bends along the nodes, so a step is shown by uploading its nodes.
-//! A library would not write that shader, which is the larger part of the work, and would bring more than all data of a
-//! usual run (three.js 0.187: 2.1 MB of source).
+//! The page needs no network and no other file. Its 50 kB of text (`assets/view`) draw with WebGL 2: a rod is one
+//! instanced tube that its vertex shader bends along the nodes, so a step is shown by uploading its nodes. A library
+//! would not replace that shader, which is the larger part of the work, and would be larger than all data of a usual
+//! run (three.js 0.187: 2.1 MB of source).
 
 mod glb;
 mod mesh;
@@ -36,8 +36,8 @@ pub struct Film {
     pub rods: Vec<FilmRod>,
     /// The states, in order.
     pub frames: Vec<Frame>,
-    /// Numbers of all steps, shown beside the picture.
-    pub table: Table,
+    /// Numbers of all steps.
+    pub table: FilmTable,
     /// Plots of columns of the table.
     pub plots: Vec<Plot>,
     /// A remark about the film, such as steps and nodes left out; may be empty.
@@ -49,7 +49,7 @@ pub struct Film {
 pub struct FilmRod {
     /// Name.
     pub name: String,
-    /// Radius it is drawn with \[L\], greater than 0.
+    /// Radius for drawing \[L\], greater than 0.
     pub radius: f64,
     /// Whether it returns to its first point (which is not repeated).
     pub closed: bool,
@@ -58,7 +58,7 @@ pub struct FilmRod {
 /// One state.
 #[derive(Debug, Clone, Default)]
 pub struct Frame {
-    /// Row of the table that it belongs to.
+    /// Row of the table for this state.
     pub step: usize,
     /// The rods, in the film's order.
     pub rods: Vec<FrameRod>,
@@ -66,10 +66,10 @@ pub struct Frame {
     pub forces: Vec<[Vec3; 2]>,
 }
 
-/// A rod in one state; all lists have one entry a point.
+/// A rod in one state; all lists have one entry per point.
 #[derive(Debug, Clone, Default)]
 pub struct FrameRod {
-    /// Points of the centreline \[L\]; drawn through by a smooth curve.
+    /// Points of the centreline \[L\]; a smooth curve through them is drawn.
     pub points: Vec<Vec3>,
     /// Material direction d1, along which a stripe is drawn; zero for none. Neighbours may differ by less than half a
     /// turn.
@@ -80,13 +80,13 @@ pub struct FrameRod {
     pub curvature: Vec<f64>,
     /// Twist \[rad/L\].
     pub twist: Vec<f64>,
-    /// Turns of the frame at the end of a closed rod against that at its start; 0 if open.
+    /// Rotation of the frame at the end of a closed rod relative to that at its start, turns; 0 if open.
     pub seam_turns: f64,
 }
 
 /// Numbers of the steps.
 #[derive(Debug, Clone, Default)]
-pub struct Table {
+pub struct FilmTable {
     /// Name and unit of each column; the unit may be empty.
     pub columns: Vec<(String, String)>,
     /// One row a step, one number a column; NaN where there is none.
@@ -102,10 +102,10 @@ pub struct Plot {
     pub y: Vec<usize>,
 }
 
-/// By which rods are coloured.
+/// Quantity that colours the rods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
-    /// A colour for each rod.
+    /// One colour for each rod.
     #[default]
     Strand,
     /// Contact force per length \[F/L\].
@@ -117,7 +117,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 4] = [Self::Strand, Self::Pressure, Self::Curvature, Self::Twist];
 
     /// "strand", "pressure", "curvature" or "twist".
@@ -165,8 +165,8 @@ const STRANDS: [[u8; 3]; 6] =
     [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170], [188, 160, 62], [96, 158, 170]];
 
 impl Film {
-    /// Values that the ends of the palette stand for, the same in all frames: from 0 to the largest, twist from minus
-    /// the largest magnitude to it. 0 and 1 where all values are 0.
+    /// Range of the palette, the same in all frames: from 0 to the largest value; for twist symmetric about 0. \[0, 1\]
+    /// if all values are 0.
     fn range(&self, quantity: Quantity) -> [f64; 2] {
         let values = self.frames.iter().flat_map(|frame| &frame.rods).flat_map(|rod| quantity.of(rod));
         let largest = values.fold(0.0_f64, |largest, value| largest.max(value.abs()));
@@ -174,8 +174,8 @@ impl Film {
         if quantity == Quantity::Twist { [-largest, largest] } else { [0.0, largest] }
     }
 
-    /// Middle of the last frame's box, rows right, up, towards the eye of the best view of it, and half the diagonal of
-    /// the box (at least a radius).
+    /// Centre of the last frame's box; directions right, up, towards the eye of its best view, as rows; half the
+    /// diagonal of the box (at least a radius).
     fn stage(&self) -> (Vec3, Mat3, f64) {
         let points = self.frames.last().into_iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
         let (low, high) = points
@@ -193,7 +193,7 @@ impl Film {
         (0.5 * (low + high), axes, (0.5 * (high - low).norm()).max(radius))
     }
 
-    /// Refuses what cannot be shown.
+    /// Refuses films that cannot be shown.
     fn check(&self) -> Result<(), InputError> {
         for (index, rod) in self.rods.iter().enumerate() {
             InputError::positive(&format!("rods[{index}].radius"), rod.radius)?;

@@ -1,8 +1,8 @@
 //! Rods for ParaView: XML PolyData (`.vtp`, one polyline a rod) and `.pvd` collections over steps.
 //!
-//! The writer covers what rods need and nothing else: points, polylines, point scalars and vectors, the rod's index as
-//! cell data, single numbers as field data. Arrays are appended raw, little endian, with 64-bit byte counts
-//! (VTK XML format, version 1.0), so every f64 arrives bit for bit.
+//! The writer supports points, polylines, point scalars and vectors, the rod's index as cell data and single numbers as
+//! field data; rods need nothing else. Arrays are appended raw, little endian, with 64-bit byte counts (VTK XML format,
+//! version 1.0), so every f64 arrives bit for bit.
 
 mod read;
 
@@ -21,7 +21,7 @@ pub struct VtkRod<'a> {
     pub points: &'a [Vec3],
     /// Whether the polyline returns to its first point (which is not repeated in `points`).
     pub closed: bool,
-    /// Named scalars, one value a point. A name that only some rods have is NaN on the others.
+    /// Named scalars, one value per point. A name that only some rods have is NaN on the others.
     pub scalars: Vec<(&'a str, Vec<f64>)>,
     /// Named vectors, one a point. A name that only some rods have is NaN on the others.
     pub vectors: Vec<(&'a str, Vec<Vec3>)>,
@@ -140,7 +140,7 @@ impl Appended {
     }
 }
 
-/// Text with the characters XML reserves replaced.
+/// Text with reserved characters of XML escaped.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -185,7 +185,7 @@ impl PvdWriter {
     }
 }
 
-/// Writes a whole file.
+/// Writes a file.
 fn write_file(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
     let refuse = |e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
     std::fs::File::create(path).and_then(|mut f| f.write_all(bytes)).map_err(refuse)

@@ -9,14 +9,15 @@
 /// Highest degree handled.
 pub const MAX_DEGREE: usize = 7;
 const CAPACITY: usize = MAX_DEGREE + 1;
-/// Pieces still undecided at width 2⁻⁴⁸ are clusters that f64 parameters cannot separate usefully.
+/// Halvings of \[0, 1\]. A piece still undecided at width 2⁻⁴⁸ is one root, because f64 parameters hardly separate two
+/// there.
 const MAX_DEPTH: u32 = 48;
-/// Newton steps to a simple root that are smaller than this part of it and do not shrink are rounding.
+/// Relative size of a Newton step that counts as rounding once the steps no longer shrink.
 const NOISE: f64 = 1e-12;
 
 /// How the sign of the polynomial changes at a root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Crossing {
+pub enum SignChange {
     /// From negative to positive (at t = 0: positive after; at t = 1: negative before).
     Rising,
     /// From positive to negative (at t = 0: negative after; at t = 1: positive before).
@@ -31,14 +32,14 @@ pub struct Root {
     /// Parameter.
     pub t: f64,
     /// Change of sign there.
-    pub crossing: Crossing,
+    pub crossing: SignChange,
 }
 
 /// Roots found, ascending; fixed capacity, lives on the stack.
 #[derive(Clone, Copy, Debug)]
 pub struct Roots {
     t: [f64; CAPACITY],
-    crossing: [Crossing; CAPACITY],
+    crossing: [SignChange; CAPACITY],
     len: usize,
     identically_zero: bool,
 }
@@ -53,7 +54,7 @@ impl Roots {
     /// No roots.
     #[must_use]
     pub const fn new() -> Self {
-        Self { t: [0.0; CAPACITY], crossing: [Crossing::Touching; CAPACITY], len: 0, identically_zero: false }
+        Self { t: [0.0; CAPACITY], crossing: [SignChange::Touching; CAPACITY], len: 0, identically_zero: false }
     }
 
     /// Forgets all roots.
@@ -79,14 +80,14 @@ impl Roots {
         self.identically_zero
     }
 
-    fn push(&mut self, t: f64, crossing: Crossing) {
+    fn push(&mut self, t: f64, crossing: SignChange) {
         if self.len > 0 && self.t[self.len - 1] == t {
             // Two isolated roots that round to the same parameter are one root; opposite changes cancel.
             let last = &mut self.crossing[self.len - 1];
             *last = match (*last, crossing) {
-                (Crossing::Touching, c) | (c, Crossing::Touching) => c,
+                (SignChange::Touching, c) | (c, SignChange::Touching) => c,
                 (a, b) if a == b => a,
-                _ => Crossing::Touching,
+                _ => SignChange::Touching,
             };
             return;
         }
@@ -99,7 +100,6 @@ impl Roots {
     }
 }
 
-/// p(t) by de Casteljau's algorithm. `coeffs` holds the degree + 1 Bernstein coefficients, at most 8; an empty slice is
 /// The four cubic Bernstein polynomials at u.
 #[inline]
 pub(crate) fn cubic_weights(u: f64) -> [f64; 4] {
@@ -107,14 +107,15 @@ pub(crate) fn cubic_weights(u: f64) -> [f64; 4] {
     [t * t * t, 3.0 * t * t * u, 3.0 * t * u * u, u * u * u]
 }
 
-/// Their slopes.
+/// Slopes of the four cubic Bernstein polynomials at u.
 #[inline]
 pub(crate) fn cubic_slopes(u: f64) -> [f64; 4] {
     let t = 1.0 - u;
     [-3.0 * t * t, 3.0 * t * (t - 2.0 * u), 3.0 * u * (2.0 * t - u), 3.0 * u * u]
 }
 
-/// 0.
+/// p(t) by de Casteljau's algorithm. `coeffs` holds the degree + 1 Bernstein coefficients, at most 8; an empty slice is
+/// the polynomial 0.
 #[must_use]
 pub fn eval(coeffs: &[f64], t: f64) -> f64 {
     let Some(mut b) = load(coeffs) else { return 0.0 };
@@ -160,8 +161,8 @@ fn load(coeffs: &[f64]) -> Option<[f64; CAPACITY]> {
     (!coeffs.is_empty()).then_some(b)
 }
 
-/// p and p′ (both wrt t) at once, of degree `N` − 1 ≥ 1. The degree is known to the compiler: cubics and quintics are
-/// what contact asks for by the million.
+/// p(t) and p′(t) at once, of degree `N` − 1 ≥ 1. The degree is known to the compiler, because contact evaluates cubics
+/// and quintics by the million.
 #[inline]
 fn eval_with_slope<const N: usize>(b: &[f64; N], t: f64) -> (f64, f64) {
     let mut w = *b;
@@ -198,7 +199,7 @@ struct SubInterval {
     width: f64,
     depth: u32,
     /// Report a root at the left end of this piece before its interior (set on a right half whose start is a root).
-    root_at_start: Option<Crossing>,
+    root_at_start: Option<SignChange>,
 }
 
 /// All real roots of Σ `coeffs[i]` C(n,i) tⁱ (1−t)ⁿ⁻ⁱ in \[0, 1\], ascending, each once, replacing the contents of
@@ -206,7 +207,7 @@ struct SubInterval {
 ///
 /// * Simple roots are polished to machine precision (Newton safeguarded by bisection). A sign change between two
 ///   computed values is never lost: both halves of a subdivided piece share the computed value at their common end.
-/// * Exact zeros at t = 0 and t = 1 are reported as 0 and 1 exactly, with the one-sided sign as their [`Crossing`].
+/// * Exact zeros at t = 0 and t = 1 are reported as 0 and 1 exactly, with the one-sided sign as their [`SignChange`].
 /// * A multiple root, and a group of roots that rounding cannot separate (all coefficients of the piece around it below
 ///   a few ulp of the largest coefficient, about 1e-8 apart for a pair), is one root: `Rising`/`Falling` if the sign
 ///   differs across the group, else `Touching`. A minimum of |p| above zero by less than that noise may be reported as
@@ -249,7 +250,7 @@ pub fn roots(coeffs: &[f64], out: &mut Roots) {
     let at_start = deflate_start(&mut b, &mut m);
     let at_end = deflate_end(&mut b, &mut m);
     if at_start {
-        out.push(0.0, if b[0] > 0.0 { Crossing::Rising } else { Crossing::Falling });
+        out.push(0.0, if b[0] > 0.0 { SignChange::Rising } else { SignChange::Falling });
     }
     match variations(&b[..=m]) {
         0 => {}
@@ -257,7 +258,7 @@ pub fn roots(coeffs: &[f64], out: &mut Roots) {
         _ => isolate(SubInterval { b, n: m, t0: 0.0, width: 1.0, depth: 0, root_at_start: None }, noise, out),
     }
     if at_end {
-        out.push(1.0, if b[m] < 0.0 { Crossing::Rising } else { Crossing::Falling });
+        out.push(1.0, if b[m] < 0.0 { SignChange::Rising } else { SignChange::Falling });
     }
 }
 
@@ -287,7 +288,7 @@ fn deflate_end(b: &mut [f64; CAPACITY], n: &mut usize) -> bool {
     any
 }
 
-/// Depth-first, left to right, so that roots come out ascending. Neither end of a piece is a root.
+/// Isolates the roots of a piece, neither end of which is a root. Depth-first, left to right: roots come out ascending.
 fn isolate(first: SubInterval, noise: f64, out: &mut Roots) {
     const STACK: usize = MAX_DEPTH as usize + 2;
     let mut stack = [first; STACK];
@@ -318,11 +319,11 @@ fn isolate(first: SubInterval, noise: f64, out: &mut Roots) {
     }
 }
 
-fn crossing_of(before: f64, after: f64) -> Crossing {
+fn crossing_of(before: f64, after: f64) -> SignChange {
     match (before < 0.0, after < 0.0) {
-        (true, false) => Crossing::Rising,
-        (false, true) => Crossing::Falling,
-        _ => Crossing::Touching,
+        (true, false) => SignChange::Rising,
+        (false, true) => SignChange::Falling,
+        _ => SignChange::Touching,
     }
 }
 
@@ -371,7 +372,7 @@ fn polish(b: &[f64]) -> f64 {
 fn polish_of<const N: usize>(b: &[f64; N]) -> f64 {
     let rising = b[0] < 0.0;
     let (mut lo, mut hi) = (0.0_f64, 1.0_f64);
-    // Start from the secant of the end values, which is the root for a straight control polygon.
+    // The secant of the end values starts the search: it is the root for a straight control polygon.
     let (first, last) = (b[0], b[N - 1]);
     let mut t = (first / (first - last)).clamp(0.0, 1.0);
     let mut last_step = 1.0_f64;
@@ -387,8 +388,8 @@ fn polish_of<const N: usize>(b: &[f64; N]) -> f64 {
         }
         let newton = t - value / slope;
         let step = (newton - t).abs();
-        // Rounding keeps the last steps above an ulp and may take them out of the bracket: they only stop shrinking.
-        // (With the other slope it is another root, just outside.)
+        // Rounding keeps the last steps above an ulp and may take them out of the bracket: they only stop shrinking. (A
+        // root with the other slope is another one, just outside.)
         let noise = step <= NOISE * t && step >= 0.25 * last_step;
         if (slope > 0.0) == rising && (step <= f64::EPSILON * t || noise) {
             return newton.clamp(lo, hi);
@@ -405,12 +406,13 @@ fn polish_of<const N: usize>(b: &[f64; N]) -> f64 {
     t
 }
 
-/// Representative of a cluster: where |p| is smallest among its ends, middle and the middle's two Newton-like guesses.
+/// Representative of a cluster: the candidate with the smallest |p|, among both ends, the middle and two Newton-like
+/// guesses.
 fn cluster_centre(b: &[f64]) -> f64 {
     if (b[0] < 0.0) != (b[b.len() - 1] < 0.0) {
         return polish(b);
     }
-    // Even: the vertex of the parabola through the ends and the middle.
+    // An even cluster: the vertex of the parabola through the ends and the middle.
     let (first, middle, last) = (b[0], eval(b, 0.5), b[b.len() - 1]);
     let curvature = first - 2.0 * middle + last;
     let vertex = 0.5 + 0.25 * (first - last) / curvature;

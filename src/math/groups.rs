@@ -1,17 +1,17 @@
-//! Things joined pair by pair (union and find).
+//! Disjoint sets (union–find) over indices.
 
-/// Groups of the things 0, 1, 2 …; each group is known by its first member.
+/// Disjoint sets of the indices 0, 1, 2 …; each set is represented by its smallest member.
 pub(crate) struct Groups<'a>(&'a mut Vec<u32>);
 
 impl<'a> Groups<'a> {
-    /// Every one of `count` things by itself; `scratch` is overwritten.
+    /// `count` sets of one index each; `scratch` is overwritten.
     pub(crate) fn apart(count: usize, scratch: &'a mut Vec<u32>) -> Self {
         scratch.clear();
         scratch.extend(0..count as u32);
         Self(scratch)
     }
 
-    /// First member of the group that a thing is in.
+    /// Smallest member of the set that an index is in.
     pub(crate) fn first(&mut self, mut k: usize) -> usize {
         while self.0[k] as usize != k {
             self.0[k] = self.0[self.0[k] as usize];
@@ -20,7 +20,7 @@ impl<'a> Groups<'a> {
         k
     }
 
-    /// Makes one group of those that two things are in.
+    /// Unites the sets of two indices.
     pub(crate) fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.first(a), self.first(b));
         self.0[a.max(b)] = a.min(b) as u32;

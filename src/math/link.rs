@@ -7,13 +7,14 @@
 //!   & Langowski 2000, method 1a), or, for long closed polygons, signed crossings in a projection plus the twist of the
 //!   projection's own ribbon (the same number to rounding, in a time proportional to the edges and crossings).
 //! * [`ribbon_twist`] is the twist of a material direction about the same polygon.
-//! * [`alexander`] tells knots apart.
+//! * [`alexander`] distinguishes knots.
 //! * [`writhe_smooth`] is the writhe of a smooth curve to near rounding from a few hundred samples.
 
 mod crossings;
 mod knot;
 mod smooth;
 
+use crate::math::direction::{any_normal, transport};
 use crate::math::{Vec3, parallel};
 use std::f64::consts::TAU;
 
@@ -33,7 +34,7 @@ pub struct LinkNumbers {
 
 /// From this many edges on a closed polygon's crossings are counted instead of summing over all edge pairs.
 const MIN_EDGES_FOR_CROSSINGS: usize = 400;
-/// Edges of one polygon per parallel piece of work; each is compared with all others.
+/// Edges of one polygon per parallel task; each is compared with all others.
 const ROWS: usize = 8;
 
 /// Link, twist and writhe of a closed rod (turns).
@@ -126,7 +127,7 @@ fn solid_angle(a: [Vec3; 2], b: [Vec3; 2]) -> f64 {
     let (u, v) = (a[1] - a[0], b[1] - b[0]);
     let normal = u.cross(&v);
     let det = normal.dot(&corners[shortest]);
-    // Coplanar to rounding: either nothing, or an intersection where the mean of both signs is nothing too.
+    // Coplanar to rounding: the solid angle is 0, also at an intersection, as the mean of both signs.
     if norms[shortest] == 0.0 || det.abs() <= 4.0 * f64::EPSILON * u.norm() * v.norm() * norms[shortest] {
         return 0.0;
     }
@@ -182,27 +183,15 @@ fn twist_with_seam(points: &[Vec3], d1: &[Vec3], closed: bool, seam_turns: f64) 
     compensated_sum(angles.into_iter()) / TAU
 }
 
-/// Unit part of `v` normal to the unit vector `edge`; `None` if there is hardly any.
+/// Unit part of `v` normal to the unit vector `edge`; `None` if that part is rounding.
 fn across(v: Vec3, edge: Vec3) -> Option<Vec3> {
     let size = v.norm();
     (v - edge * edge.dot(&v)).try_normalize(1e-12 * size)
 }
 
-/// Some unit vector normal to the unit vector `t`.
-fn any_normal(t: Vec3) -> Vec3 {
-    let axis = Vec3::ith(t.iamin(), 1.0);
-    (axis - t * t.dot(&axis)).normalize()
-}
-
 /// Angle in (−π, π] from `u` to `v` about the unit vector `axis` (u, v normal to it).
 fn signed_angle(u: Vec3, v: Vec3, axis: Vec3) -> f64 {
     axis.dot(&u.cross(&v)).atan2(u.dot(&v))
-}
-
-/// Rotates `v` (normal to the unit vector `from`) with the smallest rotation that takes `from` to the unit vector `to`.
-fn transport(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let c = 1.0 + from.dot(&to);
-    if c <= f64::EPSILON { v } else { v - (from + to) * (to.dot(&v) / c) }
 }
 
 /// Neumaier's compensated sum, in the order given.
@@ -215,7 +204,7 @@ fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
     sum + carry
 }
 
-/// The points without consecutive duplicates (which would be edges without direction).
+/// The points without consecutive duplicates, because an edge of no length has no direction.
 fn without_repeats(points: &[Vec3], closed: bool) -> Vec<Vec3> {
     let mut kept: Vec<Vec3> = points.to_vec();
     kept.dedup();
@@ -298,14 +287,5 @@ mod tests {
             let found = link_numbers(&points, &d1, seam);
             assert!((found.link - seam - (found.link - seam).round()).abs() < 1e-12, "{turns}: {found:?}");
         }
-    }
-
-    #[test]
-    fn transport_keeps_length_and_normality() {
-        let (from, to) = (Vec3::new(1.0, 2.0, 2.0) / 3.0, Vec3::new(2.0, -1.0, 2.0) / 3.0);
-        let v = any_normal(from);
-        let moved = transport(v, from, to);
-        assert!((moved.norm() - 1.0).abs() < 1e-15 && moved.dot(&to).abs() < 1e-15);
-        assert_eq!(transport(v, from, -from), v);
     }
 }

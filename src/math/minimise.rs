@@ -3,12 +3,12 @@
 /// (3 − √5)/2, the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// Iterations after which the best point is returned as it is (golden section alone shrinks an interval by 1e-20 in
-/// 100).
+/// Largest number of iterations; then the best point is returned. Golden section alone shrinks an interval by 1e-20 in
+/// 100.
 const MAX_ITERATIONS: usize = 100;
 
-/// Place and value of a local minimum of `f` in `low`.. `high`, to about `tolerance` (absolute, in x; no better than
-/// √ε_machine |x| is possible). The only minimum if there is one only; an end of the interval if `f` decreases towards
+/// Argument and value of a local minimum of `f` in `low`..`high`. The argument is accurate to about `tolerance`
+/// (absolute; no better than √ε_machine |x| is possible). An end of the interval is returned if `f` decreases towards
 /// it.
 ///
 /// Brent's method (Brent 1973, ch. 5): parabolas through the three best points, golden sections where they do not help.

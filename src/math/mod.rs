@@ -1,8 +1,9 @@
 //! Small mathematics shared by all layers: vectors, quaternions, shape functions, quadrature, Bernstein and Chebyshev
-//! polynomials, minimisation, groups, threads, topology of closed curves.
+//! polynomials, minimisation, disjoint sets, threads, directions, topology of closed curves.
 
 pub(crate) mod bernstein;
 pub(crate) mod chebyshev;
+pub(crate) mod direction;
 pub(crate) mod groups;
 pub mod link;
 pub(crate) mod minimise;
@@ -15,8 +16,8 @@ pub(crate) mod screw;
 pub(crate) mod shape_functions;
 pub(crate) mod two_sum;
 
-/// Largest length taken, of coordinates, radii and reaches: products of three stay finite. (A polyline with a point at
-/// 1.8e308 was once given a site 1.2 beyond the range: squares of its edges were infinite.)
+/// Largest coordinate, radius or reach accepted, because products of three lengths must stay finite. (Squares of edges
+/// overflowed for a polyline with a point at 1.8e308: a site 1.2 beyond the range was found.)
 pub(crate) const LARGEST: f64 = 1e100;
 
 /// Vector of ℝ³.

@@ -5,8 +5,8 @@
 //! same bits for any number of threads. Callers pass a `&dyn Fn`: the machinery is compiled once, not once per
 //! caller.
 //!
-//! Threads are those of the caller's rayon pool, or of a [`Pool`] of one's own. Without the feature `parallel` there is
-//! one thread, and everything is done where it is called.
+//! Threads are those of the caller's rayon pool, or of a [`Pool`]. Without the feature `parallel` there is one thread,
+//! the caller's.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::error::InputError;
 
-/// Threads of one's own.
+/// A pool of threads apart from the caller's.
 #[derive(Debug)]
 pub(crate) struct Pool {
     #[cfg(feature = "parallel")]
@@ -38,15 +38,15 @@ impl Pool {
         Ok(Self { threads: rayon::ThreadPoolBuilder::new().num_threads(count).build().map_err(refuse)? })
     }
 
-    /// No threads but the caller's, however many are asked for: results do not depend on it.
+    /// No threads but the caller's, whatever the count: results do not depend on it.
     #[cfg(not(feature = "parallel"))]
     pub(crate) fn new(_count: usize) -> Result<Self, InputError> {
         Ok(Self {})
     }
 }
 
-/// Runs `work` inside a pool of one's own, or inside the caller's if there is none, so that nothing on the way has to
-/// go in and out.
+/// Runs `work` inside `pool`, or inside the caller's if there is none: one change of pool for all parallel calls
+/// inside.
 pub(crate) fn in_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + Send) -> R {
     let (mut work, mut result) = (Some(work), None);
     enter(pool, &mut || result = work.take().map(|work| work()));
@@ -67,7 +67,7 @@ fn enter(_pool: Option<&Pool>, work: &mut (dyn FnMut() + Send)) {
     work();
 }
 
-/// Whether there is but one thread to work with here.
+/// Whether only one thread is available.
 pub(crate) fn is_serial() -> bool {
     #[cfg(feature = "parallel")]
     return rayon::current_num_threads() == 1;
@@ -95,7 +95,7 @@ pub(crate) fn map_ranges<T: Send>(len: usize, grain: usize, piece: &(dyn Fn(Rang
     results.into_iter().filter_map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
-/// `item` of each of 0..`len`, in their order.
+/// `item(k)` for k in 0..`len`, in order.
 pub(crate) fn map<T: Send>(len: usize, grain: usize, item: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
     if len <= grain || is_serial() {
         return (0..len).map(item).collect();
@@ -107,8 +107,8 @@ pub(crate) fn map<T: Send>(len: usize, grain: usize, item: &(dyn Fn(usize) -> T 
     all
 }
 
-/// Whether `holds` of all ranges that 0..`len` is cut into, each but the last of `grain` indices; once it does not of
-/// one, those not yet begun are left out.
+/// Whether `holds` is true for all ranges that 0..`len` is cut into, each but the last of `grain` indices. After the
+/// first false one, ranges not yet begun are skipped.
 pub(crate) fn all(len: usize, grain: usize, holds: &(dyn Fn(Range<usize>) -> bool + Sync)) -> bool {
     let so_far = AtomicBool::new(true);
     share(len.div_ceil(grain), &|k| {
@@ -139,7 +139,7 @@ pub(crate) fn each<T: Send>(items: &mut [T], grain: usize, change: &(dyn Fn(usiz
 mod tests {
     use super::*;
 
-    /// Every index once, in its place, whatever the length, the grain and the threads.
+    /// Every index appears once, in its place, for any length, grain and number of threads.
     #[test]
     fn what_is_shared_out_comes_back_in_order() {
         for threads in [1, 3] {

@@ -37,7 +37,7 @@ impl Random {
         Vector3::new(self.unit(), self.unit(), self.unit())
     }
 
-    /// In [low, high), its logarithm uniform.
+    /// In [low, high), with a uniform logarithm.
     pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.between(0.0, 1.0))
     }
@@ -52,7 +52,7 @@ impl Random {
         self.between(0.0, 1.0) < probability
     }
 
-    /// A unit vector, all directions alike.
+    /// A unit vector, uniform over the sphere.
     pub fn direction(&mut self) -> Vector3<f64> {
         loop {
             let v = self.vector();

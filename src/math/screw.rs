@@ -2,11 +2,11 @@
 
 use super::Vec3;
 
-/// Angle, rad, below which the screw's series stands for its closed form: their difference is rounding.
+/// Angle, rad, below which the series of the screw replaces its closed form, because their difference is rounding.
 const SMALL_ANGLE: f64 = 1e-4;
 
-/// Where a point gets in the time 1 that sets out with a velocity on the screw of a rotation vector θ:
-/// (1 + (1 − cos θ)/θ² [θ] + (θ − sin θ)/θ³ [θ]²) v.
+/// Displacement in time 1 of a point with an initial velocity v on the screw motion of a rotation vector θ: (1 + (1 −
+/// cos θ)/θ² [θ] + (θ − sin θ)/θ³ [θ]²) v.
 pub(crate) fn screw(rotation: &Vec3, velocity: &Vec3) -> Vec3 {
     let angle = rotation.norm();
     let once = rotation.cross(velocity);

@@ -2,8 +2,8 @@
 
 use crate::math::quadrature::{Rule, gauss};
 
-/// Lagrange's weight at `x` of the knot `index` out of `count` knots, which lie at different places `knot(0)`,
-/// `knot(1)` …: the polynomial of degree count − 1 that is 1 there and 0 at the others.
+/// Lagrange basis polynomial of the knot `index` at `x`, of degree count − 1: 1 at that knot and 0 at the others. The
+/// `count` knots `knot(0)`, `knot(1)` … differ.
 pub fn lagrange_weight(count: usize, knot: impl Fn(usize) -> f64, index: usize, x: f64) -> f64 {
     let here = knot(index);
     (0..count).filter(|&other| other != index).map(|other| (x - knot(other)) / (here - knot(other))).product()

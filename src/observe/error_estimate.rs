@@ -1,5 +1,4 @@
-//! How far a state is from the exact one: an estimate after the fact, by settling it again on a finer mesh and under a
-//! harder law.
+//! A-posteriori error estimates of states, from further equilibria on a finer mesh and with a stiffer contact law.
 
 use crate::error::InputError;
 use crate::solve::{Progress, Solver, Status, StepReport};
@@ -10,8 +9,7 @@ use super::state::observe;
 /// Factor on the contact stiffness in the comparison of laws.
 const HARDER: f64 = 10.0;
 
-/// What two states that should be the same differ by: the largest absolute differences over all rods, sites or
-/// supports.
+/// Differences of two states: the largest absolute differences over all rods, sites or supports.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Differences {
@@ -50,33 +48,32 @@ impl Differences {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Comparison {
-    /// "converged", or why the state compared with was not had.
+    /// "converged", or why the reference state was not found.
     pub status: String,
     /// Newton iterations spent.
     pub iterations: usize,
-    /// Unstable directions of the state compared with: where there are any, it may belong to another branch.
+    /// Unstable directions of the reference state. If there are any, it may belong to another branch.
     pub num_unstable: usize,
-    /// The estimate; `None` if the state compared with did not come to rest.
+    /// The estimate; `None` if the reference state did not converge.
     pub error: Option<Differences>,
 }
 
-/// An a-posteriori estimate of a state's error, in two parts; they may have opposite signs, so that their sum is too
-/// large rather than too small.
+/// An a-posteriori estimate of a state's error, in two parts. Their signs may differ; the sum of magnitudes rather
+/// overestimates the error.
 ///
 /// **Mesh**: difference to the state on twice the elements. With elements of order p smooth quantities converge as
-/// h^2p, so that the difference is the error but for a part in 4^p; where contact points make the order lower, as h²,
-/// three quarters of it. **Contact law**: difference between the law in force and one ten times as stiff (on the finer
-/// mesh), times 1/(1 − 10^(−2/3)): a point contact is spread over a width of κ^(−1/3), which costs κ^(−2/3) of its
-/// force. What is left of penetration under the law is in it.
+/// h^2p, so that the difference is the error up to a part in 4^p. Contact points lower the order to h²; then the
+/// difference is three quarters of the error. **Contact law**: difference between the present law and one ten times as
+/// stiff (on the finer mesh), times 1/(1 − 10^(−2/3)), because the width κ^(−1/3) of a point contact causes an error
+/// κ^(−2/3) in its force. The remaining penetration is included.
 ///
-/// An estimate, not a bound: both comparisons see only what changes by them. A mesh so coarse that a contact is missed
-/// on both is not found out, nor is another stable branch.
+/// This is an estimate, not a bound. It does not detect a contact that both meshes miss, nor another stable branch.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ErrorEstimate {
-    /// Of the mesh.
+    /// Comparison of meshes.
     pub mesh: Comparison,
-    /// Of the contact law; `None` where nothing touches.
+    /// Comparison of contact laws; `None` without contact.
     pub contact_law: Option<Comparison>,
     /// Certified penetration of the state itself over the smallest contact radius.
     pub penetration: Option<f64>,
@@ -86,11 +83,11 @@ pub struct ErrorEstimate {
     pub increment: f64,
 }
 
-/// One of the quantities compared.
-type Quantity = fn(&Differences) -> Option<f64>;
+/// One of the compared quantities.
+type DifferenceOf = fn(&Differences) -> Option<f64>;
 
 impl ErrorEstimate {
-    /// Both parts of one quantity together; `None` if a part was not had or the model has no such quantity.
+    /// Both parts of one quantity together; `None` if a part is missing or the model has no such quantity.
     pub fn total(&self, of: impl Fn(&Differences) -> Option<f64>) -> Option<f64> {
         let mesh = of(self.mesh.error.as_ref()?)?;
         match &self.contact_law {
@@ -103,7 +100,7 @@ impl ErrorEstimate {
 impl std::fmt::Display for ErrorEstimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "error estimate            mesh      contact law")?;
-        let quantities: [(&str, Quantity); 7] = [
+        let quantities: [(&str, DifferenceOf); 7] = [
             ("energy", |d| Some(d.energy)),
             ("positions", |d| d.position),
             ("writhe", |d| d.writhe),
@@ -112,7 +109,7 @@ impl std::fmt::Display for ErrorEstimate {
             ("reaction forces", |d| d.reaction_force),
             ("reaction moments", |d| d.reaction_moment),
         ];
-        let part = |comparison: Option<&Comparison>, of: Quantity| {
+        let part = |comparison: Option<&Comparison>, of: DifferenceOf| {
             let value = comparison.and_then(|c| c.error.as_ref()).and_then(of);
             value.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
         };
@@ -134,12 +131,12 @@ impl std::fmt::Display for ErrorEstimate {
     }
 }
 
-/// Estimates the error of the solver's present state, which should be at rest; see [`ErrorEstimate`].
+/// Estimates the error of the solver's present state, which should be an equilibrium; see [`ErrorEstimate`].
 ///
-/// Costs two more equilibrium searches on twice the elements (one without contact); the solver itself stays as it is.
+/// Costs two more equilibrium searches on twice the elements (one without contact). The solver itself is not changed.
 ///
 /// # Errors
-/// A rod that cannot be refined. What does not come to rest is told in the estimate.
+/// A rod that cannot be refined. The estimate reports searches that do not converge.
 pub fn estimate_error(solver: &Solver) -> Result<ErrorEstimate, InputError> {
     let coarse = seen(solver, None);
     let mut fine = solver.refined(2)?;
@@ -194,8 +191,8 @@ fn seen(solver: &Solver, report: Option<&StepReport>) -> Observation {
 }
 
 /// Differences of two states; node k of the first is node `stride`·k of the second, rod by rod. Positions are compared
-/// at the ends of elements: there they converge as h^2p like everything else, within elements they are as good as their
-/// polynomials only.
+/// at the ends of elements, where they converge as h^2p like all other quantities; inside elements their order is that
+/// of the polynomials.
 fn differences((a, coarse): (&Solver, &Observation), (b, fine): (&Solver, &Observation), stride: usize) -> Differences {
     let largest = |pairs: &mut dyn Iterator<Item = f64>| pairs.map(f64::abs).reduce(f64::max);
     let model = a.engine().model();

@@ -1,4 +1,4 @@
-//! Knots of rods, how tight they are, and which rods are linked.
+//! Knot types and tightness of rods, and linking numbers of pairs of rods.
 
 use crate::math::Vec3;
 use crate::math::link::{alexander, linking_number};
@@ -6,13 +6,14 @@ use crate::solve::Engine;
 
 use super::report::{GapReport, Knot, Linking};
 
-/// Rods of more nodes are not looked at: time grows with the square of the nodes, and is a twentieth of a second here.
+/// Largest number of nodes of a rod that is classified, because time grows with its square: a twentieth of a second
+/// here.
 pub(super) const MOST_NODES: usize = 2000;
-/// Points per node segment: chords leave the centreline by less than strands are apart.
+/// Points per node segment, because chords must be nearer to the centreline than other strands.
 const POINTS_PER_SEGMENT: usize = 2;
 /// Points per node segment for lengths.
 const POINTS_FOR_LENGTH: usize = 8;
-/// Where the ends of open rods are joined, over their extent: far beyond all strands.
+/// Distance at which the ends of open rods are joined, over their extent: far beyond all strands.
 const FAR: f64 = 10.0;
 
 /// Linking numbers of all pairs of closed rods that are few and short enough.
@@ -57,15 +58,15 @@ fn close(points: &mut Vec<Vec3>) {
     let extent = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max);
     let outwards = |end: Vec3| (end - middle).try_normalize(0.0).unwrap_or(Vec3::x());
     let (before, after) = (outwards(first), outwards(last));
-    // a way round, for the straight one may lead through the rod
+    // a detour, because the straight connection may pass through the rod
     let across = (before - after).cross(&Vec3::ith((before - after).iamin(), 1.0));
     let aside = across.try_normalize(0.0).unwrap_or(Vec3::z());
     let far = FAR * extent;
     points.extend([last + after * far, middle + aside * (2.0 * far), first + before * far]);
 }
 
-/// Length of a closed rod over the diameter of the thickest tube about it: strands may come as near as the gap leaves,
-/// and bends be as tight as the tube's radius.
+/// Length of a closed rod over the diameter of the thickest tube about it: the gap limits the distance of strands, the
+/// tube's radius limits the curvature.
 fn ropelength(engine: &Engine, rod: usize, gap: &GapReport) -> f64 {
     let (points, _) = engine.centerline(rod, POINTS_FOR_LENGTH);
     let length: f64 = (0..points.len()).map(|k| (points[(k + 1) % points.len()] - points[k]).norm()).sum();

@@ -1,5 +1,5 @@
-//! Numbers of a state: [`observe()`] fills an [`Observation`](report::Observation) with all of them, [`report`] holds
-//! the plain data; [`estimate_error`] tells how far off a state is, [`strains()`] strains and stress resultants.
+//! Results of a state: [`observe()`] computes an [`Observation`](report::Observation), the plain data of [`report`];
+//! [`estimate_error`] estimates its error, [`strains()`] gives strains and stress resultants.
 
 mod error_estimate;
 mod knots;

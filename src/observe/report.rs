@@ -1,4 +1,4 @@
-//! What is told of an accepted state: plain data, serialisable, with units. Filled by [`observe`](super::observe).
+//! The report of an accepted state: plain data, serialisable, with units. [`observe`](super::observe) fills it.
 
 /// Energies by kind \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// All of them over a unit of energy \[F·L\].
+    /// All energies divided by a unit of energy \[F·L\].
     #[must_use]
     pub fn over(&self, unit: f64) -> Self {
         Self {
@@ -37,12 +37,12 @@ impl Energies {
     }
 }
 
-/// Whether a contact is isolated; compares with its name, too.
+/// Kind of a contact site; comparable with its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum SiteKind {
-    /// As short as the contact of two strands that bend away from each other is under the contact law.
+    /// An isolated contact: short, between two strands that bend away from each other.
     Point,
     /// Longer: the strands lie along each other.
     Line,
@@ -83,28 +83,28 @@ pub struct SiteReport {
     /// "line" where the mean of both intervals is longer than 3.9 (B/κ)^¼ for rods of equal bending stiffness B (the
     /// smaller of the two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a
     /// point contact at the load at which it opens into a line or into two points. Stiffer laws shorten the zone of a
-    /// point (as κ^(−1/3)), but not a line. Contacts nearer to each other on both strands than two layers (B/κ)^¼ are one site: of a line, pressure may
-    /// vanish between nodes.
+    /// point (as κ^(−1/3)), but not a line. Contacts nearer to each other on both strands than two layers (B/κ)^¼ are
+    /// one site, because the pressure of a line may vanish between nodes.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
     /// Contact force: integral of the pressure over the zone \[F\].
     pub force: f64,
-    /// Where the force sits on strands a and b: arc length weighted with the pressure \[L\].
+    /// Centre of the force on strands a and b: mean arc length weighted with the pressure \[L\].
     pub center: [f64; 2],
     /// Standard deviation of the pressure's distribution about `center` on strands a and b \[L\]: half the distance of
     /// two equal forces, length/√12 of a uniform line, below the width of the contact law's layer for a point.
     pub spread: [f64; 2],
     /// Crossing angle of the tangents where the gap is smallest, degrees in 0..=90.
     pub angle: f64,
-    /// Force on strand a \[F\], in the global axes; strand b bears the opposite. Shorter than `force` where the pressure
-    /// turns along the zone.
+    /// Force on strand a \[F\], in the global axes; strand b bears the opposite. Shorter than `force` if the direction
+    /// of the pressure varies along the zone.
     pub force_on_a: [f64; 3],
     /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
     pub feet: [[f64; 3]; 2],
 }
 
-/// Contact at one place of a line.
+/// Contact at one point of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LineSample {
@@ -140,11 +140,11 @@ pub struct Reaction {
 
 /// Link numbers of one closed rod, in turns; `link = twist + writhe`.
 ///
-/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link`, and the natural link of the
-/// rod ([`natural_link`](crate::rod::Rod::natural_link)) on top, to rounding for as long as
-/// no strand has passed through another (and shear has not turned d1 into the tangent, where the material line has no
-/// link). Of its two parts the polygon would know each to second order in its edges only, so `twist` is the elements'
-/// own quadrature ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
+/// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link`, and the natural link of
+/// the rod ([`natural_link`](crate::rod::Rod::natural_link)) on top, to rounding for as long as no strand has passed
+/// through another (and shear has not turned d1 into the tangent, where the material line has no link). On the polygon
+/// each of the two parts is only of second order in its edges. So `twist` is the elements' quadrature
+/// ([`Engine::twist`](crate::solve::Engine::twist)) and `writhe` the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RodLink {
@@ -156,7 +156,7 @@ pub struct RodLink {
     pub link: f64,
     /// Twist Tw of the material direction d1 about the centreline.
     pub twist: f64,
-    /// (1/2π)∫K3 ds beyond the rod's natural twist: what costs energy.
+    /// (1/2π)∫K3 ds beyond the rod's natural twist: the part with elastic energy.
     pub excess_twist: f64,
     /// Writhe Wr.
     pub writhe: f64,
@@ -186,12 +186,12 @@ pub struct RodEnds {
     pub end: [f64; 3],
     /// Twist Tw of d1 about the centreline, turns.
     pub twist: f64,
-    /// (1/2π)∫K3 ds beyond the rod's natural twist, turns: the part that costs energy.
+    /// (1/2π)∫K3 ds beyond the rod's natural twist, turns: the part with elastic energy.
     pub excess_twist: f64,
-    /// Link of the rod continued straight on at both ends: turns of its end against its start. Told of rods of at most
-    /// 1000 nodes whose tangents at the ends are parallel (to 1e-3 rad) and point the same way.
+    /// Link of the rod extended by straight lines at both ends: rotation of its end relative to its start, turns. For
+    /// rods of at most 1000 nodes whose end tangents are parallel (to 1e-3 rad) and of the same direction.
     pub link: Option<f64>,
-    /// Writhe of the rod so continued, turns: `link` − `twist`.
+    /// Writhe of the extended rod, turns: `link` − `twist`.
     pub writhe: Option<f64>,
 }
 
@@ -203,11 +203,11 @@ pub struct Linking {
     pub rod_a: usize,
     /// The other.
     pub rod_b: usize,
-    /// Linking number; its sign goes with the rods' directions.
+    /// Linking number; its sign depends on the rods' directions.
     pub link: f64,
 }
 
-/// How a rod is knotted, and how tightly. Open rods count as closed by straight lines that lead outwards from their ends.
+/// Knot type and tightness of a rod. Open rods are closed by straight lines outwards from their ends.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Knot {
@@ -219,7 +219,7 @@ pub struct Knot {
     pub determinant: f64,
     /// |Δ(exp(2πi/3))|.
     pub at_third: f64,
-    /// Length of the centreline over the diameter of the thickest tube about it that does not overlap: closed rods
+    /// Length of the centreline over the diameter of the thickest tube about it that does not overlap: for closed rods
     /// that nearly touch.
     pub ropelength: Option<f64>,
 }
@@ -242,7 +242,7 @@ pub struct GapReport {
     pub arc_b: f64,
 }
 
-/// Everything reported about one accepted state.
+/// The report of one accepted state.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Observation {
@@ -252,11 +252,11 @@ pub struct Observation {
     pub step: usize,
     /// Fraction of the stage done, 0..=1.
     pub fraction: f64,
-    /// "converged", or why not, or "overlap": at rest, but tubes are inside each other where contact does not resist it.
+    /// "converged", or why not, or "overlap": an equilibrium in which tubes overlap where contact does not resist it.
     pub status: String,
-    /// What to know of the state before believing it, in words. A snap on the way to it. Overlaps that contact does not resist: it acts between
-    /// strands, not between neighbours along one, so a rod bent tighter than its contact radius overlaps itself. A
-    /// contact law softer than asked for.
+    /// Warnings about the state, as text: a snap before it; overlaps that contact does not resist (it acts between
+    /// strands, not between neighbours along one, so a rod bent more tightly than its contact radius overlaps itself);
+    /// a contact law softer than prescribed.
     #[cfg_attr(feature = "serde", serde(default))]
     pub notes: Vec<String>,
     /// Link numbers of closed rods.
@@ -276,15 +276,15 @@ pub struct Observation {
     /// Linking numbers of closed rods, where there are several.
     #[cfg_attr(feature = "serde", serde(default))]
     pub linking: Vec<Linking>,
-    /// Knots of the rods, where their nodes are few enough to tell.
+    /// Knots of rods with few enough nodes.
     #[cfg_attr(feature = "serde", serde(default))]
     pub knots: Vec<Knot>,
     /// Contact sites; a [record](crate::io::record::Record) keeps only the strongest of each step.
     pub sites: Vec<SiteReport>,
     /// Integral of the contact pressure: sum of the forces of all sites \[F\].
     pub total_contact_force: f64,
-    /// Sum over all sites of the length of the force vector on a strand \[F\]: less than the integral where pressure
-    /// turns along a site, as round a plectoneme, and an order more exact where it does not.
+    /// Sum over all sites of the length of the force vector on a strand \[F\]: less than the integral if the direction
+    /// of the pressure varies along a site, as in a plectoneme; otherwise an order more accurate.
     #[cfg_attr(feature = "serde", serde(default))]
     pub contact_resultants: f64,
     /// Reactions at supports.
@@ -304,7 +304,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Whether the state is at rest with tubes inside each other where contact does not resist it.
+    /// Whether tubes overlap in an equilibrium where contact does not resist it.
     pub fn overlaps(&self) -> bool {
         self.status == super::OVERLAP
     }

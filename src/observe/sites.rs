@@ -1,10 +1,10 @@
-//! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, joined to
-//! what a reader would count as one contact.
+//! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, merged into
+//! contacts.
 //!
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
 //!    force is the sum over all its zones, because each view carries half of it.
-//! 3. Sites nearer to each other on both strands than the law tells are fragments of one (`fragments`).
+//! 3. Sites nearer to each other on both strands than the width of the contact law are fragments of one (`fragments`).
 //! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
 
 use crate::contact::arc::{self, ascending, near};
@@ -23,7 +23,7 @@ mod lines;
 use by_place::ByPlace;
 pub(super) use lines::lines;
 
-/// A zone that goes round a closed strand but for this part of it goes all round.
+/// Largest relative gap of a zone that counts as going all round a closed strand.
 const TOL_ARC: f64 = 1e-6;
 
 /// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
@@ -33,7 +33,7 @@ struct SiteZone {
     /// Ascending.
     arc_a: [f64; 2],
     curve_b: usize,
-    /// Feet of the ends of `arc_a`; descending where the strands run against each other.
+    /// Feet of the ends of `arc_a`; descending where the strands are antiparallel.
     arc_b: [f64; 2],
     load: Load,
     gap: f64,
@@ -57,7 +57,7 @@ struct Load {
 }
 
 impl Load {
-    /// Together with `other`, whose arc lengths are `shift` short.
+    /// The sum with `other`, whose arc lengths are increased by `shift`.
     fn with(self, other: Self, shift: f64) -> Self {
         let force = self.force + other.force;
         if force <= 0.0 {
@@ -77,7 +77,7 @@ impl Load {
     }
 }
 
-/// What decides between points and lines: how stiff the strands are on their contact.
+/// Data that distinguish points from lines: stiffnesses of contact and strands.
 #[derive(Debug, Clone)]
 pub(super) struct Layer {
     /// Contact stiffness κ \[F/L²\].
@@ -87,7 +87,7 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// Width (B/κ)^¼ over which the law spreads pressure along a line, of the softer strand \[L\].
+    /// Width (B/κ)^¼ of the contact layer along a line, for the softer strand \[L\].
     fn width(&self, a: usize, b: usize) -> f64 {
         (self.bending[a].min(self.bending[b]) / self.stiffness).powf(0.25)
     }
@@ -106,7 +106,7 @@ pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer
     sites
 }
 
-/// Groups of zones that are one contact each, fragments of lines together.
+/// Groups of zones, one for each contact; fragments of a line are in one group.
 fn contacts(set: &CurveSet, zones: &[SiteZone], layer: &Layer) -> Vec<Vec<(usize, bool)>> {
     fragments::joined(set, zones, views(set, zones), layer)
 }
@@ -138,7 +138,7 @@ fn zones(set: &CurveSet, terms: &[ContactPair]) -> Vec<SiteZone> {
     zones
 }
 
-/// What a chain of pieces makes together.
+/// The zone of a chain of pieces.
 fn zone(set: &CurveSet, chain: &[ChainPiece]) -> SiteZone {
     let mut zone = piece(set, &chain[0]);
     chain[1..].iter().for_each(|link| append(set, &mut zone, &piece(set, link)));
@@ -188,7 +188,7 @@ fn append(set: &CurveSet, zone: &mut SiteZone, piece: &SiteZone) {
     }
 }
 
-/// Groups zones into sites: the indices of its zones, true for those that see it the other way round than the first.
+/// Groups zones into sites: the indices of its zones, true for those that see it from the other strand than the first.
 fn views(set: &CurveSet, zones: &[SiteZone]) -> Vec<Vec<(usize, bool)>> {
     let places = ByPlace::new(set, zones);
     let mut used = vec![false; zones.len()];
@@ -214,7 +214,7 @@ fn views(set: &CurveSet, zones: &[SiteZone]) -> Vec<Vec<(usize, bool)>> {
     groups
 }
 
-/// Zones that see the same contact from the other strand, by index.
+/// Indices of the zones that see the same contact from the other strand.
 fn counterparts(set: &CurveSet, zones: &[SiteZone], places: &ByPlace, index: usize) -> Vec<usize> {
     let pad = pad(set, &zones[index]);
     let mut near = places.near((zones[index].curve_b, zones[index].curve_a), zones[index].arc_b, pad);
@@ -222,7 +222,7 @@ fn counterparts(set: &CurveSet, zones: &[SiteZone], places: &ByPlace, index: usi
     near
 }
 
-/// How far apart the views of one contact may be \[L\].
+/// Largest distance between the views of one contact \[L\].
 fn pad(set: &CurveSet, zone: &SiteZone) -> f64 {
     TOL_FOOT * contact_distance(set, zone)
 }

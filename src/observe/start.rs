@@ -1,4 +1,4 @@
-//! What a start shape has inside itself, before anything is computed.
+//! Overlaps in start shapes.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::solve::{Engine, RunError};
 
 use super::state::contact_sites;
 
-/// Overlaps below this part of the contact distance are what discretised shapes have.
+/// Smallest overlap reported, over the contact distance, because discretised shapes have smaller ones.
 const NOTABLE: f64 = 1e-3;
 /// Width of the interval that encloses the deepest overlap, relative to the smallest contact radius.
 const TOL_DEPTH: f64 = 1e-6;
@@ -23,15 +23,15 @@ pub struct StartOverlap {
     pub arcs: [[f64; 2]; 2],
     /// Distance of the centrelines \[L\].
     pub distance: f64,
-    /// Both contact radii together \[L\].
+    /// Sum of both contact radii \[L\].
     pub contact_distance: f64,
-    /// A centreline runs inside the other strand: to which side the strands come apart is an accident, if they do.
+    /// Whether a centreline runs inside the other strand. The side to which such strands separate is arbitrary.
     pub through: bool,
 }
 
-/// All places where strands overlap in the start shape of a model, the deepest first. Contact takes strands apart that
-/// overlap, to the side on which their centrelines are; where these pass [through](StartOverlap::through) the other
-/// strand, shapes are hardly what was meant.
+/// All overlaps of strands in the start shape of a model, the deepest first. Contact separates overlapping strands to
+/// the sides of their centrelines. If these pass [through](StartOverlap::through) the other strand, the shape is
+/// probably not intended.
 ///
 /// # Errors
 /// Models that [`Engine::new`] refuses; start shapes too coarse for contact.
@@ -49,7 +49,7 @@ pub fn start_overlaps(model: &Model) -> Result<Vec<StartOverlap>, RunError> {
     };
     let of_site = |site: &SiteReport| overlap([site.rod_a, site.rod_b], [site.arc_a, site.arc_b], site.gap);
     let mut overlaps: Vec<StartOverlap> = contact_sites(&engine).iter().map(of_site).collect();
-    // strands of no distance at all have no normal and no site
+    // coincident centrelines have no normal and no site
     if let Some(side) = &engine.contact {
         let tol = TOL_DEPTH * side.min_radius;
         let found = smallest_clearance(&side.set, &side.exclusion, 0.0, tol);

@@ -1,4 +1,4 @@
-//! From an accepted state to its report.
+//! Computation of the report of an accepted state.
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -17,25 +17,26 @@ use super::knots;
 use super::report::{Energies, GapReport, LineSample, Observation, Reaction, RodEnds, RodLink, RodSize, SiteReport};
 use super::sites::{Layer, lines, sites};
 
-/// Points per node segment at which link is measured: neighbouring frames are then much less than half a turn apart.
+/// Points per node segment for the link, because neighbouring frames must differ by much less than half a turn.
 const POINTS_PER_SEGMENT: usize = 4;
-/// Gaps are looked for up to this many radii of the thinnest rod: two diameters.
+/// Largest gap reported, in radii of the thinnest rod: two diameters.
 const MAX_GAP: f64 = 4.0;
-/// Overlap, in radii of the thinnest rod, beyond twice what contact leaves from which it counts as not resisted.
+/// Overlap, in radii of the thinnest rod, beyond twice the penetration of contact, from which it counts as not
+/// resisted.
 const UNRESISTED: f64 = 1e-2;
 /// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
 const TOL_GAP: f64 = 1e-10;
 
-/// Part of a length that a sum of lengths may be off by.
+/// Relative rounding of a sum of lengths.
 const ROUNDING: f64 = 1e-12;
 
-/// [`Observation::status`] of a state at rest in which tubes are inside each other where contact does not resist it.
+/// [`Observation::status`] of an equilibrium in which tubes overlap where contact does not resist it.
 pub const OVERLAP: &str = "overlap";
 
-/// Everything there is to report about the state that a solver has just accepted.
+/// The report of the state that a solver has just accepted.
 ///
-/// Takes about as long as one evaluation of the residual, plus link and the certified clearance. The same numbers for
-/// any number of threads, but for `seconds`.
+/// Takes about as long as one evaluation of the residual, plus link and the certified clearance. All numbers except
+/// `seconds` are independent of the number of threads.
 pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());
@@ -74,7 +75,7 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
     sites_of(engine, &engine.residual(engine.state()))
 }
 
-/// Contact along the lines of the engine's state: pressure and gap at places a half of the contact law's width apart.
+/// Contact along the lines of the engine's state: pressure and gap at points half the contact law's width apart.
 pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
     let residual = engine.residual(engine.state());
     engine
@@ -126,10 +127,10 @@ fn size(rod: &Rod) -> RodSize {
 
 /// Angle between the tangents at both ends, rad, up to which they count as parallel.
 const PARALLEL: f64 = 1e-3;
-/// Length of the straight pieces that continue an open rod for its writhe, over the rod's: what lies beyond adds less
-/// than 1e-6 turns.
+/// Length of the straight extensions of an open rod for its writhe, over the rod's, because the rest adds less than
+/// 1e-6 turns.
 const CONTINUED: f64 = 1e4;
-/// Open rods of more nodes have no writhe told: time grows with the square of the nodes, and is .1 s here.
+/// Largest number of nodes of an open rod with a writhe, because time grows with its square: .1 s here.
 const MOST_NODES: usize = 1000;
 
 fn ends(engine: &Engine) -> Vec<RodEnds> {
@@ -144,7 +145,7 @@ fn ends(engine: &Engine) -> Vec<RodEnds> {
     (0..rods.len()).filter(|&rod| !rods[rod].closed).map(of).collect()
 }
 
-/// Link of an open rod continued straight on, turns: of a polygon, where Tw + Wr is exact.
+/// Link of an open rod with straight extensions, turns, on a polygon, where Tw + Wr is exact.
 fn open_link(engine: &Engine, rod: usize) -> Option<f64> {
     let (positions, frames) = (engine.positions(rod), engine.frames(rod));
     let last = positions.len() - 1;
@@ -161,7 +162,7 @@ fn open_link(engine: &Engine, rod: usize) -> Option<f64> {
     Some(ribbon_twist(&points, &directions, false) + writhe(&points, false))
 }
 
-/// What a reader of the numbers should know of a state at rest: a snap on the way to it, a law softer than asked for.
+/// Warnings about an equilibrium: a snap before it, a contact law softer than prescribed.
 fn notes(progress: &Progress) -> Vec<String> {
     if progress.report.status != Status::Converged {
         return Vec::new();
@@ -178,8 +179,9 @@ fn notes(progress: &Progress) -> Vec<String> {
     snap.into_iter().chain(softer).collect()
 }
 
-/// Overlaps of a state at rest that contact does not resist: it acts between strands, not between neighbours along one.
-/// Apart from the others, that of a rod's rounded end with what follows along the rod, which is none of the tube.
+/// Overlaps of an equilibrium that contact does not resist, because it acts between strands, not between neighbours
+/// along one. The overlap of a rod's rounded end with the part next to it, which is not an overlap of the tube, is
+/// returned separately.
 fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>, Vec<String>) {
     let engine = progress.engine;
     let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
@@ -214,7 +216,8 @@ fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>
     (at_end, too_tight.chain(inside).collect())
 }
 
-/// Whether a gap is that of an open rod's end to a place nearer along the rod than half a turn about its own radius.
+/// Whether a gap is between an open rod's end and a point less than half a turn about its own radius away along the
+/// rod.
 fn is_of_end(rod: &Rod, gap: &GapReport) -> bool {
     // arcs are sums of lengths of segments
     let is_end = |arc: f64| arc <= ROUNDING * rod.length || arc >= (1.0 - ROUNDING) * rod.length;
@@ -240,7 +243,7 @@ fn min_gap(engine: &Engine) -> Option<GapReport> {
     })
 }
 
-/// At rest the gradient of the potential vanishes but for supported components, where it is what the support adds.
+/// In equilibrium the gradient of the potential vanishes except in supported components, where it is the reaction.
 fn reactions(engine: &Engine, residual: &Residual) -> Vec<Reaction> {
     let nodes: BTreeSet<NodeRef> = engine.model().supports.iter().map(|support| support.node).collect();
     let reaction = |node: NodeRef| {

@@ -1,4 +1,4 @@
-//! Strains and stress resultants at the integration points, as the elements know them.
+//! Strains and stress resultants of the elements at the integration points.
 
 use crate::rod::element::{Strain, Stress, raw_strains};
 use crate::solve::Engine;

@@ -1,4 +1,4 @@
-//! A quantity along a rod: constant, constant pieces, points with straight lines between them, or a function.
+//! A quantity along a rod: constant, piecewise constant, piecewise linear, or a function.
 
 use std::fmt;
 use std::ops::{Add, Mul};
@@ -7,19 +7,20 @@ use std::sync::Arc;
 use crate::error::InputError;
 use crate::math::quadrature::Rule;
 
-/// Vectors and matrices of numbers, which can be averaged.
-pub trait Values: Copy + PartialEq + Add<Output = Self> + Mul<f64, Output = Self> + Send + Sync + 'static {}
+/// Values that can be averaged: numbers, vectors, matrices.
+pub trait Averaged: Copy + PartialEq + Add<Output = Self> + Mul<f64, Output = Self> + Send + Sync + 'static {}
 
-impl<T: Copy + PartialEq + Add<Output = T> + Mul<f64, Output = T> + Send + Sync + 'static> Values for T {}
+impl<T: Copy + PartialEq + Add<Output = T> + Mul<f64, Output = T> + Send + Sync + 'static> Averaged for T {}
 
-/// Agreement of the end of a table with the length of its rod, relative: tables are written with few digits.
+/// Largest relative difference between the end of a table and the length of its rod, because tables are written with
+/// few digits.
 const TOL_LENGTH: f64 = 1e-6;
 
-/// A quantity given along the reference arc length s of a rod, whatever the mesh. Clones share their data.
+/// A quantity as a function of the reference arc length s of a rod, independent of the mesh. Clones share their data.
 ///
-/// Elements take values at their integration points. Constant pieces are averaged over each point's share of its
-/// element, the parts of it that are as long as the weights: no piece is missed, and the integral along the rod is
-/// kept. Points and functions are evaluated there.
+/// Elements use values at their integration points. Constant pieces are averaged over each point's share of its
+/// element, a part as long as the point's weight: no piece is missed, and the integral along the rod is exact. Points
+/// and functions are evaluated at the integration points.
 ///
 /// ```
 /// use supercoil::rod::Along;
@@ -40,8 +41,8 @@ enum Kind<T> {
     Function(Box<dyn Fn(f64) -> T + Send + Sync>),
 }
 
-impl<T: Values> Along<T> {
-    /// The same all along.
+impl<T: Averaged> Along<T> {
+    /// A constant.
     pub fn constant(value: T) -> Self {
         Self(Arc::new(Kind::Constant(value)))
     }
@@ -68,17 +69,17 @@ impl<T: Values> Along<T> {
         Ok(Self(Arc::new(Kind::Points(arcs, values))))
     }
 
-    /// Any function of s \[L\]; it is asked for values from 0 to the length of the rod.
+    /// Any function of s \[L\], evaluated from 0 to the length of the rod.
     pub fn function(of_arc: impl Fn(f64) -> T + Send + Sync + 'static) -> Self {
         Self(Arc::new(Kind::Function(Box::new(of_arc))))
     }
 
-    /// Whether it is the same all along, as far as it says so itself.
+    /// Whether it was made as a constant.
     pub(crate) fn is_constant(&self) -> bool {
         matches!(&*self.0, Kind::Constant(_))
     }
 
-    /// Value at s; of pieces, at a joint, that of the later one. Beyond the ends the nearest value holds.
+    /// Value at s. At a joint of pieces the later one counts; beyond the ends the nearest value.
     pub fn at(&self, s: f64) -> T {
         match &*self.0 {
             Kind::Constant(value) => *value,
@@ -109,7 +110,7 @@ impl<T: Values> Along<T> {
         out.map(|value| value.or(out[0]).unwrap_or_else(|| self.at(start)))
     }
 
-    /// Mean over a rod of length `length`; of a function, over so many samples that it serves for scales.
+    /// Mean over a rod of length `length`. The mean of a function is that of samples, accurate enough for scales.
     pub(crate) fn mean(&self, length: f64) -> T {
         match &*self.0 {
             Kind::Constant(value) => *value,
@@ -126,8 +127,8 @@ impl<T: Values> Along<T> {
         }
     }
 
-    /// Refuses a table that ends elsewhere than the rod of length `length`; hands each of its values (those of a
-    /// function: at the integration points of so many elements) to `check`, with the arc length of it.
+    /// Refuses a table that does not end at `length`, the length of the rod. Passes each value and its arc length to
+    /// `check`; those of a function at the integration points of the elements.
     pub(crate) fn check(
         &self,
         field: &str,
@@ -154,7 +155,7 @@ impl<T: Values> Along<T> {
     }
 }
 
-/// Samples of a function for its mean, which serves for scales only.
+/// Samples of a function for its mean, because the mean serves for scales only.
 const SAMPLES: u32 = 1000;
 
 /// The piece that s lies in.
@@ -163,7 +164,7 @@ fn piece(ends: &[f64], s: f64) -> usize {
 }
 
 /// Mean of constant pieces from `from` to `to`; the last piece has no end.
-fn mean<T: Values>(ends: &[f64], values: &[T], from: f64, to: f64) -> T {
+fn mean<T: Averaged>(ends: &[f64], values: &[T], from: f64, to: f64) -> T {
     let (first, last) = (piece(ends, from), piece(ends, to));
     let part = |k: usize| {
         let begin = if k == first { from } else { ends[k - 1] };
@@ -200,7 +201,7 @@ impl<T> fmt::Debug for Along<T> {
     }
 }
 
-/// The same data; of functions, the very same one.
+/// Equality of the data; functions are equal if they are the same object.
 impl<T: PartialEq> PartialEq for Along<T> {
     fn eq(&self, other: &Self) -> bool {
         match (&*self.0, &*other.0) {

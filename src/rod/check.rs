@@ -1,4 +1,4 @@
-//! Refusal of rods that cannot be computed with.
+//! Checks of rods.
 
 use crate::error::InputError;
 use crate::math::quadrature::gauss;
@@ -10,7 +10,7 @@ use crate::rod::stiffness::check_stiffness;
 const ALLOWED_STRAINS: &str = "a finite number, gamma3 greater than 0";
 
 impl Rod {
-    /// Refuses a rod that cannot be computed with; the constructors call it.
+    /// Refuses a rod that cannot be computed; the constructors call it.
     ///
     /// # Errors
     /// An order other than 1, 2, 3; a number of nodes that does not fit order and elements; a closed rod of fewer than
@@ -46,7 +46,7 @@ impl Rod {
         (0..self.num_segments()).try_for_each(|segment| self.check_segment(&path, segment))
     }
 
-    /// A rod a million times as long as the way along its nodes, or as short, is a slip.
+    /// Refuses a length that differs from that of the polygon of nodes by a factor of a million: an input error.
     fn check_length(&self, path: &str) -> Result<(), InputError> {
         let ends = |k: usize| (self.positions[(k + 1) % self.num_nodes()] - self.positions[k]).norm();
         let way: f64 = (0..self.num_segments()).map(ends).sum();
@@ -60,7 +60,7 @@ impl Rod {
         Err(InputError::Inconsistent { field: path.to_owned(), reason })
     }
 
-    /// The rotation from node to node of the stress-free rod must be one that elements can tell.
+    /// Refuses a natural rotation from node to node that elements cannot interpolate.
     fn check_natural(&self, path: &str) -> Result<(), InputError> {
         let turn = |at: &str, kappa: Vec3| {
             let turns = kappa.amax() * self.spacing() / std::f64::consts::TAU;

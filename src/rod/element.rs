@@ -8,9 +8,9 @@
 //! ```
 //!
 //! depend on the eleven numbers y = (r', z, z') as quadratic forms over |z|², which makes exact first and second
-//! derivatives short: with f = P/|z|², ∇²f = (∇²P − f ∇²|z|² − ∇f⊗∇|z|² − ∇|z|²⊗∇f)/|z|².
-//! Left multiplication of all q_a by one unit quaternion commutes with the interpolation, so the strains are objective;
-//! nothing incremental is interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
+//! derivatives short: with f = P/|z|², ∇²f = (∇²P − f ∇²|z|² − ∇f⊗∇|z|² − ∇|z|²⊗∇f)/|z|². Left multiplication of all
+//! q_a by one unit quaternion commutes with the interpolation, so the strains are objective. No increments are
+//! interpolated, so they are path independent (cf. Crisfield & Jelenić 1999).
 //!
 //! Unknowns of a node are (δr, θ) with q ← exp(θ/2) q = q + ½θq − ⅛|θ|²q + …, so the Hessian in θ is TᵀHT plus the
 //! diagonal −¼ (∂E/∂q · q) I.
@@ -27,7 +27,7 @@ mod blocks;
 mod kinematics;
 mod material;
 
-pub use kinematics::{Nodes, Plane};
+pub use kinematics::{NodeValues, RodPlane};
 pub use material::{Material, stiffness};
 
 /// Strains Γ1 Γ2 Γ3 K1 K2 K3 at an integration point: shear, shear, extension, bending, bending, twist. Γ is a number,
@@ -37,11 +37,11 @@ pub type Strain = [f64; 6];
 /// Stress resultants that do work on [`Strain`]: forces \[F\], then moments \[F·L\], in the material frame.
 pub type Stress = [f64; 6];
 
-/// Number of unknowns of the largest element.
+/// Degrees of freedom of the largest element.
 pub const MAX_DOF: usize = 24;
 
 /// Nodal input of one element in space.
-pub type ElementNodes = Nodes<3, 4>;
+pub type ElementNodes = NodeValues<3, 4>;
 
 /// Shape functions, length and material shared by the elements of a rod.
 #[derive(Debug, Clone, Copy)]
@@ -52,9 +52,9 @@ pub struct ElementProperties<'a> {
     pub length: f64,
     /// The material matrix.
     pub material: Material<'a>,
-    /// The plane that the rod moves in, if it moves in one: elements whose nodes are in it (positions in x and y,
-    /// frames turned about z) are computed there, with the same results to rounding.
-    pub plane: Option<&'a Plane>,
+    /// The plane of a rod that moves in one. Elements whose nodes are in it (positions in x and y, frames rotated about
+    /// z) are computed in two dimensions, with the same results to rounding.
+    pub plane: Option<&'a RodPlane>,
 }
 
 /// The interpolated numbers y = (r', z, z') at one integration point.
@@ -66,7 +66,7 @@ struct InterpolatedPoint<const R: usize, const Z: usize> {
 }
 
 fn interpolate<const R: usize, const Z: usize>(
-    nodes: &Nodes<R, Z>,
+    nodes: &NodeValues<R, Z>,
     n: &[f64; 4],
     d: &[f64; 4],
     num_nodes: usize,
@@ -104,19 +104,24 @@ impl ElementProperties<'_> {
         ShapeAt { n, d, weight: table.rule.weights[g] * length, num_nodes: table.order + 1 }
     }
 
-    /// The plane, the nodes in it, if all are, and the stiffnesses there. Rods with a full material are computed in space.
-    fn flat(&self, nodes: &ElementNodes) -> Option<(&Plane, Nodes<2, 2>, [f64; 3])> {
+    /// The plane, the nodes in it and the stiffnesses there, if all nodes are in it. Rods with a full material are
+    /// computed in space.
+    fn flat(&self, nodes: &ElementNodes) -> Option<(&RodPlane, NodeValues<2, 2>, [f64; 3])> {
         let (plane, Material::Diagonal(material)) = (self.plane?, self.material) else { return None };
         Some((plane, plane.nodes(nodes, self.table.order + 1)?, plane.material(material)))
     }
 }
 
-/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y, T
-/// rotations of a node. Five numbers because an array's length must be named; the two implementations fix them all.
+/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y,
+/// T rotations of a node.
+///
+/// Five const parameters, because stable Rust does not accept an associated constant as the length of an array in the
+/// signature of a generic function. Associated array types would be accepted, but hide the lengths from the loops below:
+/// each access would be checked at run time, in the innermost code of the solver.
 trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize, const T: usize> {
-    /// The energy that a strain belongs to: stretch, shear, bend, twist.
+    /// Kind of energy of each strain: 0 stretch, 1 shear, 2 bend, 3 twist.
     const KIND: [usize; S];
-    /// The first of the rotations among the six unknowns of a node, which begin with the R displacements.
+    /// Index of the first rotation among the six unknowns of a node; these begin with the R displacements.
     const FIRST_ROTATION: usize;
 
     /// Strains (reference values not subtracted).
@@ -128,15 +133,15 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
     /// Σ S_i ∇²P_i, both triangles.
     fn curvature(p: &InterpolatedPoint<R, Z>, stress: &[f64; S]) -> [[f64; N]; N];
 
-    /// The directions in which the quaternion moves when the node turns: ½ e_k q.
+    /// Derivatives of the quaternion by the rotations of the node: ½ e_k q.
     fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
 
-    /// Change of the strains at integration point `g` that a linear step δ (displacement, rotation vector per node)
-    /// predicts: B δ. Also returns raw strains and B's rows.
+    /// Linear change B δ of the strains at integration point `g` for an increment δ (displacement, rotation vector per
+    /// node). Also returns raw strains and the rows of B.
     fn linear_change(
         table: &ShapeTable,
-        nodes: &Nodes<R, Z>,
-        change: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
+        change: &NodeValues<R, Z>,
         length: f64,
         g: usize,
     ) -> ([f64; S], [f64; S], [[f64; N]; S]) {
@@ -157,9 +162,9 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         (raw, linear, b)
     }
 
-    /// Nodal rates of change of positions and quaternions for an increment.
-    fn nodal_change(nodes: &Nodes<R, Z>, increment: &[f64; MAX_DOF], num_nodes: usize) -> Nodes<R, Z> {
-        let mut change = Nodes::default();
+    /// Linear change of nodal positions and quaternions for an increment.
+    fn nodal_change(nodes: &NodeValues<R, Z>, increment: &[f64; MAX_DOF], num_nodes: usize) -> NodeValues<R, Z> {
+        let mut change = NodeValues::default();
         for a in 0..num_nodes {
             change.r[a].copy_from_slice(&increment[6 * a..6 * a + R]);
             for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
@@ -174,7 +179,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     fn predict(
         body: &ElementProperties,
-        nodes: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
         reference: &[[f64; S]; 3],
         increment: &[f64; MAX_DOF],
@@ -190,8 +195,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     fn second_order(
         body: &ElementProperties,
-        nodes: &Nodes<R, Z>,
-        moved: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
+        moved: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
         increment: &[f64; MAX_DOF],
     ) -> ([[f64; S]; 3], [f64; MAX_DOF]) {
@@ -275,16 +280,14 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
 
     fn evaluate(
         body: &ElementProperties,
-        nodes: &Nodes<R, Z>,
+        nodes: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
-        reference: &[[f64; S]; 3],
-        predicted: Option<&[[f64; S]; 3]>,
+        given: &Given<S>,
         tangent: Option<&mut ElementTangent>,
-        out: &mut ElementOutput,
-    ) {
+    ) -> ElementOutput {
         let (table, length) = (body.table, body.length);
         let num_nodes = table.order + 1;
-        *out = ElementOutput::default();
+        let mut out = ElementOutput::default();
         let mut grad_r = [[0.0; R]; 4];
         let mut grad_q = [[0.0; Z]; 4];
         let mut blocks = tangent.is_some().then(NodeBlocks::<R, Z>::default);
@@ -293,7 +296,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
             let raw = Self::strain(&p);
             let b = Self::gradients(&p, &raw);
-            let strain: [f64; S] = std::array::from_fn(|i| raw[i] - reference[g][i]);
+            let strain: [f64; S] = std::array::from_fn(|i| raw[i] - given.reference[g][i]);
             let stress = material.stress(g, &strain);
             let mut energy = [0.0; 4];
             let mut grad = [0.0; N];
@@ -308,7 +311,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             }
             add_nodal_gradient(&grad, &shape, &mut grad_r, &mut grad_q);
             let Some(blocks) = &mut blocks else { continue };
-            let (mut h, grad) = Self::geometric(&p, &raw, &b, predicted.map_or(&stress, |s| &s[g]));
+            let (mut h, grad) = Self::geometric(&p, &raw, &b, given.predicted.map_or(&stress, |s| &s[g]));
             add_nodal_gradient(&grad, &shape, &mut [[0.0; R]; 4], &mut blocks.grad_q);
             let scaled = material.of_rows(g, &b);
             for i in 0..S {
@@ -320,24 +323,33 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             }
             blocks.add(&h, &shape);
         }
-        let ways: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
+        let rotations: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
         for a in 0..num_nodes {
             out.residual[6 * a..6 * a + R].copy_from_slice(&grad_r[a]);
             for k in 0..T {
-                out.residual[6 * a + Self::FIRST_ROTATION + k] = inner(&ways[a][k], &grad_q[a]);
+                out.residual[6 * a + Self::FIRST_ROTATION + k] = inner(&rotations[a][k], &grad_q[a]);
             }
         }
-        let (Some(blocks), Some(tangent)) = (blocks, tangent) else { return };
+        let (Some(blocks), Some(tangent)) = (blocks, tangent) else { return out };
         for a in 0..num_nodes {
             for c in a..num_nodes {
-                blocks.write(tangent, [a, c], Self::FIRST_ROTATION, &ways);
+                blocks.write(tangent, [a, c], Self::FIRST_ROTATION, &rotations);
             }
             let correction = -0.25 * inner(&blocks.grad_q[a], &nodes.q[a]);
             for k in 6 * a + Self::FIRST_ROTATION..6 * a + 6 {
                 tangent[k][k] += correction;
             }
         }
+        out
     }
+}
+
+/// Given values at the integration points of an element.
+struct Given<'a, const S: usize> {
+    /// Raw strains of the natural state.
+    reference: &'a [[f64; S]; 3],
+    /// Stresses for the geometric part of the tangent; `None`: C ε(x).
+    predicted: Option<&'a [[f64; S]; 3]>,
 }
 
 /// Stresses C(ε + B δ) at the integration points for nodal increments δ (displacement, rotation vector per node): the
@@ -358,8 +370,8 @@ pub fn predicted_stress(
     }
 }
 
-/// Stresses C e of the strain that a finite step made beyond its linear prediction, e = ε(moved) − ε(nodes) − B δ, and
-/// their nodal forces Bᵀ C e, with B at the start of the step.
+/// Stresses C e of the second-order strain of a finite step, e = ε(moved) − ε(nodes) − B δ, and their nodal forces Bᵀ C
+/// e, with B at the start of the step.
 pub fn second_order_force(
     body: &ElementProperties,
     nodes: &ElementNodes,
@@ -376,11 +388,11 @@ pub fn second_order_force(
     }
 }
 
-/// Result of [`evaluate`] without the tangent: overwritten, not accumulated.
+/// Result of [`evaluate`] without the tangent.
 #[derive(Debug, Clone, Default)]
 pub struct ElementOutput {
-    /// Energies \[F·L\]: stretch, shear, bend, twist: half of stress times strain of each. That of a coupling is shared
-    /// between both.
+    /// Energies \[F·L\] of stretch, shear, bend, twist: half of stress times strain. The energy of a coupling is split
+    /// evenly.
     pub energy: [f64; 4],
     /// ∂E/∂(δr, θ), six per node; of an element in a plane the others are zero.
     pub residual: [f64; MAX_DOF],
@@ -390,7 +402,7 @@ pub struct ElementOutput {
 /// plane only the displacements in x and y and the rotation about z of them.
 pub type ElementTangent = [[f64; MAX_DOF]; MAX_DOF];
 
-/// Energy, residual and (if wanted) tangent of an element; entries that are not filled stay as they were.
+/// Energy, residual and, on request, tangent of an element. Entries of `tangent` that are not filled stay as they were.
 ///
 /// `reference` raw strains of the natural state per point; `predicted` stresses for the geometric part of the tangent
 /// per point (`None`: C ε(x)).
@@ -398,23 +410,19 @@ pub fn evaluate(
     body: &ElementProperties,
     nodes: &ElementNodes,
     reference: &[Strain; 3],
-    predicted: Option<&[Strain; 3]>,
+    predicted: Option<&[Stress; 3]>,
     tangent: Option<&mut ElementTangent>,
-    out: &mut ElementOutput,
-) {
+) -> ElementOutput {
+    let given = Given { reference, predicted };
     match (body.flat(nodes), body.material) {
         (Some((plane, flat, material)), _) => {
             let reference = reference.map(|six| plane.part(&six));
             let predicted = predicted.map(|stress| stress.map(|six| plane.part(&six)));
-            let predicted = predicted.as_ref();
-            InPlane::evaluate(body, &flat, &material, &reference, predicted, tangent, out);
+            let given = Given { reference: &reference, predicted: predicted.as_ref() };
+            InPlane::evaluate(body, &flat, &material, &given, tangent)
         }
-        (None, Material::Diagonal(material)) => {
-            Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
-        }
-        (None, Material::Full(material)) => {
-            Space::evaluate(body, nodes, material, reference, predicted, tangent, out);
-        }
+        (None, Material::Diagonal(material)) => Space::evaluate(body, nodes, material, &given, tangent),
+        (None, Material::Full(material)) => Space::evaluate(body, nodes, material, &given, tangent),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Link of closed rods, measured when a rod is built and laid into its frames on demand; twist of open ones.
+//! Link of closed rods: measured when a rod is built, prescribed by rotating its frames. Twist of open rods.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -9,19 +9,19 @@ use crate::math::link::link_numbers;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3, parallel};
 
-/// Points per segment at most on the polygon that link is measured on.
+/// Most points per segment of the polygon for the link.
 const MAX_POINTS: f64 = 8.0;
-/// Nodes per parallel piece of work.
+/// Nodes per parallel task.
 const GRAIN: usize = 256;
 
 impl Rod {
-    /// The same rod with the excess link `turns`: its frames are turned about d3 by an angle that grows evenly along
-    /// the rod, its centreline stays.
+    /// The same rod with the excess link `turns`: its frames are rotated about d3 by an angle that grows linearly along
+    /// the rod. The centreline is unchanged.
     ///
     /// The excess link of a closed rod is the link of its centreline with its material line d1, Tw + Wr, seam included,
-    /// beyond [`Rod::natural_link`]. A rod just placed has its natural twist, so its excess link is the writhe of its
-    /// shape; this adds the twist that is missing. It holds to rounding, whatever the number of nodes. The natural state stays what it was, also where that is the shape
-    /// ([`Natural::AsShaped`](super::Natural)).
+    /// beyond [`Rod::natural_link`]. A rod from [`Rod::new`] has its natural twist, so its excess link is the writhe of
+    /// its shape; this function adds the missing twist. The result is exact to rounding for any number of nodes. The
+    /// natural state is unchanged, also with [`Natural::AsShaped`](super::Natural).
     ///
     /// # Errors
     /// An open rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
@@ -48,8 +48,8 @@ impl Rod {
         Ok(self)
     }
 
-    /// The same open rod twisted by so many turns more than it is by nature, evenly: the frame at s = 0 stays, that at
-    /// s = L is turned about d3. The natural state stays what it was.
+    /// The same open rod with a uniform twist of `turns` beyond its natural twist: the frame at s = 0 stays, that at s
+    /// = L is rotated about d3. The natural state is unchanged.
     ///
     /// # Errors
     /// A closed rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
@@ -72,7 +72,7 @@ impl Rod {
         self.check().map(|()| self)
     }
 
-    /// Turns the frames about d3, evenly from none at s = 0 to so many turns at s = L.
+    /// Rotates the frames about d3 by an angle linear in s: 0 at s = 0, `turns` at s = L.
     fn put_twist_in(&mut self, turns: f64) {
         let segments = self.num_segments() as f64;
         parallel::each(&mut self.frames, GRAIN, &|i, frame| {
@@ -81,8 +81,8 @@ impl Rod {
         self.twist_put_in += turns;
     }
 
-    /// Link Lk₀ of the relaxed closed rod, turns: ∫K3 ds/2π where it has a natural twist K3, that of the start shape where
-    /// this is free of stress, else 0.
+    /// Link Lk₀ of the relaxed closed rod, turns: ∫K3 ds/2π for a natural twist K3; the link of the start shape if that
+    /// is stress-free; else 0.
     pub fn natural_link(&self) -> f64 {
         match &self.natural {
             Natural::AsShaped => self.shape_link,
@@ -90,8 +90,8 @@ impl Rod {
         }
     }
 
-    /// Closed rods: link Tw + Wr of the start state, turns. The frame at s = L is the frame at 0 turned by it about d3, so
-    /// its fraction is the turn of the seam.
+    /// Closed rods: link Tw + Wr of the start state, turns. The frame at s = L is the frame at 0 rotated by it about
+    /// d3, so its fraction is the rotation at the seam.
     pub fn start_link(&self) -> f64 {
         self.start_excess_link + self.natural_link()
     }
@@ -99,8 +99,8 @@ impl Rod {
     /// Tw + Wr of the nodes' frames when the closing segment has the mean twist of the others; exactly 0 for plane
     /// curves whose frames do not turn.
     ///
-    /// The frames decide the fraction of a turn: the part that the closing segment lacks is put into the seam. The whole turns
-    /// are those of the ribbon's linking number, exact on a polygon along the rod's contact centreline.
+    /// The frames determine the fraction of a turn: the seam takes what the closing segment lacks. The whole turns are
+    /// the linking number of the ribbon, exact on a polygon along the rod's contact centreline.
     pub(super) fn link_of_nodes(&self) -> f64 {
         let last = self.num_nodes() - 1;
         let twists: f64 = (0..last).map(|i| self.segment_twist(i, i + 1)).sum();
@@ -112,9 +112,9 @@ impl Rod {
         if excess.abs() < 1e-13 * self.num_nodes() as f64 { 0.0 } else { excess }
     }
 
-    /// Points along the contact centreline (cubic between neighbouring nodes with their d3) and d1 there, so close that
-    /// frames turn by less than ½ rad from one to the next and chords stay within a fraction of the contact radius (8 a
-    /// segment at most).
+    /// Points along the contact centreline (cubic between neighbouring nodes with their d3) and d1 there, so dense that
+    /// consecutive frames differ by less than ½ rad and chords stay within a fraction of the contact radius (at most 8
+    /// a segment).
     fn ribbon(&self, seam: f64) -> (Vec<Vec3>, Vec<Vec3>) {
         let (nodes, spacing) = (self.num_nodes(), self.spacing());
         let closing = self.frames[0] * spin(seam);
@@ -122,7 +122,7 @@ impl Rod {
         let turning = |i: usize| self.frames[i].angle_to(&next(i));
         let largest = |range: Range<usize>| range.map(turning).fold(0.0, f64::max);
         let most = parallel::map_ranges(nodes, GRAIN, &largest).into_iter().fold(0.0, f64::max);
-        // sagitta of a chord: turning × length / 8, at most a quarter of the radius
+        // sagitta of a chord: angle × length / 8, at most a quarter of the radius
         let sagitta = (most * spacing / (2.0 * self.section.contact_radius.max(spacing / MAX_POINTS))).sqrt();
         let count = (2.0 * most).max(sagitta).ceil().clamp(1.0, MAX_POINTS) as usize;
         let along = |i: usize| {
@@ -144,9 +144,11 @@ impl Rod {
         parts.into_iter().flatten().unzip()
     }
 
-    /// Turn about d3, rad in −π..π, from the frame of node a carried to node b without twist to the frame of node b.
+    /// Twist, rad in −π..π: the rotation about d3 from the frame of node a, transported to node b, to the frame of node
+    /// b.
     ///
-    /// Carried by double reflection (Wang, Jüttler, Zheng & Liu 2008), fourth order in the spacing over a whole curve.
+    /// Transport by double reflection (Wang, Jüttler, Zheng & Liu 2008), of fourth order in the spacing over a whole
+    /// curve.
     fn segment_twist(&self, a: usize, b: usize) -> f64 {
         let reflect = |v: Vec3, n: &Vec3| v - n * (2.0 * n.dot(&v) / n.norm_squared());
         let chord = self.positions[b] - self.positions[a];

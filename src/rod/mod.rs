@@ -1,5 +1,5 @@
-//! Cosserat rods: [`Rod`] (a rod as elements and nodes), [`Section`] (its stiffnesses), [`Shape`] (its start),
-//! [`Along`] (a quantity that varies along it), `element` (energy, residual, tangent of one element).
+//! Cosserat rods: [`Rod`] (elements and nodes), [`Section`] (stiffnesses), [`Shape`] (start shape), [`Along`] (a
+//! quantity that varies along a rod), `element` (energy, residual and tangent of one element).
 
 mod along;
 mod check;
@@ -14,7 +14,7 @@ mod section;
 mod shape;
 mod stiffness;
 
-pub use along::{Along, Values};
+pub use along::{Along, Averaged};
 pub(crate) use natural::STRAINS;
 pub use natural::{Natural, NaturalStrains};
 pub use number::RodNumber;

@@ -9,21 +9,23 @@ pub(crate) const STRAINS: [&str; 6] = ["gamma1", "gamma2", "gamma3", "kappa1", "
 /// The stress-free state of a rod.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Natural {
-    /// Straight and untwisted: nothing is stored.
+    /// Straight and untwisted; nothing is stored.
     Straight,
-    /// The start shape itself is free of stress, as it is before [`Rod::with_excess_link`](crate::rod::Rod::with_excess_link) twists it.
+    /// The start shape is stress-free, as it is before [`Rod::with_excess_link`](crate::rod::Rod::with_excess_link)
+    /// twists it.
     ///
-    /// Arcs and circles have the same curvature everywhere: [`Rod::new`](crate::rod::Rod::new) then takes it as it is, and nothing is stored.
-    /// On other shapes, and on nodes of one's own, natural strains are measured on the interpolated start shape, at its
-    /// integration points. There no element is then stressed at all, but natural curvature is known to the order p + 1
-    /// of the elements only, which bounds the accuracy: the tip of a bent arc converges with orders 2, 4, 4 for p =
-    /// 1, 2, 3 (fitted 3.75 for p = 3 on 3 to 12 elements, where given curvature has 5.94;
-    /// `tests/convergence/convergence_orders.rs`). Where frames can be laid so that curvature and twist are uniform (a helix with
-    /// its Frenet frames), [`Rod::from_nodes`](crate::rod::Rod::from_nodes) with [`Natural::Uniform`] has the full order.
+    /// Arcs and circles have a uniform curvature, which [`Rod::new`](crate::rod::Rod::new) takes exactly; nothing is
+    /// stored. On other shapes, and for rods from nodes, natural strains are those of the interpolated start shape at
+    /// the integration points. The start is then free of stress, but natural curvature is accurate to the order p + 1
+    /// of the elements only, which limits the accuracy of results: the tip of a bent arc converges with orders 2, 4, 4
+    /// for p = 1, 2, 3 (fitted 3.75 for p = 3 on 3 to 12 elements, where given curvature has 5.94;
+    /// `tests/convergence/convergence_orders.rs`). Where frames can be laid so that curvature and twist are uniform (a
+    /// helix with its Frenet frames), [`Rod::from_nodes`](crate::rod::Rod::from_nodes) with [`Natural::Uniform`] has
+    /// the full order.
     AsShaped,
-    /// Uniform intrinsic curvature and twist \[1/L\], in the material frame: nothing is stored per element.
+    /// Uniform intrinsic curvature and twist \[1/L\], in the material frame; nothing is stored per element.
     Uniform {
-        /// K1, K2, K3 at rest.
+        /// K1, K2, K3 of the stress-free rod.
         kappa: [f64; 3],
     },
     /// Natural strains Γ1 Γ2 Γ3 (1: neither stretched nor sheared) and K1 K2 K3 \[1/L\] along the rod, in the material
@@ -40,11 +42,11 @@ pub enum Natural {
     Varying(Along<NaturalStrains>),
 }
 
-/// Γ1 Γ2 Γ3 K1 K2 K3 at rest.
+/// Γ1 Γ2 Γ3 K1 K2 K3 of the stress-free rod.
 pub type NaturalStrains = nalgebra::Vector6<f64>;
 
 impl Natural {
-    /// Natural strains at arc length `s`; `None` where they are those of the start shape.
+    /// Natural strains at arc length `s`; `None` with [`Natural::AsShaped`].
     pub(crate) fn at(&self, s: f64) -> Option<Strain> {
         match self {
             Self::Straight => Some([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
@@ -54,7 +56,7 @@ impl Natural {
         }
     }
 
-    /// Twist by nature \[1/L\], the mean along a rod of that length; 0 where it is that of the shape.
+    /// Mean natural twist \[1/L\] along a rod of that length; 0 with [`Natural::AsShaped`].
     pub(crate) fn mean_twist(&self, length: f64) -> f64 {
         match self {
             Self::Straight | Self::AsShaped => 0.0,
@@ -63,7 +65,8 @@ impl Natural {
         }
     }
 
-    /// Curvature and twist by nature, root mean square along a rod of that length; 0 where they are those of the shape.
+    /// Root mean square of natural curvature and twist \[1/L\] along a rod of that length; 0 with
+    /// [`Natural::AsShaped`].
     #[cfg(feature = "scenes")]
     pub(crate) fn turning(&self, length: f64) -> f64 {
         let sample = |k: u32| {
@@ -76,6 +79,6 @@ impl Natural {
     }
 }
 
-/// Samples for a mean that serves to choose a mesh.
+/// Samples of a mean, because it only serves to choose a mesh.
 #[cfg(feature = "scenes")]
 const SAMPLES: u32 = 1000;

@@ -1,4 +1,4 @@
-//! Numbers of a rod that may change on the way: those of its section, its length, its natural curvature and twist.
+//! Numbers of a rod that stages may change: section, length, natural curvature and twist.
 
 use crate::error::InputError;
 use crate::rod::{Natural, Rod};
@@ -32,7 +32,7 @@ pub enum RodNumber {
 }
 
 impl RodNumber {
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::ContactRadius => "contact_radius",
@@ -59,7 +59,7 @@ impl RodNumber {
 }
 
 impl Rod {
-    /// A number of this rod.
+    /// Value of a number of this rod.
     pub fn number(&self, which: RodNumber) -> f64 {
         let (section, kappa) = (&self.section, self.uniform_kappa());
         match which {
@@ -77,7 +77,7 @@ impl Rod {
         }
     }
 
-    /// Changes a number, which [`Rod::check_number`] allows, and nothing else: nodes stay where they are.
+    /// Sets a number that [`Rod::check_number`] allows. Nodes are unchanged.
     #[cfg(feature = "solver")]
     pub(crate) fn set_number(&mut self, which: RodNumber, value: f64) {
         let mut kappa = self.uniform_kappa();
@@ -100,7 +100,7 @@ impl Rod {
         }
     }
 
-    /// Refuses a value that the number cannot have, and numbers that this rod does not have as one.
+    /// Refuses illegal values, and numbers that vary along this rod.
     ///
     /// # Errors
     /// A stiffness, length or contact radius that is not positive; the contact radius of a rod that takes no part in

@@ -1,4 +1,4 @@
-//! The same rod, or the same state of it, on a mesh of several times the elements, or of fewer.
+//! Rods and states of rods on finer and coarser meshes.
 
 use crate::error::InputError;
 use crate::math::quaternion::spin;
@@ -7,16 +7,16 @@ use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
 use crate::rod::rod::MAX_TURN;
 
-/// Nodes an intermediate one is interpolated from, where there are so many: degree 7, beyond the sixth order of the
+/// Nodes that an intermediate one is interpolated from, if there are enough: degree 7, beyond the sixth order of the
 /// best elements.
 const STENCIL: usize = 8;
 
 impl Rod {
     /// The same rod with `factor` times the elements; node k becomes node `factor` k.
     ///
-    /// New nodes are interpolated between the eight next old ones, which for a smooth start shape is of higher order
-    /// than the elements. It matters only where the start shape is the natural one
-    /// ([`Natural::AsShaped`](crate::rod::Natural)) and has corners between its nodes: these cannot be known.
+    /// New nodes are interpolated between the eight nearest old ones, of higher order than the elements for a smooth
+    /// start shape. Corners between the nodes are lost; this matters only if the start shape is the natural one
+    /// ([`Natural::AsShaped`](crate::rod::Natural)).
     ///
     /// # Errors
     /// A factor of 0; see [`Rod::check`]; more nodes than a rod may have.
@@ -37,7 +37,8 @@ impl Rod {
         fine.check().map(|()| fine)
     }
 
-    /// The same rod on every `factor`-th node; `None` where elements cannot be counted off or turn too far.
+    /// The same rod on every `factor`-th node; `None` if the number of elements is not divisible, or if frames of
+    /// neighbouring nodes would differ too much.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
         let seam = std::f64::consts::TAU * self.start_link();
         let coarse = Self {
@@ -49,8 +50,7 @@ impl Rod {
         (self.can_be_coarsened(&self.frames, seam, factor) && coarse.check().is_ok()).then_some(coarse)
     }
 
-    /// Nodes and frames at other equal distances along the rod, so many segments of them, interpolated between the eight
-    /// next ones.
+    /// Nodes and frames of `num_segments` equal segments, interpolated between the eight nearest nodes.
     ///
     /// # Errors
     /// No segments, or more than a rod may have.
@@ -69,8 +69,8 @@ impl Rod {
         Ok((0..num_segments + usize::from(!self.closed)).map(node).unzip())
     }
 
-    /// Whether every `factor`-th node of a state of this rod tells how frames turn between them: a whole turn would not
-    /// be seen. `seam` as for [`Rod::interleave`].
+    /// Whether every `factor`-th node of a state of this rod determines the rotation of the frames between them,
+    /// because whole turns are ambiguous. `seam` as for [`Rod::interleave`].
     pub(crate) fn can_be_coarsened(&self, frames: &[Quat], seam: f64, factor: usize) -> bool {
         let turn = |segment: usize| match frames.get(segment + 1) {
             Some(next) => frames[segment].angle_to(next),
@@ -81,8 +81,8 @@ impl Rod {
             && (0..self.num_segments()).step_by(factor).all(|first| turns(first) <= MAX_TURN)
     }
 
-    /// Nodes of a state of this rod with every segment cut in `factor` equal parts; `seam` \[rad\] turns the frame at s
-    /// = L against that at 0.
+    /// Nodes of a state of this rod with every segment cut in `factor` equal parts; `seam` \[rad\] rotates the frame at
+    /// s = L relative to that at 0.
     pub(crate) fn interleave(
         &self,
         positions: &[Vec3],
@@ -108,7 +108,7 @@ impl Rod {
         (r, q)
     }
 
-    /// Position and frame at a part of a segment.
+    /// Position and frame at a fraction of a segment.
     fn between(&self, positions: &[Vec3], frames: &[Quat], seam: f64, segment: usize, part: f64) -> (Vec3, Quat) {
         let count = positions.len();
         let stencil = STENCIL.min(count);
@@ -122,7 +122,8 @@ impl Rod {
             let index = first + k as isize;
             let (turns, node) = (index.div_euclid(count as isize), index.rem_euclid(count as isize) as usize);
             let frame = if turns == 0 { frames[node] } else { frames[node] * spin(seam * turns as f64) };
-            // each in the hemisphere of its predecessor: over the whole stencil a rod may turn more than half round
+            // each in the hemisphere of its predecessor, because frames may rotate by more than half a turn over the
+            // stencil
             let aligned = if k > 0 && before.dot(&frame.coords) < 0.0 { -frame.coords } else { frame.coords };
             let weight = lagrange_weight(stencil, |j| j as f64, k, at);
             point += (positions[node] - positions[segment]) * weight;

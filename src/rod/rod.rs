@@ -4,16 +4,16 @@ use crate::error::InputError;
 use crate::math::quadrature::gauss;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
-use crate::rod::along::{Along, Values};
+use crate::rod::along::{Along, Averaged};
 use crate::rod::natural::Natural;
 use crate::rod::stiffness::Stiffness;
-use crate::rod::{Section, Shape};
+use crate::rod::{Placement, Section, Shape};
 
-/// Largest rotation between the frames of neighbouring nodes, turns. Elements take the shorter way round, which half a
-/// turn would not have.
+/// Largest rotation between the frames of neighbouring nodes, turns, because elements interpolate the shorter rotation
+/// and half a turn has none.
 pub const MAX_TURN: f64 = 0.4;
 
-/// A rod ready to be put in a model.
+/// A rod of a model.
 ///
 /// Nodes lie at equal reference arc lengths; an element of order p spans p + 1 of them.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ pub struct Rod {
     pub order: usize,
     /// Number of elements.
     pub num_elements: usize,
-    /// Closed on itself.
+    /// Whether its end is joined to its start.
     pub closed: bool,
     /// Reference length \[L\].
     pub length: f64,
@@ -41,22 +41,20 @@ pub struct Rod {
     /// Closed rods: excess link of the start state, turns: the link Tw + Wr of the centreline with the material line d1
     /// beyond that of the relaxed rod, Lk − Lk₀, see [`Rod::start_link`] and [`Rod::natural_link`]. Open rods: 0.
     ///
-    /// Its whole turns are exact. Its fraction is a matter of where the frames at s = 0 and s = L are taken to be: it
-    /// is exact where asked for ([`Rod::with_excess_link`]); else the segment that closes the rod is given the mean
-    /// twist of the others, which makes it, on a shape with twist-free frames, the shape's writhe up to the fourth
-    /// power of the spacing.
+    /// Its whole turns are exact. Its fraction depends on the frames at s = 0 and s = L. It is exact if prescribed
+    /// ([`Rod::with_excess_link`]). Otherwise the closing segment has the mean twist of the others; on a shape with
+    /// twist-free frames the excess link is then the writhe of the shape, up to the fourth power of the spacing.
     pub start_excess_link: f64,
-    /// Turns by which [`Rod::with_excess_link`] has twisted the frames, evenly along the rod: no part of the natural
-    /// state where that is [`Natural::AsShaped`].
+    /// Turns by which [`Rod::with_excess_link`] has twisted the frames, uniformly along the rod; not part of the
+    /// natural state with [`Natural::AsShaped`].
     pub twist_put_in: f64,
-    /// Closed rods: link Tw + Wr of the frames that the rod was made with, turns, which is its natural one where it is
-    /// [`Natural::AsShaped`].
+    /// Closed rods: link Tw + Wr of the original frames, turns; the natural link with [`Natural::AsShaped`].
     pub shape_link: f64,
 }
 
 impl Rod {
     /// Places `shape` and checks everything. [`Natural::AsShaped`] becomes [`Natural::Uniform`] on arcs and circles.
-    /// Frames turn about d3 by the natural twist: a rod starts without twisting moment.
+    /// Frames rotate about d3 by the natural twist: a rod starts without twisting moment.
     ///
     /// # Errors
     /// See [`Section::check`], [`Shape::place`] and [`Rod::check`].
@@ -83,28 +81,25 @@ impl Rod {
             let each = twist * placement.length / (num_elements * order) as f64;
             placement.frames.iter_mut().enumerate().for_each(|(i, frame)| *frame *= spin(each * i as f64));
         }
-        Self::from_nodes(name, placement.length, placement.positions, placement.frames, closed, section, order, natural)
+        Self::from_nodes(name, placement, section, order, natural)
     }
 
-    /// A rod from nodes and frames of one's own; `positions.len()` must be a multiple of the order (closed) or one more
-    /// (open).
+    /// A rod from given nodes and frames at equal reference arc lengths. Their number must be a multiple of the order
+    /// (closed) or one more (open).
     ///
-    /// The segment that closes a closed rod is given the mean twist of the other segments, so frames that turn evenly
-    /// may carry any number of turns, fractions included; see [`Rod::start_excess_link`] and [`Rod::with_excess_link`].
+    /// The closing segment of a closed rod has the mean twist of the other segments, so uniformly twisted frames may
+    /// have any number of turns, fractions included; see [`Rod::start_excess_link`] and [`Rod::with_excess_link`].
     ///
     /// # Errors
     /// See [`Rod::check`].
-    #[allow(clippy::too_many_arguments)]
     pub fn from_nodes(
         name: &str,
-        length: f64,
-        positions: Vec<Vec3>,
-        frames: Vec<Quat>,
-        closed: bool,
+        nodes: Placement,
         section: Section,
         order: usize,
         natural: Natural,
     ) -> Result<Self, InputError> {
+        let Placement { length, positions, frames, closed } = nodes;
         let num_segments = if closed { positions.len() } else { positions.len().saturating_sub(1) };
         let mut rod = Self {
             name: name.to_owned(),
@@ -129,9 +124,9 @@ impl Rod {
         Ok(rod)
     }
 
-    /// The same rod with a full stiffness, constant or varying along it; elements take it at their integration points,
-    /// see [`Along`]. `section` then serves for scales alone: its six stiffnesses become the mean of the diagonal, its
-    /// contact radius stays.
+    /// The same rod with a full stiffness, constant or varying along it. Elements evaluate it at their integration
+    /// points, see [`Along`]. `section` then only provides scales: its six stiffnesses become the mean of the diagonal,
+    /// its contact radius stays.
     ///
     /// ```
     /// use supercoil::math::Vec3;
@@ -147,7 +142,7 @@ impl Rod {
     ///
     /// # Errors
     /// A matrix that is not finite, symmetric and positive definite, with its arc length; a table that does not end at
-    /// the rod's.
+    /// the length of the rod.
     pub fn with_stiffness(self, stiffness: Along<Stiffness>) -> Result<Self, InputError> {
         let rod = Self { stiffness: Some(stiffness), ..self };
         rod.check_stiffness(&format!("rods.{}", rod.name))?;
@@ -171,7 +166,7 @@ impl Rod {
     }
 
     /// Values of a quantity that varies along the rod, at the integration points of one element.
-    pub(crate) fn on_element<T: Values>(&self, along: &Along<T>, element: usize) -> [T; 3] {
+    pub(crate) fn on_element<T: Averaged>(&self, along: &Along<T>, element: usize) -> [T; 3] {
         let length = self.length / self.num_elements as f64;
         along.on_element(element as f64 * length, length, &gauss(self.order))
     }
@@ -189,7 +184,7 @@ pub(super) fn check_order(path: &str, order: usize) -> Result<(), InputError> {
     Err(InputError::Count { field: format!("{path}.order"), value: order, allowed: "1, 2 or 3" })
 }
 
-/// Puts `path` in front of the field an error names.
+/// Prefixes the field of an error with `path`.
 pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
     match &mut error {
         InputError::Value { field, .. }
@@ -247,8 +242,8 @@ mod tests {
         let turned = |turns: f64| {
             let turn = |i: usize| Quat::from_axis_angle(&Vec3::z_axis(), TAU * turns * i as f64 / 40.0);
             let frames = rod.frames.iter().enumerate().map(|(i, q)| q * turn(i)).collect();
-            let (name, length, positions) = (&rod.name, rod.length, rod.positions.clone());
-            Rod::from_nodes(name, length, positions, frames, true, rod.section, 2, Natural::Straight).unwrap()
+            let nodes = Placement { length: rod.length, positions: rod.positions.clone(), frames, closed: true };
+            Rod::from_nodes(&rod.name, nodes, rod.section, 2, Natural::Straight).unwrap()
         };
         for turns in [-3.0, -0.3, 0.25, 1.0, 2.6] {
             let found = turned(turns).start_excess_link;
@@ -305,7 +300,8 @@ mod tests {
     #[test]
     fn bad_nodes_are_refused() {
         let build = |positions: Vec<Vec3>, frames: Vec<Quat>, order: usize| {
-            Rod::from_nodes("rod", 2.0, positions, frames, false, section(0.0), order, Natural::Straight)
+            let nodes = Placement { length: 2.0, positions, frames, closed: false };
+            Rod::from_nodes("rod", nodes, section(0.0), order, Natural::Straight)
         };
         let (x, q) = (|t: f64| Vec3::new(0.0, 0.0, t), Quat::identity());
         let about_z = |angle: f64| Quat::from_axis_angle(&Vec3::z_axis(), angle);

@@ -64,8 +64,8 @@ impl CrossSection {
             Self::Circle { radius } => PI * radius.powi(4) / 2.0,
             Self::Rectangle { width, height } => {
                 let (a, b) = (width.max(height), width.min(height));
-                // tanh(nπa/2b) is 1 to machine precision from n = 13 on, and the tail Σ_{n odd ≥ 13} n⁻⁵ is what is
-                // left of Σ_{n odd} n⁻⁵ = (31/32) ζ(5): sum the differences from 1, which vanish at once.
+                // tanh(nπa/2b) is 1 to machine precision from n = 13 on, and Σ_{n odd} n⁻⁵ = (31/32) ζ(5): only the
+                // differences from 1 are summed, which vanish quickly.
                 let defect: f64 = (1..=13)
                     .step_by(2)
                     .map(f64::from)
@@ -106,9 +106,9 @@ impl Section {
     /// Stiffnesses of a homogeneous solid section: EA, EI1, EI2 from Young's modulus `young` E \[F/L²\], GJ and
     /// GA1 = GA2 = k G A from the shear modulus `shear_modulus` G \[F/L²\].
     ///
-    /// `shear_correction` k (dimensionless) lowers the shear stiffness for the uneven shear stress over the section
-    /// (see [`CrossSection::shear_correction`]; 1 = none).
-    /// `contact_radius` \[L\] need not be the radius of the section.
+    /// `shear_correction` k (dimensionless) lowers the shear stiffness, because the shear stress is not uniform over
+    /// the section (see [`CrossSection::shear_correction`]; 1 = none). `contact_radius` \[L\] need not be the radius of
+    /// the section.
     ///
     /// # Errors
     /// Any modulus, size or `shear_correction` not finite and positive, a `contact_radius` negative or not finite.

@@ -1,4 +1,4 @@
-//! Shapes a rod starts from, each sampled at equally spaced reference arc lengths with frames.
+//! Start shapes of rods, sampled at equally spaced reference arc lengths with frames.
 
 mod plectoneme;
 mod sampler;
@@ -22,7 +22,7 @@ pub use torus::TorusKnot;
 ///    tangent is within 1e-3 rad of z);
 ///  * circle, arc, helix: d1 is the binormal, so that K1 is the curvature at the start (everywhere, on circle and arc).
 ///
-/// On curves in the x-y plane d1 is therefore normal to the plane, and EI1 is the bending stiffness that counts.
+/// On curves in the x-y plane d1 is therefore normal to the plane, and EI1 is the bending stiffness in the plane.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Straight from `start` along `direction`.
@@ -89,9 +89,11 @@ pub struct Placement {
     pub positions: Vec<Vec3>,
     /// Node frames, d3 = tangent, twist-free from the first node on.
     pub frames: Vec<Quat>,
+    /// Whether the last node is joined to the first.
+    pub closed: bool,
 }
 
-/// Longest rod placed, in node segments: sparse matrices over more nodes leave the range of 32-bit indices.
+/// Most node segments of a rod, because sparse matrices over more nodes exceed 32-bit indices.
 pub const MAX_SEGMENTS: usize = 10_000_000;
 
 impl Placement {
@@ -100,7 +102,7 @@ impl Placement {
         let num_nodes = num_segments + usize::from(!closed);
         let samples = (0..num_nodes).map(|i| curve(i as f64 / num_segments as f64));
         let (positions, frames) = samples.map(|[position, d1, d3]| (position, frame(&d1, &d3))).unzip();
-        Self { length, positions, frames }
+        Self { length, positions, frames, closed }
     }
 }
 
@@ -108,8 +110,8 @@ impl Shape {
     /// Samples the shape at `num_segments + 1` (open) or `num_segments` (closed) equally spaced nodes.
     ///
     /// # Errors
-    /// Non-finite or non-positive sizes, zero directions, too few or repeated points, an open shape asked to be closed
-    /// or the other way round.
+    /// Non-finite or non-positive sizes, zero directions, too few or repeated points, a closed rod of an open shape or
+    /// the reverse.
     pub fn place(&self, closed: bool, num_segments: usize) -> Result<Placement, InputError> {
         if num_segments == 0 {
             return Err(InputError::Count { field: "elements".into(), value: 0, allowed: "at least 1" });
@@ -123,10 +125,12 @@ impl Shape {
             Self::Line { start, direction, length } => line(*start, direction, *length, num_segments),
             Self::Circle { length, center, normal } => circle(*length, *center, normal, num_segments),
             Self::Arc { start, tangent, towards, radius, angle } => {
-                arc(*start, tangent, towards, *radius, *angle, num_segments)
+                let curve = arc(*start, tangent, towards, *radius, *angle)?;
+                Ok(Placement::sample(false, num_segments, radius * angle, curve))
             }
             Self::Helix { center, axis, radius, pitch, turns } => {
-                helix(*center, axis, *radius, *pitch, *turns, num_segments)
+                let (length, curve) = helix(*center, axis, *radius, *pitch, *turns)?;
+                Ok(Placement::sample(false, num_segments, length, curve))
             }
             Self::Points(points) => Spline::new(points, closed)?.place(num_segments),
             Self::Plectoneme(plectoneme) => plectoneme.place(num_segments),
@@ -134,7 +138,7 @@ impl Shape {
         }
     }
 
-    /// K1, K2, K3 \[1/L\] in the frames of [`Shape::place`] where they are the same all along the curve.
+    /// K1, K2, K3 \[1/L\] in the frames of [`Shape::place`], if they are uniform.
     pub(crate) fn uniform_curvature(&self) -> Option<[f64; 3]> {
         match self {
             Self::Circle { length, .. } => Some([TAU / length, 0.0, 0.0]),
@@ -177,14 +181,14 @@ fn circle(length: f64, center: Vec3, normal: &Vec3, num_segments: usize) -> Resu
     }))
 }
 
+/// Position, d1 and d3 of an arc at a fraction of its length.
 fn arc(
     start: Vec3,
     tangent: &Vec3,
     towards: &Vec3,
     radius: f64,
     angle: f64,
-    num_segments: usize,
-) -> Result<Placement, InputError> {
+) -> Result<impl Fn(f64) -> [Vec3; 3] + use<>, InputError> {
     finite("shape.start", &start)?;
     let tangent = unit("shape.tangent", tangent)?;
     let inward = unit("shape.towards", towards)?;
@@ -197,22 +201,23 @@ fn arc(
     InputError::positive("shape.radius", radius)?;
     InputError::check("shape.angle", angle, angle > 0.0 && angle <= TAU, "greater than 0 and at most 2π (radians)")?;
     let normal = tangent.cross(&inward);
-    Ok(Placement::sample(false, num_segments, radius * angle, |t| {
+    Ok(move |t: f64| {
         let (sin, cos) = (angle * t).sin_cos();
         let versine = 2.0 * (0.5 * angle * t).sin().powi(2);
         [start + (tangent * sin + inward * versine) * radius, normal, tangent * cos + inward * sin]
-    }))
+    })
 }
 
-/// The Frenet frame of a helix turns about d3 by its torsion τ per length; turning it back by −τ s makes it twist-free.
+/// Length of a helix; position, d1 and d3 at a fraction of it.
+///
+/// The Frenet frame of a helix rotates about d3 by its torsion τ per length; rotation by −τ s makes it twist-free.
 fn helix(
     center: Vec3,
     axis: &Vec3,
     radius: f64,
     pitch: f64,
     turns: f64,
-    num_segments: usize,
-) -> Result<Placement, InputError> {
+) -> Result<(f64, impl Fn(f64) -> [Vec3; 3] + use<>), InputError> {
     finite("shape.center", &center)?;
     let axis = unit("shape.axis", axis)?;
     InputError::positive("shape.radius", radius)?;
@@ -224,7 +229,7 @@ fn helix(
     let rate = radius.hypot(rise);
     let angle = TAU * turns;
     let torsion_per_angle = rise / rate;
-    Ok(Placement::sample(false, num_segments, angle * rate, |t| {
+    let curve = move |t: f64| {
         let theta = angle * t;
         let (sin, cos) = theta.sin_cos();
         let (outward, around) = (side * cos + ahead * sin, ahead * cos - side * sin);
@@ -234,7 +239,8 @@ fn helix(
         // −τs about the tangent: binormal towards the principal normal −outward.
         let d1 = binormal * turn_cos - outward * turn_sin;
         [center + outward * radius + axis * (rise * theta), d1, tangent]
-    }))
+    };
+    Ok((angle * rate, curve))
 }
 
 /// Frame with the given d3 (unit) and d1 (made exactly normal to d3).

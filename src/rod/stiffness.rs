@@ -7,13 +7,14 @@ use crate::rod::Section;
 /// ds. Units \[F\] among Γ, \[F·L\] between Γ and K, \[F·L²\] among K. Twist–bend coupling is entries (4, 5) and (5, 4).
 pub type Stiffness = nalgebra::Matrix6<f64>;
 
-/// Smallest eigenvalue taken, of a matrix scaled to a diagonal of ones. Below it, it is made of rounding.
+/// Smallest eigenvalue accepted, of the matrix scaled to a unit diagonal. Smaller ones are rounding.
 const LEAST_EIGENVALUE: f64 = 1e-12;
-/// Difference of mirrored entries taken, relative to the diagonal: numbers written with ten digits.
+/// Largest difference of symmetric entries, relative to the diagonal, because numbers may be written with ten digits.
 const TOL_SYMMETRY: f64 = 1e-9;
 
 impl Section {
-    /// The section whose six stiffnesses are the diagonal of `stiffness`: for scales, where a rod has a full stiffness.
+    /// The section whose six stiffnesses are the diagonal of `stiffness`; provides scales for a rod with a full
+    /// stiffness.
     #[must_use]
     pub fn of_diagonal(stiffness: &Stiffness, contact_radius: f64) -> Self {
         let c = stiffness.diagonal();

@@ -1,11 +1,11 @@
-//! Presets that trade speed for accuracy: mesh, contact law and tolerances that belong together.
+//! Accuracy presets: mesh, contact law and tolerances that belong together.
 
 use super::{Contact, ContactLaw};
 
-/// How exact a scene is to be: one word for mesh, contact law and tolerances. Presets lie near the front of error
-/// against work of `cargo bench --bench work_precision`; `docs/ACCURACY.md` says how near, case by case. What a preset
-/// costs and what it is off by is stated there and in [`Fidelity::accuracy`], and `tests/solver/fidelity.rs` holds it on cases
-/// that it was not chosen on.
+/// Accuracy of a scene: one setting for mesh, contact law and tolerances. Presets lie near the Pareto front of error
+/// and work of `cargo bench --bench work_precision`; `docs/ACCURACY.md` gives the distance, case by case. Costs and
+/// errors are stated there and in [`Fidelity::accuracy`]; `tests/solver/fidelity.rs` holds them on cases that did not
+/// select the presets.
 ///
 /// | | `Draft` | `Balanced` | `Reference` |
 /// |---|---|---|---|
@@ -21,13 +21,14 @@ use super::{Contact, ContactLaw};
 /// | positions without contact, over the length | 1e-3 (2e-5) | 1e-5 (5e-8) | 1e-7 (8e-10) |
 /// | work (Newton iterations × nodes) and time, relative | 1 | 2.2 to 3.6 | 6 to 14 |
 ///
-/// Worst measured: over all cases of the benchmark and three meshes a few percent apart, for a mesh may be lucky.
+/// Worst measured: over all cases of the benchmark, each on three meshes a few percent apart, because a single mesh may
+/// have a small error by chance.
 ///
-/// A mesh must resolve two lengths. Bending and twist vary over the rod's own turns, so elements are counted per turn
-/// it goes through. Strands that wind around each other or lie along each other do so over lengths of the order of the
-/// distance of their centrelines, however long the rod is, so nodes must not lie farther apart than a multiple of it.
-/// The contact law follows the mesh ([`ContactLaw::ByMesh`]). A long rod known to touch at isolated points only does
-/// not need the second: give its `elements`.
+/// A mesh must resolve two lengths. First, bending and twist vary with the turns of the rod, so elements are counted
+/// per turn. Second, strands that wind around each other or lie along each other vary over lengths of the order of the
+/// distance of their centrelines, for any length of the rod, so the spacing of nodes is limited to a multiple of it.
+/// The contact law follows the mesh ([`ContactLaw::ByMesh`]). A long rod that touches at isolated points only does not
+/// need the second limit; its `elements` may be given.
 ///
 /// In a scene file, `fidelity = "draft"`; without one:
 ///
@@ -53,15 +54,15 @@ use super::{Contact, ContactLaw};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Fidelity {
-    /// A first look: shapes, order of events, forces to some percent.
+    /// Exploration: shapes, order of events, forces to some percent.
     Draft,
-    /// Everyday work: a part in a thousand.
+    /// Default accuracy: a part in a thousand.
     Balanced,
-    /// What other results are compared with.
+    /// Reference solutions.
     Reference,
 }
 
-/// Relative errors that a preset keeps to; see [`Fidelity::accuracy`].
+/// Bounds of the relative errors of a preset; see [`Fidelity::accuracy`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
     /// Elastic energy.
@@ -81,12 +82,12 @@ pub struct Accuracy {
 impl Fidelity {
     /// All presets, least work first.
     pub const ALL: [Self; 3] = [Self::Draft, Self::Balanced, Self::Reference];
-    /// Order of the elements that presets count on.
+    /// Order of the elements of presets.
     pub const ORDER: usize = 3;
 
-    /// Errors the preset keeps to in stable states of rods whose turns were foreseen (see [`Fidelity::elements`]), with
-    /// stretch and shear small. Near a change of branch or of the pattern of contact, moment and force are more
-    /// sensitive than that.
+    /// Bounds of the errors in stable states of rods whose turns were estimated well (see [`Fidelity::elements`]), with
+    /// small stretch and shear. Near a change of branch or of the contact pattern the errors of moment and force are
+    /// larger.
     pub const fn accuracy(self) -> Accuracy {
         let [energy, writhe, twisting_moment, contact_force, position, penetration] = match self {
             Self::Draft => [1e-2, 1e-2, 5e-2, 2e-2, 1e-3, 1e-2],
@@ -103,7 +104,7 @@ impl Fidelity {
         Contact { law: ContactLaw::ByMesh { least, tol_penetration } }
     }
 
-    /// Contact stiffness κε⁴/B below which the preset does not go on coarse meshes.
+    /// Smallest contact stiffness κε⁴/B of the preset, on coarse meshes.
     pub const fn least_stiffness(self) -> f64 {
         match self {
             Self::Draft | Self::Balanced => 10.0,
@@ -120,12 +121,12 @@ impl Fidelity {
         }
     }
 
-    /// Number of cubic elements for a rod of a length \[L\] that will bend and twist through so many `turns` in all,
-    /// and take part in contact with this radius \[L\] (0: it does not).
+    /// Number of cubic elements for a rod of a length \[L\] with a total of `turns` of bending and twist, and a contact
+    /// radius \[L\] (0: no contact).
     ///
-    /// `turns` is an estimate, and the only thing to know beforehand: 1 for a circle, 1 + |excess link| for a ring that
-    /// is supercoiled, the turns of a helix; a force F bends a rod within a length of (B/F)^½, which makes L/2π·(F/B)^½
-    /// turns, a moment M makes L/2π·M/B. Less than one counts as one.
+    /// `turns` is an estimate: 1 for a circle, 1 + |excess link| for a supercoiled ring, the turns of a helix. A force
+    /// F bends a rod within a length (B/F)^½, which makes L/2π·(F/B)^½ turns; a moment M makes L/2π·M/B. Less than one
+    /// counts as one.
     pub fn elements(self, length: f64, turns: f64, contact_radius: f64) -> usize {
         let (per_turn, spacing) = match self {
             Self::Draft => (3.0, 2.0),
@@ -135,7 +136,7 @@ impl Fidelity {
         let by_turns = per_turn * turns.max(1.0);
         let by_contact =
             if contact_radius > 0.0 { length / (Self::ORDER as f64 * spacing * 2.0 * contact_radius) } else { 0.0 };
-        // less by rounding than a whole number is that number
+        // a value that exceeds a whole number by rounding counts as that number
         (by_turns.max(by_contact) * (1.0 - 1e-12)).ceil() as usize
     }
 }

@@ -37,7 +37,7 @@ pub use help::{Key, REFERENCE, help, keys};
 pub(crate) use set::value_of;
 pub use templates::{TEMPLATES, Template};
 
-/// A scene: what is to be computed and what is to be written.
+/// A scene: problem, stages, outputs.
 ///
 /// ```toml
 /// title = "336 bp minicircle, excess link to -3"
@@ -55,42 +55,41 @@ pub use templates::{TEMPLATES, Template};
 /// steps = 30
 /// ```
 ///
-/// [`TEMPLATES`] are scenes to begin with (`supercoil new`), [`help`] tells what follows for a single key (`supercoil help
+/// [`TEMPLATES`] are scenes to begin with (`supercoil new`); [`help`] gives the entry of a single key (`supercoil help
 /// scene KEY`).
 ///
 #[doc = include_str!("reference.md")]
 ///
-/// Every unknown key is refused with its line, the keys that are allowed there and the one that was probably meant,
-/// every bad value with its key, the value and what is allowed; so is a mesh that takes more memory than there is (as
-/// far as the system tells: Linux). All angles are in turns. A scene that was read has been checked. Points come from
-/// regular files of at most 256 MiB.
+/// An unknown key is refused with its line, the keys that are allowed there and the most similar one; an illegal value
+/// with its key, the value and the legal range; a mesh that needs more memory than available (on Linux). All angles are
+/// in turns. Scenes are checked when they are read. Points come from regular files of at most 256 MiB.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// Title, for reports; may be empty.
     pub title: String,
     /// Names of the units, for reports.
     pub units: Units,
-    /// Temperature at which energies are told in kT, K; none where the file has none.
+    /// Temperature for energies in kT, K; `None` if the file has none.
     pub temperature: Option<f64>,
-    /// Link of the relaxed molecule, turns, of each rod that is DNA.
+    /// Link of the relaxed molecule, turns, for each rod that is DNA.
     pub relaxed_links: Vec<Option<f64>>,
-    /// Preset that set what the file leaves open.
+    /// Preset for settings that the file does not give.
     pub fidelity: Option<Fidelity>,
     /// The problem.
     pub model: Model,
-    /// The path.
+    /// The stages.
     pub stages: Vec<Stage>,
-    /// The last stage is a path to be followed like this.
+    /// Path following of the last stage, if it is followed.
     pub follow: Option<FollowChoice>,
     /// Solver settings that differ from the defaults.
     pub solver: SolverChoice,
-    /// What to write.
+    /// Outputs.
     pub output: OutputChoice,
-    /// How pictures are drawn.
+    /// Settings of pictures.
     pub picture: PictureChoice,
-    /// The file it was read from, absolute; none if it came from text.
+    /// Absolute path of the scene file; `None` for a scene from text.
     pub path: Option<PathBuf>,
-    /// The text it was read from, before any value was replaced; empty if there was none.
+    /// Text of the scene before values were replaced; empty if there was none.
     pub text: String,
     /// Values that were replaced, as `KEY=VALUE`, see [`Scene::read_with`].
     pub set: Vec<String>,
@@ -103,57 +102,59 @@ pub struct SolverChoice {
     /// Converged when a full Newton step moves no node by more than this × node spacing and turns none by more (rad).
     /// Legal: between 0 and 1.
     pub tol_increment: Option<f64>,
-    /// Newton iterations after which a step counts as failed. Legal: ≥ 1.
+    /// Largest number of Newton iterations of a step. Legal: ≥ 1.
     pub max_iterations: Option<usize>,
     /// Threads. Legal: 1 to [`MOST_THREADS`]. Results do not depend on it.
     pub threads: Option<usize>,
 }
 
-/// Most threads of a run: more than any machine has cores for, few enough to start at once.
+/// Largest number of threads of a run, more than machines have cores.
 pub const MOST_THREADS: usize = 1024;
 
-/// What a run writes.
+/// Outputs of a run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputChoice {
-    /// VTK file every so many accepted steps (the first and the last always). Legal: ≥ 1.
+    /// Number of accepted steps from one VTK file to the next (the first and the last step always have one). Legal: ≥
+    /// 1.
     pub every: usize,
     /// Write VTK files for ParaView.
     pub vtk: bool,
-    /// VTK: every so many nodes of a rod (and the last); with `node_tolerance`, pass over at most so many. Legal: ≥ 1.
+    /// VTK: number of nodes from one written node to the next (the last is always written); with `node_tolerance` the
+    /// largest such number. Legal: ≥ 1.
     pub node_every: usize,
-    /// VTK: leave out nodes that lie within this distance \[L\] of the line drawn. Legal: ≥ 0.
+    /// VTK: nodes within this distance \[L\] of the drawn line are left out. Legal: ≥ 0.
     pub node_tolerance: Option<f64>,
     /// Draw pictures.
     pub picture: bool,
     /// Write `view.html`, a page for the browser that shows the steps that have a VTK file; without `vtk` there is none.
     pub view: bool,
-    /// Write a checkpoint every so many accepted steps. Legal: ≥ 1.
+    /// Number of accepted steps from one checkpoint to the next. Legal: ≥ 1.
     pub checkpoint_steps: Option<usize>,
-    /// Write a checkpoint after a step when the last (or the start) is so many seconds ago; at every step if 0. Legal:
-    /// ≥ 0, infinite: never.
+    /// Time from one checkpoint to the next, s; 0: after every step. Legal: ≥ 0, infinite: never.
     pub checkpoint_seconds: f64,
     /// Estimate the error of the final state, see `observe::estimate_error`.
     pub error_estimate: bool,
-    /// Folder, relative to the working directory; the command line's `--out` goes before it.
+    /// Folder, relative to the working directory; the command line's `--out` takes precedence.
     pub dir: Option<PathBuf>,
 }
 
-/// How the path of the last stage is followed, see `solve::FollowOptions`: through limit points, where steps would jump.
+/// Settings of path following in the last stage, see `solve::FollowOptions`: through limit points, where load steps
+/// would jump.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FollowChoice {
-    /// Where to go first.
+    /// Initial direction.
     pub start: FollowStart,
     /// First step, arc length. Legal: > 0.
     pub step: f64,
     /// Longest step, arc length. Legal: ≥ `step`.
     pub max_step: f64,
-    /// Points after which the path ends. Legal: ≥ 1.
+    /// Largest number of points of the path. Legal: ≥ 1.
     pub max_points: usize,
 }
 
-/// Where a path is begun.
+/// Initial direction of a path.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FollowStart {
@@ -185,30 +186,30 @@ impl FollowChoice {
     }
 }
 
-/// How pictures are drawn.
+/// Settings of pictures.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PictureChoice {
     /// Width and height of `picture.png`, pixels. Legal: 16 to 8000.
     pub size: [usize; 2],
-    /// Direction from the rods to the eye; none: that in which the final state spreads least. Not zero.
+    /// Direction from the rods to the eye, not zero; `None`: the direction of least extent of the final state.
     pub camera: Option<[f64; 3]>,
-    /// What appears upwards; none: what makes the final state as wide as it can be, with a `camera` z, or y. Not along
-    /// `camera`.
+    /// Upward direction of the picture, not along `camera`. `None`: the one with the widest final state; with a
+    /// `camera`, z or else y.
     pub up: Option<[f64; 3]>,
-    /// By which rods are coloured.
+    /// Quantity that colours the rods.
     pub color_by: ColorBy,
-    /// No background in `picture.png`.
+    /// Transparent background in `picture.png`.
     pub transparent: bool,
-    /// A bar that shows a length.
+    /// Draw a scale bar.
     pub scale_bar: bool,
 }
 
-/// By which rods are coloured.
+/// Quantity that colours the rods.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorBy {
-    /// A colour for each rod.
+    /// One colour for each rod.
     #[default]
     Strand,
     /// Contact force per length.
@@ -254,7 +255,7 @@ impl PictureChoice {
     }
 }
 
-/// Whether two directions are one, or opposite.
+/// Whether two directions are parallel or antiparallel.
 fn aligned(a: [f64; 3], b: [f64; 3]) -> bool {
     let [a, b] = [a, b].map(|v| crate::scene::model::unit(&v.into()));
     a.cross(&b).norm() < 1e-6
@@ -278,10 +279,10 @@ impl Default for OutputChoice {
 }
 
 impl Scene {
-    /// Temperature, K, at which energies are told in kT where the file says none.
+    /// Default temperature for energies in kT, K.
     pub const DEFAULT_TEMPERATURE: f64 = 300.0;
 
-    /// Temperature, K, and thermal energy kT at it, pN·nm; `None` where units are not nm and pN.
+    /// Temperature, K, and its thermal energy kT, pN·nm; `None` if units are not nm and pN.
     pub fn thermal(&self) -> Option<(f64, f64)> {
         let temperature = self.temperature.unwrap_or(Self::DEFAULT_TEMPERATURE);
         self.units.are_molecular().then_some((temperature, temperature * crate::dna::BOLTZMANN))
@@ -296,11 +297,11 @@ impl Scene {
     }
 
     /// Reads a scene file and replaces some of its values, each given as `KEY=VALUE`: `solver.threads=2`,
-    /// `rods.dna.elements=96` (by name) or `stages.0.steps=10` (by index from 0). Values are TOML; what is none is a
-    /// word. Keys that the file leaves out are added.
+    /// `rods.dna.elements=96` (by name) or `stages.0.steps=10` (by index from 0). Values are TOML; anything else counts
+    /// as a string. Missing keys are added.
     ///
     /// # Errors
-    /// As [`Scene::read`]; [`InputError::Inconsistent`] for a key that leads nowhere.
+    /// As [`Scene::read`]; [`InputError::Inconsistent`] for a key that does not exist.
     pub fn read_with(path: &Path, set: &[String]) -> Result<Self, InputError> {
         let text = read_text(path)?;
         let scene = Self::parse(&text, set, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))?;
@@ -310,8 +311,8 @@ impl Scene {
     /// Reads a scene from text; files named in it are found relative to `base_dir`.
     ///
     /// # Errors
-    /// [`InputError::Parse`] with line and column for text that is no TOML, keys that are unknown or missing, values of
-    /// the wrong type; everything [`Model::check`] and [`Model::check_stages`] refuse.
+    /// [`InputError::Parse`] with line and column for text that is not TOML, unknown or missing keys, values of the
+    /// wrong type; all errors of [`Model::check`] and [`Model::check_stages`].
     pub fn from_toml(text: &str, base_dir: &Path) -> Result<Self, InputError> {
         Self::from_toml_with(text, &[], base_dir)
     }
@@ -337,7 +338,7 @@ impl Scene {
 
     fn parse(text: &str, set: &[String], file: &str, base_dir: &Path) -> Result<Self, InputError> {
         let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: with_suggestion(&e) };
-        // also where values are replaced: only here do errors have their lines
+        // parsed also if values are replaced, because only here do errors have lines
         let mut read: SceneText = toml::from_str(text).map_err(refuse)?;
         if !set.is_empty() {
             let mut table: toml::Table = toml::from_str(text).map_err(refuse)?;
@@ -376,10 +377,10 @@ impl Scene {
     }
 }
 
-/// Likeness (Jaro, 0 to 1) from which a key is taken for a slip of another; that of clap's own suggestions.
+/// Smallest Jaro similarity of a suggested key, as for clap's own suggestions.
 const LIKE: f64 = 0.7;
 
-/// Types as serde calls them, and as a user does.
+/// Names of types in serde's messages and in ours.
 const TYPES: [(&str, &str); 6] = [
     ("usize", "a whole number of at least 0"),
     ("i64", "a whole number"),
@@ -389,7 +390,7 @@ const TYPES: [(&str, &str); 6] = [
     ("a string", "text in quotes"),
 ];
 
-/// What an error says, with the allowed word that is most like an unknown one.
+/// Message of an error, with the allowed word that is most similar to an unknown one.
 fn with_suggestion(error: &toml::de::Error) -> String {
     let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
     let likest = match words.as_slice() {
@@ -412,7 +413,7 @@ fn with_suggestion(error: &toml::de::Error) -> String {
     format!("{text}{}", hint.unwrap_or_default()).trim_end().to_owned()
 }
 
-/// Refuses words that would put control characters into tables and terminals.
+/// Refuses strings with control characters, which would reach tables and terminals.
 fn check_words(text: &SceneText) -> Result<(), InputError> {
     let words = [("title", &text.title), ("units.length", &text.units.length), ("units.force", &text.units.force)];
     let names = text.rods.iter().map(|rod| ("rods.name", &rod.name));

@@ -1,6 +1,5 @@
-//! What is to be solved: [`model`] holds rods, supports, loads, contact choice and stages as plain data;
-//! `file` (feature `scenes`) reads them from a scene file (TOML); [`Fidelity`] sets mesh, law and tolerances by one
-//! word.
+//! The problem: [`model`] holds rods, supports, loads, contact choice and stages as plain data; `file` (feature
+//! `scenes`) reads them from a scene file (TOML); [`Fidelity`] is a preset of mesh, contact law and tolerances.
 
 mod fidelity;
 #[cfg(feature = "scenes")]

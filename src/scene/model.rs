@@ -1,5 +1,5 @@
-//! The problem as plain data: rods, supports, loads, contact, stages. Everything is checked by [`Model::check`] and
-//! [`Model::check_stages`], which the solver calls at its door.
+//! The problem as plain data: rods, supports, loads, contact, stages. [`Model::check`] and [`Model::check_stages`]
+//! check everything; the solver calls them first.
 
 mod check;
 mod pose;
@@ -8,7 +8,7 @@ use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
 #[cfg(feature = "solver")]
-pub(crate) use pose::Way;
+pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};
 
 /// A node of a rod.
@@ -23,8 +23,8 @@ pub struct NodeRef {
 /// Fixes components of position and rotation of one node, in the global axes x, y, z.
 ///
 /// Rotation components are spatial: fixing all three clamps the cross-section's frame, fixing two leaves a hinge about
-/// the third axis. Fixing one alone makes a joint of constant velocity: the section may tilt, and the vector of its
-/// rotation since the start keeps no component along the axis, whatever way it went.
+/// the third axis. Fixing one alone makes a constant-velocity joint: the section may tilt, and its rotation vector
+/// since the start has no component along the axis, for any history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Support {
     /// Supported node.
@@ -47,11 +47,11 @@ impl Support {
     }
 }
 
-/// Joins two nodes rigidly: they share position and rotation for good. The frames may differ, so that rods meet at any
-/// angle (the corner of a frame, a tee, a branching cable); several joints at one place join all the nodes there.
+/// A rigid joint of two nodes: they share displacement and rotation throughout. Their frames may differ, so rods can
+/// meet at any angle (the corner of a frame, a tee, a branching cable). Several joints at one point join all its nodes.
 ///
-/// The nodes must coincide at the start. Rods that are joined cannot both take part in contact yet: at the joint they
-/// would touch for ever.
+/// The nodes must coincide at the start. Joined rods cannot both take part in contact yet, because they would always
+/// touch at the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Joint {
     /// One node.
@@ -95,7 +95,7 @@ impl LineLoad {
     }
 }
 
-/// How contact is enforced.
+/// Enforcement of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactLaw {
     /// No contact: no tree, no candidate, no site.
@@ -108,53 +108,51 @@ pub enum ContactLaw {
     },
     /// p = κ⟨c − gap⟩ with an offset field c raised until no penetration beyond the tolerance is left.
     AugmentedLagrangian {
-        /// Dimensionless stiffness as in `Penalty`; resultants depend on it only through the width κ^(−1/3) over which
-        /// a point contact is spread. Along lines of contact it should be 1 or more: below, the law's layer (B/κ)^¼ is
-        /// longer than the contact distance and offsets converge slowly. Above, rounding sets the limit: pressures are
-        /// known to 1e-16 κ × the size of coordinates. Six decades in between give the same resultants
-        /// (`tests/solver/contact_laws.rs`).
+        /// Dimensionless stiffness as in `Penalty`; resultants depend on it only through the width κ^(−1/3) of a point
+        /// contact. It should be at least 1 for lines of contact: below, the contact layer (B/κ)^¼ is longer than the
+        /// contact distance and offsets converge slowly. Rounding is the upper limit: the error of pressures is 1e-16 κ
+        /// × the size of coordinates. Six decades in between give the same resultants (`tests/solver/contact_laws.rs`).
         stiffness: f64,
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,
     },
-    /// The augmented Lagrangian with the stiffness that the mesh carries, [`ContactLaw::stiffness_by_mesh`]. The model
-    /// that an engine holds has the number in its place ([`ContactLaw::on_mesh`]), and keeps it where a mesh is made
-    /// finer or coarser.
+    /// The augmented Lagrangian with the stiffness of [`ContactLaw::stiffness_by_mesh`]. The model of an engine has the
+    /// number instead ([`ContactLaw::on_mesh`]) and keeps it when the mesh is refined or coarsened.
     ByMesh {
-        /// The stiffness is not less than this, however coarse the mesh: what points of contact ask, whose resultants
-        /// are off by κ^(−2/3). Legal: > 0.
+        /// Smallest stiffness, on coarse meshes, because the resultants of point contacts have an error of κ^(−2/3).
+        /// Legal: > 0.
         least: f64,
         /// As in `AugmentedLagrangian`.
         tol_penetration: f64,
     },
 }
 
-/// Layers (B/κ)^¼ from node to node at which [`ContactLaw::stiffness_by_mesh`] stops.
+/// Spacing of nodes in layers (B/κ)^¼ that determines [`ContactLaw::stiffness_by_mesh`].
 const LAYERS_BETWEEN_NODES: f64 = 2.0;
 /// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind
-/// so tightly that they would tell it from a harder one.
+/// tightly enough for a stiffer law to change the result.
 const MOST_BY_MESH: f64 = 1e4;
 
 impl ContactLaw {
-    /// The dimensionless stiffness κ ε⁴/B that a mesh of these rods carries along lines of contact: nodes are two
-    /// layers (B/κ)^¼ of the law apart, on the rod where they are most. Not below `least` nor, unless that is more,
-    /// above 10⁴; 100 where nodes are .63 contact radii apart. Harder, pressure gathers between nodes and a line shows
-    /// as points; softer, points of contact a few radii apart show as one (`docs/ACCURACY.md`). `least` if no rod takes
-    /// part in contact.
+    /// The largest dimensionless stiffness κ ε⁴/B that a mesh of these rods resolves along lines of contact: the
+    /// spacing of nodes is two contact layers (B/κ)^¼, on the rod with the most layers. Clamped to `least` and 10⁴ (or
+    /// `least`, if larger); 100 for a spacing of .63 contact radii. With a stiffer law pressure concentrates between
+    /// nodes and a line breaks up into points; with a softer law points of contact a few radii apart merge
+    /// (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
         let touching = || rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
         let smallest = |of: &dyn Fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
         let radius = smallest(&|rod| rod.section.contact_radius);
         let bending = rods.iter().map(|rod| rod.section.smaller_bending()).fold(f64::INFINITY, f64::min);
-        // powers of ratios, which are far from overflow in any unit
+        // powers of ratios do not overflow in any unit
         let carried = |rod: &Rod| {
             rod.section.smaller_bending() / bending * (LAYERS_BETWEEN_NODES * radius / rod.spacing()).powi(4)
         };
         if radius.is_finite() { smallest(&carried).min(MOST_BY_MESH).max(least) } else { least }
     }
 
-    /// The law with its stiffness as a number, for a mesh of these rods; `ByMesh` becomes `AugmentedLagrangian`, others
-    /// stay as they are.
+    /// The law with its stiffness as a number, for a mesh of these rods: `ByMesh` becomes `AugmentedLagrangian`, others
+    /// are unchanged.
     #[must_use]
     pub fn on_mesh(self, rods: &[Rod]) -> Self {
         match self {
@@ -165,7 +163,7 @@ impl ContactLaw {
         }
     }
 
-    /// The dimensionless stiffness κ ε⁴/B; `None` without contact, and as long as no mesh has given it (see
+    /// The dimensionless stiffness κ ε⁴/B; `None` without contact and for [`ContactLaw::ByMesh`] (see
     /// [`ContactLaw::on_mesh`]).
     pub fn stiffness(&self) -> Option<f64> {
         match self {
@@ -174,7 +172,7 @@ impl ContactLaw {
         }
     }
 
-    /// Whether anything is to be detected at all.
+    /// Whether contact is on.
     pub fn is_on(&self) -> bool {
         !matches!(self, Self::None)
     }
@@ -209,7 +207,7 @@ impl Default for Contact {
 }
 
 /// Screened electrostatic repulsion of rods that are lines of charge: two points at a distance r have the energy A
-/// exp(−r/λ)/r per product of their lengths. `contact::screened` says which points and to which range.
+/// exp(−r/λ)/r per product of their lengths. `contact::screened` defines the pairs of points and the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Electrostatics {
     /// A \[F\]: kT × Bjerrum length × (charges per length)².
@@ -229,7 +227,7 @@ pub enum Ramp {
         /// Value at the end of the stage, turns.
         to: f64,
     },
-    /// Rotates a node (whose rotation is fixed by a support) about a global axis; many turns are fine.
+    /// Rotates a node (whose rotation a support fixes) about a global axis; many turns are allowed.
     Rotation {
         /// The supported node.
         node: NodeRef,
@@ -238,10 +236,9 @@ pub enum Ramp {
         /// Total angle turned at the end of the stage since the start of the run, turns.
         to: f64,
     },
-    /// Carries a node (whose position and rotation are fixed by a support) round an axis, its frame with it: nodes with
-    /// one axis turn together like a rigid body. Many turns are fine; they are gone through in steps of at most
-    /// [`Ramp::MAX_ROUND`], which lead along chords of the circle. A displacement of the node goes on top:
-    /// x = p + R(x₀ − p) + u.
+    /// Rotates a node (whose position and rotation a support fixes) about an axis through a point, with its frame:
+    /// nodes with one axis move like a rigid body. Many turns are allowed, in steps of at most [`Ramp::MAX_ROUND`]
+    /// along chords of the circle. A displacement of the node is added: x = p + R(x₀ − p) + u.
     RotationAbout {
         /// The supported node.
         node: NodeRef,
@@ -252,20 +249,20 @@ pub enum Ramp {
         /// Total angle turned at the end of the stage since the start of the run, turns.
         to: f64,
     },
-    /// Moves a node (whose position is fixed by a support) along a straight line.
+    /// Moves a node (whose position a support fixes) along a straight line.
     Displacement {
         /// The supported node.
         node: NodeRef,
         /// Total displacement at the end of the stage since the start of the run \[L\].
         to: Vec3,
     },
-    /// Takes a node (whose position and rotation are all fixed by supports) to a pose. It goes in steps that turn it by
-    /// at most [`Ramp::MAX_ROUND`] (turns about the tangent of an open rod apart). Rotations and displacements of other
-    /// stages do not count poses in, nor poses them: a pose says where the node is in the end.
+    /// Moves a node (whose position and rotation supports fix entirely) to a pose, in steps that rotate it by at most
+    /// [`Ramp::MAX_ROUND`] (turns about the tangent of an open rod excepted). A pose is absolute; rotations and
+    /// displacements of other stages do not include it.
     Pose {
         /// The supported node.
         node: NodeRef,
-        /// Where it is at the end of the stage.
+        /// Pose at the end of the stage.
         pose: Pose,
     },
     /// The factor on all [`NodeLoad`]s and [`LineLoad`]s (0 at the start of a run; dimensionless).
@@ -273,8 +270,8 @@ pub enum Ramp {
         /// Factor at the end of the stage.
         to: f64,
     },
-    /// A number of a rod: contact radius, length, stiffness, natural curvature or twist. Where length or natural twist
-    /// change, the link of a closed rod stays, so that its excess link changes.
+    /// A number of a rod: contact radius, length, stiffness, natural curvature or twist. A change of length or natural
+    /// twist keeps the link of a closed rod, so its excess link changes.
     Number {
         /// The rod.
         rod: usize,
@@ -283,9 +280,9 @@ pub enum Ramp {
         /// Value at the end of the stage, in the unit of the number.
         to: f64,
     },
-    /// Holds a node, from the beginning of the stage on, where it then is.
+    /// Fixes a node in its present pose, from the beginning of the stage on.
     Hold(Support),
-    /// Lets components of a node go, from the beginning of the stage on, whichever supports hold them.
+    /// Releases components of a node from all supports, from the beginning of the stage on.
     Release(Support),
     /// Pressure on a planar closed rod: force per *current* length, along the inward normal in the x-y plane \[F/L\].
     Pressure {
@@ -297,19 +294,19 @@ pub enum Ramp {
 }
 
 impl Ramp {
-    /// Turns that a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] takes a node round in one step at most: on the chord it comes
-    /// nearer to the axis by 3 %.
+    /// Largest rotation of a node in one step of a [`Ramp::RotationAbout`] or a [`Ramp::Pose`], turns, because the
+    /// chord is nearer to the axis than the arc, here by 3 %.
     pub const MAX_ROUND: f64 = 1.0 / 12.0;
 }
 
-/// A stage of the path: all its ramps move together from where they are to their targets.
+/// A stage of the path: all its ramps move together from their present values to their targets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
-    /// What moves.
+    /// The ramps.
     pub ramps: Vec<Ramp>,
-    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: 1 to 10⁹. A step that turns a rod
-    /// by several turns goes from turn to turn, where an augmented Lagrangian is asked for on a coarse mesh first: much
-    /// cheaper than as many steps, each brought to rest on the whole mesh. [`Ramp::RotationAbout`] may ask for more.
+    /// Number of equal steps first tried; a step that fails is halved and retried. Legal: 1 to 10⁹. With an augmented
+    /// Lagrangian a step of several turns is solved turn by turn on a coarse mesh first, which is much cheaper than as
+    /// many steps on the full mesh. [`Ramp::RotationAbout`] may need more steps.
     pub steps: usize,
 }
 
@@ -328,13 +325,13 @@ pub struct Model {
     pub line_loads: Vec<LineLoad>,
     /// Contact choice.
     pub contact: Contact,
-    /// Screened repulsion of all rods that take part in contact, beside it.
+    /// Screened repulsion of all rods that take part in contact, in addition to contact.
     pub electrostatics: Option<Electrostatics>,
-    /// Planar scene: all rods lie in the x-y plane; z, and rotations about x and y, are no unknowns.
+    /// Planar scene: all rods lie in the x-y plane; z and rotations about x and y are eliminated.
     pub planar: bool,
 }
 
-/// A direction as a unit vector, whatever its size.
+/// A direction normalised, for any magnitude.
 pub(crate) fn unit(direction: &Vec3) -> Vec3 {
     (direction / direction.amax()).normalize()
 }
@@ -352,7 +349,7 @@ impl Model {
         })
     }
 
-    /// Sets and takes away supports as the ramps of a stage say; whether there was anything to do.
+    /// Adds and removes supports for the ramps of a stage; returns whether there was a change.
     pub(crate) fn change_supports(&mut self, ramps: &[Ramp]) -> bool {
         let before = self.supports.clone();
         for ramp in ramps {

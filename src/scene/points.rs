@@ -9,17 +9,18 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::text::{finite, read_regular, read_regular_bytes, split};
 
-/// Which points of a file make a centreline.
+/// Selection of points of a file for a centreline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Import {
-    /// CSV: names of the columns of x, y, z in the head line; none: `x`, `y`, `z` where it has them, else the only three.
+    /// CSV: names of the columns of x, y, z in the header; `None`: `x`, `y`, `z` if there are such, else the only three
+    /// columns.
     pub columns: Option<[String; 3]>,
-    /// Which of several frames (XYZ), models (PDB) or curves (VECT), from 0; negative: from the last, -1. A file with
-    /// several asks for it.
+    /// Index of the frame (XYZ), model (PDB) or curve (VECT), from 0; negative: from the last, -1. Required if the file
+    /// has several.
     pub frame: Option<i64>,
-    /// PDB: the chain. A file with several asks for it.
+    /// PDB: the chain. Required if the file has several.
     pub chain: Option<String>,
-    /// Only every so many points, from the first. Legal: at least 1.
+    /// Stride: every such point from the first. Legal: at least 1.
     pub every: usize,
     /// Factor on all coordinates. Legal: > 0.
     pub scale: f64,
@@ -31,7 +32,7 @@ impl Default for Import {
     }
 }
 
-/// Reads a centreline: three coordinates a line, in any length unit. See [`read_points_with`].
+/// Reads a centreline: three coordinates per line, in any length unit. See [`read_points_with`].
 ///
 /// # Errors
 /// As [`read_points_with`].
@@ -39,21 +40,20 @@ pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
     read_points_with(path, &Import::default())
 }
 
-/// Reads a centreline; the name of the file tells its format.
+/// Reads a centreline; the extension of the file selects the format.
 ///
 /// * `.xyz`: a line with the number of points, a comment line, then `element x y z`; several frames one after the other.
 /// * `.vect` (Geomview): polylines, open or closed; colours are ignored.
 /// * `.pdb`: the phosphorus atoms (`P`) of a chain.
 /// * `.npy` (NumPy): shape (points, 3), or (points, 4, 3), of which the first rows count: frames of base pairs.
 /// * an oxDNA configuration of two strands, whatever its name: the axis, in nm, one point a base pair.
-/// * anything else: x, y, z separated by commas, semicolons, tabs or blanks; one head line of words may come first; empty
-///   lines and what follows `#` are ignored. With other columns beside them (an index, say) the head line tells which
-///   they are.
+/// * anything else: x, y, z separated by commas, semicolons, tabs or blanks; a header may come first; empty lines and
+///   comments after `#` are ignored. In a file with further columns (an index, for example) the header identifies them.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be read, is no regular one or holds more than 256 MiB; [`InputError::Parse`]
-/// naming file, line and what was found if a line has too few or too many numbers, a word, a NaN or an infinity, if
-/// counts disagree, or if the import asks for what the file has not.
+/// [`InputError::File`] if the file cannot be read, is not a regular file or is larger than 256 MiB;
+/// [`InputError::Parse`] naming file, line and what was found if a line has too few or too many numbers, a word, a NaN
+/// or an infinity, if counts disagree, or if the selection is not in the file.
 pub fn read_points_with(path: &Path, import: &Import) -> Result<Vec<Vec3>, InputError> {
     if import.every == 0 {
         return Err(InputError::Count { field: "every".to_owned(), value: 0, allowed: "at least 1" });
@@ -91,7 +91,7 @@ fn is_oxdna(text: &str) -> bool {
     begins(lines.next(), 't') && begins(lines.next(), 'b') && begins(lines.next(), 'E')
 }
 
-/// One of several lists of points, which is to be named if there are several.
+/// One of several lists of points; `wanted` is required if there are several.
 fn one_of(mut all: Vec<Vec<Vec3>>, wanted: Option<i64>, what: &str) -> Result<Vec<Vec3>, String> {
     let count = all.len() as i64;
     let index = match wanted {
@@ -106,7 +106,7 @@ fn one_of(mut all: Vec<Vec<Vec3>>, wanted: Option<i64>, what: &str) -> Result<Ve
     Err(format!("holds {count} {what}, none of them is frame = {}", wanted.unwrap_or(0)))
 }
 
-/// Lines with something in them, numbered, without comments.
+/// Non-empty lines, numbered, without comments.
 fn contents(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let lines = (1..).zip(text.trim_start_matches('\u{feff}').lines());
     lines
@@ -136,7 +136,7 @@ fn parse_columns(text: &str) -> Result<Vec<Vec3>, String> {
     Ok(points)
 }
 
-/// Numbers of the columns with these names in the head line.
+/// Numbers of the columns with these names in the header.
 pub(super) fn named_columns<const N: usize>(text: &str, names: [&str; N]) -> Result<Vec<[f64; N]>, String> {
     let mut lines = contents(text);
     let head = lines.next().map(|(_, line)| split(line)).unwrap_or_default();

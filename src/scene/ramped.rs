@@ -1,11 +1,11 @@
-//! What stages have prescribed at any place of the path, as columns of a table.
+//! Prescribed quantities at any point of the path, as columns of a table.
 
 use crate::math::Vec3;
 
 use super::model::{Model, NodeRef, Ramp, Stage};
 use crate::rod::RodNumber;
 
-/// A prescribed quantity at every place of the path.
+/// A prescribed quantity along the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prescribed {
     /// Name, with the rod's where there are several.
@@ -19,7 +19,7 @@ pub struct Prescribed {
 }
 
 impl Prescribed {
-    /// Value in a stage of which a fraction is done.
+    /// Value at a fraction of a stage.
     pub fn at(&self, stage: usize, fraction: f64) -> f64 {
         let before = stage.checked_sub(1).and_then(|k| self.ends.get(k)).copied().unwrap_or(self.start);
         let to = self.ends.get(stage).copied().unwrap_or(before);
@@ -39,7 +39,7 @@ pub fn place_name(model: &Model, node: NodeRef) -> String {
     if model.rods.len() > 1 { format!("{}_{at}", rod.name) } else { at }
 }
 
-/// All that stages prescribe but link and poses, which a state itself tells.
+/// All prescribed quantities except link and poses, which states contain.
 pub fn prescribed(model: &Model, stages: &[Stage]) -> Vec<Prescribed> {
     let mut all: Vec<Prescribed> = Vec::new();
     for (k, stage) in stages.iter().enumerate() {
@@ -59,7 +59,7 @@ pub fn prescribed(model: &Model, stages: &[Stage]) -> Vec<Prescribed> {
 
 type Number = (String, &'static str, f64, f64);
 
-/// Name, unit, value at the start of a run and target of what a ramp moves.
+/// Name, unit, value at the start of a run and target of each number that a ramp changes.
 fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
     let of_rod = |name: &str, rod: usize| {
         if model.rods.len() > 1 { format!("{}_{name}", model.rods[rod].name) } else { name.to_owned() }
@@ -92,7 +92,7 @@ fn unit_of(which: RodNumber) -> &'static str {
     }
 }
 
-/// The axis about which stages turn a node, if they do.
+/// The axis about which stages rotate a node, if any.
 pub fn axis_of(stages: &[Stage], at: NodeRef) -> Option<Vec3> {
     stages.iter().flat_map(|stage| &stage.ramps).find_map(|ramp| match ramp {
         Ramp::Rotation { node, axis, .. } | Ramp::RotationAbout { node, axis, .. } if *node == at => {

@@ -8,20 +8,20 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::rod::{Along, NaturalStrains, STRAINS, Stiffness, check_stiffness};
-use crate::text::{Table, read_regular};
+use crate::text::{NumberTable, read_regular};
 
-/// Gaps between pieces that are taken for the rounding of written numbers, relative to the arc length.
+/// Largest gap between pieces that counts as rounding of the written numbers, relative to the arc length.
 const TOL_JOINT: f64 = 1e-9;
 
 /// Columns of arc lengths.
 const ARCS: [&str; 3] = ["s", "from", "to"];
 
-/// Reads natural strains along a rod: any of the columns `gamma1 gamma2 gamma3 kappa1 kappa2 kappa3`, the others being
+/// Reads natural strains along a rod: any of the columns `gamma1 gamma2 gamma3 kappa1 kappa2 kappa3`. Missing ones are
 /// 0, `gamma3` 1.
 ///
 /// # Errors
 /// [`InputError::File`] if the file cannot be read; [`InputError::Parse`] with line and value for columns that are
-/// unknown, missing or there twice, cells that are no numbers, pieces with gaps or overlaps, points that do not
+/// unknown, missing or duplicate, cells that are not numbers, pieces with gaps or overlaps, points that do not
 /// increase.
 pub fn read_natural(path: &Path) -> Result<Along<NaturalStrains>, InputError> {
     read(path, parse_natural)
@@ -42,7 +42,7 @@ fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, 
 }
 
 fn parse_natural(text: &str) -> Result<Along<NaturalStrains>, String> {
-    let table = Table::parse(text)?;
+    let table = NumberTable::parse(text)?;
     let columns =
         table.columns(&ARCS, |name| STRAINS.iter().position(|strain| *strain == name), &STRAINS.join(", "))?;
     table.along(|_, row| {
@@ -52,7 +52,7 @@ fn parse_natural(text: &str) -> Result<Along<NaturalStrains>, String> {
     })
 }
 
-/// Columns of the diagonal; the last two stand for both axes.
+/// Columns of the diagonal; the last two apply to both axes.
 const STIFFNESSES: [(&str, &[usize]); 8] = [
     ("shearing1", &[0]),
     ("shearing2", &[1]),
@@ -64,7 +64,7 @@ const STIFFNESSES: [(&str, &[usize]); 8] = [
     ("bending", &[3, 4]),
 ];
 
-/// Entries of the matrix that a column stands for.
+/// Entries of the matrix that a column sets.
 fn entries(name: &str) -> Option<Vec<(usize, usize)>> {
     if let Some((_, axes)) = STIFFNESSES.iter().find(|(known, _)| *known == name) {
         return Some(axes.iter().map(|&i| (i, i)).collect());
@@ -76,7 +76,7 @@ fn entries(name: &str) -> Option<Vec<(usize, usize)>> {
 }
 
 fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
-    let table = Table::parse(text)?;
+    let table = NumberTable::parse(text)?;
     let names = STIFFNESSES.map(|(name, _)| name).join(", ");
     let columns = table.columns(&ARCS, entries, &format!("{names}, or two strains such as kappa2_kappa3"))?;
     for (i, (name, _)) in STIFFNESSES.iter().enumerate().take(6) {
@@ -100,9 +100,9 @@ fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
     })
 }
 
-impl Table {
-    /// The rows along s, each as `value` has it.
-    fn along<T: crate::rod::Values>(
+impl NumberTable {
+    /// The rows as a function of s, each converted by `value`.
+    fn along<T: crate::rod::Averaged>(
         &self,
         value: impl Fn(usize, &[f64]) -> Result<T, String>,
     ) -> Result<Along<T>, String> {

@@ -5,14 +5,14 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Units {
-    /// Unit of length; "L" if not said.
+    /// Unit of length; default "L".
     pub length: String,
-    /// Unit of force; "F" if not said.
+    /// Unit of force; default "F".
     pub force: String,
 }
 
 impl Units {
-    /// Whether they are nm and pN, in which thermal energy is known.
+    /// Whether the units are nm and pN, for which thermal energy is known.
     pub fn are_molecular(&self) -> bool {
         (self.length.as_str(), self.force.as_str()) == ("nm", "pN")
     }

@@ -1,9 +1,8 @@
 //! Sparse LDLᵀ with inertia. The only file that names faer.
 //!
-//! The supernodal method is forced: the simplicial one reports no failures. Diagonal matrices, for which no work is to
-//! be done, are faer's simplicial ones all the same; their pivots are their entries. `Par::Seq`: the library
-//! parallelises dense kernels only, and the supernodes of rods are about twelve wide, where threads cost more than they
-//! give.
+//! The supernodal method is forced, because the simplicial one reports no failures. faer still takes the simplicial
+//! method for diagonal matrices; their pivots are their entries. `Par::Seq`: the library parallelises dense kernels
+//! only, and the supernodes of rods are about twelve wide, where threads cost more than they save.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -38,7 +37,7 @@ impl std::fmt::Debug for Factor {
     }
 }
 
-/// A pattern in the order of elimination that approximate minimum degree chooses for its equations, node by node.
+/// The pattern in a fill-reducing order of nodes: approximate minimum degree over the equations, node by node.
 ///
 /// # Errors
 /// As [`Factor::of`].
@@ -62,7 +61,7 @@ fn failed(reason: String) -> SolveError {
 }
 
 impl Factor {
-    /// Puts a pattern in an order of elimination that fills little and analyses it in that.
+    /// Reorders a pattern to reduce fill and analyses it.
     ///
     /// # Errors
     /// `SolveError::Symbolic` when memory or the 32-bit index range does not suffice.
@@ -72,7 +71,7 @@ impl Factor {
         Ok((pattern, factor))
     }
 
-    /// Analyses a pattern, to be eliminated in its own order.
+    /// Symbolic analysis of a pattern in its own order of elimination.
     fn analyse(pattern: &Pattern) -> Result<Self, SolveError> {
         let n = pattern.num_equations();
         let (col_ptr, row_idx) = pattern.upper();
@@ -101,7 +100,7 @@ impl Factor {
     pub fn factorise(&mut self, pattern: &Pattern, lower: &[f64]) -> Option<Inertia> {
         let n = pattern.num_equations();
         if n == 0 {
-            // every unknown is supported: nothing to solve for, and nothing wrong with it
+            // every unknown is supported: an empty matrix is legal
             return Some(Inertia { num_negative: 0 });
         }
         let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
@@ -203,9 +202,8 @@ mod tests {
         }
     }
 
-    /// Symptom: a model with a single unknown left, or with unknowns that have nothing to do with each other, broke
-    /// down. Mechanism: without off-diagonal entries faer takes its simplicial method, whatever is asked for, and
-    /// pivots were looked for in supernodes.
+    /// Symptom: a model with a single unknown, or with uncoupled unknowns, broke down. Mechanism: without off-diagonal
+    /// entries faer uses its simplicial method in any case, and pivots were read from supernodes.
     #[test]
     fn diagonal_matrices() {
         for diagonal in [vec![3.0], vec![-2.0], vec![4.0, -1.0, 0.5]] {

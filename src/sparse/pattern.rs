@@ -1,8 +1,8 @@
 //! Sparsity pattern of the tangent: lower triangle, compressed columns, grouped by nodes.
 //!
-//! A node has up to six unknowns (three positions, three rotations); supported and out-of-plane ones are eliminated
-//! here, once, so that nothing further down knows of them. Equations are numbered in the order in which nodes are to be
-//! eliminated ([`Pattern::reordered`]), so that the factorisation takes the matrix as it is assembled.
+//! A node has up to six unknowns (three positions, three rotations). Supported and out-of-plane ones are eliminated
+//! here; the factorisation does not see them. Equations are numbered in the order of elimination
+//! ([`Pattern::reordered`]), so that the factorisation takes the matrix as it is assembled.
 
 /// Marks an eliminated unknown.
 const NONE: u8 = u8::MAX;
@@ -12,7 +12,7 @@ const NONE: u8 = u8::MAX;
 pub struct Pattern {
     /// Nodes in the order of elimination.
     order: Vec<u32>,
-    /// Where each node is in it.
+    /// Position of each node in `order`.
     place: Vec<u32>,
     /// First equation of each node.
     first: Vec<u32>,
@@ -37,9 +37,8 @@ impl Pattern {
         Self::joined(free, &master, pairs)
     }
 
-    /// As `Pattern::new` with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b
-    /// is joined to. Of joined nodes only the master's `free` counts; equations and blocks of the others are the
-    /// master's.
+    /// As `Pattern::new` with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b is
+    /// joined to. Only the master's `free` counts; the others have the master's equations and blocks.
     pub fn joined(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let num_nodes = free.len();
         let mut local = Vec::with_capacity(num_nodes);
@@ -154,7 +153,7 @@ impl Pattern {
         (col_ptr, row_idx)
     }
 
-    /// Nodes in the order in which their equations come in a list of all equations.
+    /// Nodes in the order of their first equations in a list of all equations.
     pub fn nodes_of(&self, equations: &[u32]) -> Vec<u32> {
         let mut when = vec![u32::MAX; self.num_equations()];
         equations.iter().zip(0u32..).for_each(|(&equation, at)| when[equation as usize] = at);
@@ -189,7 +188,7 @@ impl Pattern {
         let joined = a != b && self.master[a] == self.master[b];
         let (a, b) = (self.master[a] as usize, self.master[b] as usize);
         if joined {
-            // a coupling of two nodes that move as one acts on both sides of the diagonal
+            // two joined nodes: their coupling and its transpose lie in one diagonal block
             self.add_ordered(values, a, b, |i, j| entry(i, j) + entry(j, i));
         } else if self.place[a] > self.place[b] {
             self.add_ordered(values, b, a, |i, j| entry(j, i));
@@ -210,7 +209,7 @@ impl Pattern {
             if column == NONE {
                 continue;
             }
-            // columns get shorter by one each: above the diagonal nothing is stored
+            // each column is shorter by one, because entries above the diagonal are not stored
             let start = self.col_ptr[self.first[a] as usize + column as usize] as usize + offset - column as usize;
             for j in 0..6 {
                 let row = self.local[b][j];

@@ -5,12 +5,12 @@ pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// An array of numbers, the last index fastest.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Array {
+pub(crate) struct NpyArray {
     pub(crate) shape: Vec<usize>,
     pub(crate) values: Vec<f64>,
 }
 
-impl Array {
+impl NpyArray {
     /// Reads an array.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let short = || "ends within its header".to_owned();
@@ -74,21 +74,24 @@ mod tests {
     fn arrays_are_read_and_others_refused() {
         let data: Vec<u8> = [1.5f64, -2.0].iter().flat_map(|x| x.to_le_bytes()).collect();
         let head = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 1), }\n";
-        assert_eq!(Array::parse(&file(head, &data)).unwrap(), Array { shape: vec![2, 1], values: vec![1.5, -2.0] });
+        assert_eq!(
+            NpyArray::parse(&file(head, &data)).unwrap(),
+            NpyArray { shape: vec![2, 1], values: vec![1.5, -2.0] }
+        );
         let single: Vec<u8> = [1.5f32, -2.0].iter().flat_map(|x| x.to_le_bytes()).collect();
-        assert_eq!(Array::parse(&file(&head.replace("f8", "f4"), &single)).unwrap().values, [1.5, -2.0]);
+        assert_eq!(NpyArray::parse(&file(&head.replace("f8", "f4"), &single)).unwrap().values, [1.5, -2.0]);
         for (from, to, reason) in [
             ("f8", "i8", "holds <i8, not <f8 or <f4"),
             ("False", "True", "is in the order of Fortran"),
             ("(2, 1)", "(3, 1)", "has shape [3, 1], but 2 numbers"),
             ("shape", "form", "has no shape"),
         ] {
-            let refused = Array::parse(&file(&head.replace(from, to), &data)).unwrap_err();
+            let refused = NpyArray::parse(&file(&head.replace(from, to), &data)).unwrap_err();
             assert!(refused.starts_with(reason), "{refused}");
         }
-        assert_eq!(Array::parse(b"text").unwrap_err(), "is no NumPy array");
-        assert_eq!(Array::parse(&file(head, &data)[..30]).unwrap_err(), "ends within its header");
+        assert_eq!(NpyArray::parse(b"text").unwrap_err(), "is no NumPy array");
+        assert_eq!(NpyArray::parse(&file(head, &data)[..30]).unwrap_err(), "ends within its header");
         let nan: Vec<u8> = [1.5f64, f64::NAN].iter().flat_map(|x| x.to_le_bytes()).collect();
-        assert_eq!(Array::parse(&file(head, &nan)).unwrap_err(), "number 1 is NaN: finite ones expected");
+        assert_eq!(NpyArray::parse(&file(head, &nan)).unwrap_err(), "number 1 is NaN: finite ones expected");
     }
 }

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use supercoil::contact::Cubic;
-use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteLocation, detect};
+use supercoil::contact::{Contacts, Curve, DetectorOptions, Neighbours, Site, SiteLocation, detect};
 use supercoil::math::{Quat, Vec3};
 
 use crate::random;
@@ -22,7 +22,8 @@ const RANGE: f64 = 0.3;
 fn find(a: &[Cubic], b: &[Cubic], unit: f64) -> Contacts {
     let set = [Curve::cubics(a, RADIUS * unit).closed(), Curve::cubics(b, RADIUS * unit).closed()];
     // Neighbours by count: the turning of a piece is a bound, which rounding may move across the limit.
-    let options = Options { range: RANGE * unit, neighbours: Neighbours::Segments(12), ..Options::default() };
+    let options =
+        DetectorOptions { range: RANGE * unit, neighbours: Neighbours::Segments(12), ..DetectorOptions::default() };
     detect(&set, options).unwrap()
 }
 
@@ -123,7 +124,12 @@ fn descend(a: &Cubic, b: &Cubic, mut u: f64, mut v: f64) -> (f64, f64) {
 }
 
 fn between_two(a: &[Cubic], b: &[Cubic], range: f64) -> Vec<Site> {
-    let options = Options { range, neighbours: Neighbours::Segments(usize::MAX), zones: false, ..Options::default() };
+    let options = DetectorOptions {
+        range,
+        neighbours: Neighbours::Segments(usize::MAX),
+        zones: false,
+        ..DetectorOptions::default()
+    };
     detect(&[Curve::cubics(a, RADIUS), Curve::cubics(b, RADIUS)], options).unwrap().sites
 }
 
@@ -263,7 +269,7 @@ fn soft_minima_of_far_cubics_are_isolated() {
             let b = [Cubic {
                 b: [v(0.1 + 0.3 * t, -1.0, high), v(0.05, -0.3, low), v(0.05, 0.4, low), v(-0.1, 1.0 + t, high)],
             }];
-            let options = Options { range: 2.0 * distance, zones: false, ..Options::default() };
+            let options = DetectorOptions { range: 2.0 * distance, zones: false, ..DetectorOptions::default() };
             let found = detect(&[Curve::cubics(&a, 0.1), Curve::cubics(&b, 0.1)], options).unwrap().sites;
             assert!(
                 found.len() == 1 && !found[0].flat && found[0].kind == SiteLocation::Interior,

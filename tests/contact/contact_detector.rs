@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use supercoil::InputError;
 use supercoil::contact::Cubic;
 use supercoil::contact::Want;
-use supercoil::contact::{Contacts, Curve, Detector, Neighbours, Options, detect};
+use supercoil::contact::{Contacts, Curve, Detector, DetectorOptions, Neighbours, detect};
 use supercoil::internals::capsule::segment_distance;
 use supercoil::internals::steps::DetectorStep;
 use supercoil::math::{Mat3, Quat, Vec3};
@@ -19,8 +19,8 @@ use random::Random;
 use crate::smooth_curves;
 use smooth_curves::helix;
 
-fn options(range: f64, neighbours: Neighbours) -> Options {
-    Options { range, neighbours, ..Options::default() }
+fn options(range: f64, neighbours: Neighbours) -> DetectorOptions {
+    DetectorOptions { range, neighbours, ..DetectorOptions::default() }
 }
 
 /// Random walks, some closed, some flat, some on a lattice (exactly parallel and coincident segments).
@@ -191,7 +191,7 @@ fn same_bits_for_any_number_of_threads() {
 fn kept_buffers_change_nothing() {
     let mut points = Kind::Packed.points(2000);
     let mut kept = Detector::new(options(0.1, Neighbours::Turning));
-    let mut lazy = Detector::new(Options { margin: 0.5, ..options(0.1, Neighbours::Turning) });
+    let mut lazy = Detector::new(DetectorOptions { margin: 0.5, ..options(0.1, Neighbours::Turning) });
     for _ in 0..6 {
         let curve = [Curve::polyline(&points, 1.0)];
         let fresh = detect(&curve, options(0.1, Neighbours::Turning)).unwrap();
@@ -221,7 +221,7 @@ fn same_sites_under_motion_unit_reversal_and_swap() {
     let opts = options(0.2, Neighbours::Segments(4));
     let find = |a: &[Vec3], b: &[Vec3], unit: f64| {
         let set = [Curve::polyline(a, unit), Curve::polyline(b, unit)];
-        detect(&set, Options { range: 0.2 * unit, ..opts }).unwrap()
+        detect(&set, DetectorOptions { range: 0.2 * unit, ..opts }).unwrap()
     };
     let base = find(&a, &b, 1.0);
     assert!(base.sites.len() > 100, "{}", base.sites.len());
@@ -254,7 +254,7 @@ fn bad_input_is_an_error_by_name() {
     let v = Vec3::new;
     let good = [v(0., 0., 0.), v(1., 0., 0.), v(2., 0., 0.)];
     let refused = |bad: Curve, words: &str| {
-        let error = detect(&[Curve::polyline(&good, 1.0), bad], Options::default()).unwrap_err().to_string();
+        let error = detect(&[Curve::polyline(&good, 1.0), bad], DetectorOptions::default()).unwrap_err().to_string();
         assert!(error.contains("curves[1]") && error.contains(words), "{error}");
     };
     refused(Curve::polyline(&[], 1.0), "points");
@@ -277,9 +277,9 @@ fn bad_input_is_an_error_by_name() {
     let hairpin = Cubic { b: [v(0., 0., 0.), v(1., 0., 0.), v(1., 1., 0.), v(0., 1., 0.)] };
     refused(Curve::cubics(&[hairpin], 1.0), "pieces[0]");
     for options in [
-        Options { range: f64::NAN, ..Options::default() },
-        Options { margin: -1.0, ..Options::default() },
-        Options { sampling: 0, ..Options::default() },
+        DetectorOptions { range: f64::NAN, ..DetectorOptions::default() },
+        DetectorOptions { margin: -1.0, ..DetectorOptions::default() },
+        DetectorOptions { sampling: 0, ..DetectorOptions::default() },
     ] {
         let error: InputError = detect(&[Curve::polyline(&good, 1.0)], options).unwrap_err();
         assert!(["range", "margin", "sampling"].iter().any(|n| error.to_string().contains(n)));
@@ -291,7 +291,7 @@ fn bad_input_is_an_error_by_name() {
 fn terms_are_the_slope_of_the_energy() {
     let a: Vec<Vec3> = (0..6).map(|k| Vec3::new(f64::from(k) - 2.5, 0.02 * f64::from(k * k), 0.0)).collect();
     let b: Vec<Vec3> = (0..6).map(|k| Vec3::new(0.1, f64::from(k) - 2.6, 0.3 + 0.01 * f64::from(k))).collect();
-    let mut detector = Detector::new(Options::default());
+    let mut detector = Detector::new(DetectorOptions::default());
     let mut energy = |a: &[Vec3], b: &[Vec3]| -> (f64, Vec<Vec3>) {
         let terms = detector.terms(&[Curve::polyline(a, 0.2), Curve::polyline(b, 0.2)], 50.0, Want::Gradient).unwrap();
         let mut force = vec![Vec3::zeros(); 12];
@@ -455,7 +455,7 @@ fn terms_and_zones_do_not_know_the_origin() {
 fn memory_is_what_is_stated() {
     for kind in Kind::ALL {
         let points = kind.points(100_000);
-        let mut detector = Detector::new(Options { zones: false, ..Options::default() });
+        let mut detector = Detector::new(DetectorOptions { zones: false, ..DetectorOptions::default() });
         let sites = detector.detect(&[Curve::polyline(&points, 1.0)]).unwrap().sites.len();
         let (held, found) = detector.memory();
         let pairs = detector.candidates().len();

@@ -14,7 +14,7 @@
 use std::f64::consts::TAU;
 
 use supercoil::contact::Want;
-use supercoil::contact::{Curve, Detector, Law, Options};
+use supercoil::contact::{Curve, Detector, DetectorOptions, Law};
 use supercoil::math::{Quat, Vec3};
 
 use crate::random;
@@ -38,7 +38,7 @@ fn zigzag(random: &mut Random, closed: bool) -> Vec<Vec3> {
 #[test]
 fn forces_on_kinked_polylines_are_the_slope_of_the_energy() {
     let mut random = Random(11);
-    let (mut touching, mut detector) = (0, Detector::new(Options::default()));
+    let (mut touching, mut detector) = (0, Detector::new(DetectorOptions::default()));
     for case in 0..1200 {
         let closed = case % 2 == 1;
         let radii = [[0.1, 0.1], [0.04, 0.15], [0.2, 0.25]][case % 3];
@@ -74,7 +74,7 @@ fn forces_on_kinked_polylines_are_the_slope_of_the_energy() {
 #[test]
 fn forces_of_a_polyline_on_itself_are_the_slope_of_the_energy() {
     let mut random = Random(12);
-    let (mut touching, mut detector) = (0, Detector::new(Options::default()));
+    let (mut touching, mut detector) = (0, Detector::new(DetectorOptions::default()));
     for case in 0..1000 {
         let mut points = vec![Vec3::zeros()];
         let mut heading = Quat::identity();
@@ -120,7 +120,7 @@ fn polygons_have_the_energy_of_the_rings_they_stand_for() {
         };
         let (a, b) = (ring(inner, 0.0), ring(outer, phase));
         let curves = [Curve::polyline(&a, radius).closed(), Curve::polyline(&b, radius).closed()];
-        let terms = Detector::new(Options::default()).terms(&curves, STIFFNESS, Want::Gradient).unwrap();
+        let terms = Detector::new(DetectorOptions::default()).terms(&curves, STIFFNESS, Want::Gradient).unwrap();
         [true, false].map(|first| terms.iter().filter(|t| (t.slave < n) == first).map(|t| t.energy).sum::<f64>())
     };
     for (side, r) in [inner, outer].into_iter().enumerate() {
@@ -140,7 +140,7 @@ fn any_law_may_be_given() {
     let own = [Vec3::new(-1.0, 0.1, 0.0), Vec3::zeros(), Vec3::new(1.0, 0.2, 0.1)];
     let rod = [Vec3::new(0.02, -0.3, -1.0), Vec3::new(0.05, -0.13, 0.7)];
     let law = Law::Core { pressure: 2.0, depth: 0.6 };
-    let mut detector = Detector::new(Options::default());
+    let mut detector = Detector::new(DetectorOptions::default());
     let mut at = |shift: Vec3, law: Law| {
         let moved = rod.map(|x| x + shift);
         detector.forces(&[Curve::polyline(&own, 0.1), Curve::polyline(&moved, 0.12)], law).cloned()

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use supercoil::InputError;
 use supercoil::contact::Cubic;
-use supercoil::internals::bernstein::{Crossing, Roots, eval, roots};
+use supercoil::internals::bernstein::{Roots, SignChange, eval, roots};
 use supercoil::internals::broad_phase::{BroadPhase, brute_force_candidates};
 use supercoil::internals::capsule::{distance_lower_bound, segment_distance, segment_distance_sq};
 use supercoil::internals::clearance::smallest_clearance;
@@ -93,10 +93,10 @@ proptest! {
             if pa.abs().min(pb.abs()) < 1e-13 * size {
                 continue;
             }
-            let inside: Vec<_> = list.iter().filter(|r| r.t > a && r.t <= b && r.crossing != Crossing::Touching).collect();
+            let inside: Vec<_> = list.iter().filter(|r| r.t > a && r.t <= b && r.crossing != SignChange::Touching).collect();
             prop_assert_eq!(inside.len() % 2 == 1, (pa < 0.0) != (pb < 0.0), "{} {} {:?}", a, b, list);
             if let [one] = inside[..] {
-                prop_assert_eq!(one.crossing == Crossing::Rising, pa < 0.0);
+                prop_assert_eq!(one.crossing == SignChange::Rising, pa < 0.0);
             }
         }
     }

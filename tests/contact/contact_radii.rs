@@ -2,7 +2,7 @@
 
 use supercoil::contact::Cubic;
 use supercoil::contact::Want;
-use supercoil::contact::{Curve, Detector, Neighbours, Options, Radius, detect};
+use supercoil::contact::{Curve, Detector, DetectorOptions, Neighbours, Radius, detect};
 use supercoil::internals::capsule::segment_distance;
 use supercoil::math::Vec3;
 
@@ -11,8 +11,8 @@ use random::Random;
 
 const RANGE: f64 = 0.05;
 
-fn options() -> Options {
-    Options { range: RANGE, neighbours: Neighbours::Segments(1), ..Options::default() }
+fn options() -> DetectorOptions {
+    DetectorOptions { range: RANGE, neighbours: Neighbours::Segments(1), ..DetectorOptions::default() }
 }
 
 struct Line {
@@ -188,7 +188,7 @@ fn smallest_clearance_matches_brute_force() {
                 least = least.min(distance(&set, (0, k), (1, m)) - set[0].radii[k] - set[1].radii[m]);
             }
         }
-        let found = Detector::new(Options { neighbours: Neighbours::Segments(100), ..options() })
+        let found = Detector::new(DetectorOptions { neighbours: Neighbours::Segments(100), ..options() })
             .smallest_clearance(&curves, 10.0, 1e-9)
             .unwrap()
             .unwrap();
@@ -228,7 +228,7 @@ fn equal_radii_are_one_radius() {
     let (thin, thick) = (vec![0.1; 60], vec![0.3; 60]);
     let beside: Vec<Vec3> = set[0].points.iter().map(|p| p + Vec3::new(0.1, 0.2, 0.25)).collect();
     let total = |a: &[f64], b: &[f64]| {
-        let opts = Options { neighbours: Neighbours::Segments(100), ..options() };
+        let opts = DetectorOptions { neighbours: Neighbours::Segments(100), ..options() };
         let pair = [Curve::polyline(&set[0].points, &a[..59]), Curve::polyline(&beside, &b[..59])];
         let terms = Detector::new(opts).terms(&pair, 10.0, Want::Gradient).unwrap();
         terms.iter().map(|t| t.energy).sum::<f64>()
@@ -236,7 +236,7 @@ fn equal_radii_are_one_radius() {
     let (equal, unequal) = (total(&list, &list), total(&thin, &thick));
     assert!(equal > 0.0 && (equal / unequal - 1.0).abs() < 1e-12, "{equal} {unequal}");
     // A kept list must not outlive its radii.
-    let mut detector = Detector::new(Options { margin: 0.5, ..options() });
+    let mut detector = Detector::new(DetectorOptions { margin: 0.5, ..options() });
     let mut radii = vec![0.01; set[0].radii.len()];
     let mut count = |radii: &[f64]| {
         let curves =
@@ -257,7 +257,7 @@ fn a_thick_stretch_is_the_zone() {
     let (a, b) = (line(0.0), line(1.0));
     let mut radii = [0.3; 10];
     radii[4..6].fill(0.8);
-    let c = detect(&[Curve::polyline(&a, &radii), Curve::polyline(&b, 0.3)], Options::default()).unwrap();
+    let c = detect(&[Curve::polyline(&a, &radii), Curve::polyline(&b, 0.3)], DetectorOptions::default()).unwrap();
     assert_eq!(c.zones.len(), 2);
     assert_eq!((c.zones[0].curve, c.zones[0].arc), (0, [4.0, 6.0]));
     assert!((c.zones[0].gap + 0.1).abs() < 1e-15);
@@ -274,7 +274,7 @@ fn bad_radii_are_refused_by_name() {
         (vec![f64::NAN, 1.0], "radius[0]"),
         (vec![1.0, f64::INFINITY], "radius[1]"),
     ] {
-        let error = detect(&[Curve::polyline(&points, &radii)], Options::default()).unwrap_err().to_string();
+        let error = detect(&[Curve::polyline(&points, &radii)], DetectorOptions::default()).unwrap_err().to_string();
         assert!(error.contains("curves[0]") && error.contains(words), "{error}");
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use supercoil::contact::Cubic;
-use supercoil::contact::{Contacts, Curve, Neighbours, Options, Site, SiteLocation, detect};
+use supercoil::contact::{Contacts, Curve, DetectorOptions, Neighbours, Site, SiteLocation, detect};
 use supercoil::math::Vec3;
 
 use crate::random;
@@ -12,8 +12,8 @@ use random::Random;
 use crate::smooth_curves;
 use smooth_curves::{harmonics, helix};
 
-fn options(range: f64, neighbours: Neighbours) -> Options {
-    Options { range, neighbours, ..Options::default() }
+fn options(range: f64, neighbours: Neighbours) -> DetectorOptions {
+    DetectorOptions { range, neighbours, ..DetectorOptions::default() }
 }
 
 /// The sampled distance of two polylines: local minima over a fine grid of both, with their places.

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use supercoil::io::run::run_scene;
 use supercoil::io::sweep::{
-    Collected, Plan, Shard, SweepRun, Table, Values, collect, from_bytes, merge, status, to_bytes, write_part,
+    Collected, ColumnValues, Plan, Shard, SweepRun, SweepTable, collect, from_bytes, merge, status, to_bytes,
+    write_part,
 };
 
 /// A cantilever bent by a force: a few milliseconds a case.
@@ -78,7 +79,7 @@ fn output(arguments: &[&str]) -> (i32, String) {
     (status.code().unwrap(), String::from_utf8([stdout, stderr].concat()).unwrap())
 }
 
-fn words(table: &Table, name: &str) -> Vec<String> {
+fn words(table: &SweepTable, name: &str) -> Vec<String> {
     (0..table.num_rows()).map(|row| table.column(name).unwrap().text(row).unwrap_or_default()).collect()
 }
 
@@ -210,9 +211,9 @@ fn collect_refuses_rows_that_differ_for_one_case() {
     let rows = plan.run(case, &Default::default()).unwrap();
     let mut columns = rows.columns().to_vec();
     let energy = columns.iter_mut().find(|column| column.name == "total_energy").unwrap();
-    let Values::Number(values) = &mut energy.values else { panic!("{energy:?}") };
+    let ColumnValues::Number(values) = &mut energy.values else { panic!("{energy:?}") };
     values[1] = values[1].map(|x| x * (1.0 + f64::EPSILON));
-    let other = Table::new(columns.clone());
+    let other = SweepTable::new(columns.clone());
     assert_eq!(merge(&plan, &[rows.clone(), rows.clone()]).unwrap().table.num_rows(), rows.num_rows());
     write_part(&sweep, &rows).unwrap();
     write_part(&sweep, &other).unwrap();
@@ -220,10 +221,10 @@ fn collect_refuses_rows_that_differ_for_one_case() {
     assert!(error.starts_with("case 0 (") && error.contains("first difference: total"), "{error}");
     // wall times do differ
     let seconds = columns.iter_mut().find(|column| column.name == "seconds").unwrap();
-    seconds.values = Values::Number(vec![Some(1.0); rows.num_rows()]);
+    seconds.values = ColumnValues::Number(vec![Some(1.0); rows.num_rows()]);
     columns.iter_mut().find(|column| column.name == "total_energy").unwrap().values =
         rows.column("total_energy").unwrap().clone();
-    assert!(merge(&plan, &[rows, Table::new(columns)]).is_ok());
+    assert!(merge(&plan, &[rows, SweepTable::new(columns)]).is_ok());
     std::fs::remove_dir_all(dir).unwrap();
 }
 

@@ -20,7 +20,7 @@ use supercoil::contact::{self, Curve, Detector, Neighbours};
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::Quaternion;
 use supercoil::observe::observe;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Placement, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Status, run};
 
@@ -67,7 +67,7 @@ fn detect(cases: u32) -> BTreeMap<&'static str, usize> {
     let options = (number(), prop_oneof![3 => Just(0.0), 1 => number()], neighbours, 0..1100usize, any::<bool>());
     runner(cases)
         .run(&(curves, options), |(curves, (range, margin, neighbours, sampling, zones))| {
-            let options = contact::Options { range, margin, neighbours, sampling, zones };
+            let options = contact::DetectorOptions { range, margin, neighbours, sampling, zones };
             let mut lent: Vec<Curve> = Vec::new();
             for (points, radius, closed) in &curves {
                 let curve = Curve::polyline(points, *radius);
@@ -127,7 +127,8 @@ fn rods(cases: u32) -> BTreeMap<&'static str, usize> {
                 if count > 0 && frames.len() > 2 {
                     frames.resize(count, Quat::identity());
                 }
-                let rod = Rod::from_nodes("r", length, positions, frames, closed, section, order, natural);
+                let nodes = Placement { length, positions, frames, closed };
+                let rod = Rod::from_nodes("r", nodes, section, order, natural);
                 let end = match rod {
                     Err(_) => "refused",
                     Ok(rod) => {

@@ -12,7 +12,7 @@ use supercoil::internals::exclusion::Exclusion;
 use supercoil::math::Vec3;
 use supercoil::math::link::{link_numbers, linking_number, writhe};
 use supercoil::rod::superhelix_angle;
-use supercoil::rod::{Axis, Natural, Plectoneme, Rod, Section, Shape, TorusKnot};
+use supercoil::rod::{Axis, Natural, Placement, Plectoneme, Rod, Section, Shape, TorusKnot};
 use supercoil::scene::Model;
 use supercoil::solve::Engine;
 
@@ -244,8 +244,7 @@ fn long_rod(length: f64, nodes: usize) {
     let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
     let placement = Shape::Plectoneme(plectoneme.clone()).place(true, nodes / 3 * 3).unwrap();
     println!("placed {:?}", started.elapsed());
-    let (positions, frames) = (placement.positions, placement.frames);
-    let rod = Rod::from_nodes("dna", length, positions, frames, true, section, 3, Natural::Straight).unwrap();
+    let rod = Rod::from_nodes("dna", Placement { length, ..placement }, section, 3, Natural::Straight).unwrap();
     println!("measured {:?}", started.elapsed());
     assert!(
         (rod.start_excess_link - plectoneme.writhe()).abs() < 1e-6 * turns.abs(),

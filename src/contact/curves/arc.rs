@@ -1,6 +1,6 @@
-//! Arcs of curves: intervals of arc length. With a `period` (of a closed curve) whole turns aside.
+//! Arcs of curves: intervals of arc length, on a closed curve modulo its `period`.
 
-/// `x` shifted by periods to be as near to `target` as it can.
+/// `x` shifted by whole periods so that it is nearest to `target`.
 pub(crate) fn near(x: f64, target: f64, period: Option<f64>) -> f64 {
     period.map_or(x, |p| x + p * ((target - x) / p).round())
 }
@@ -9,14 +9,13 @@ pub(crate) fn ascending(arc: [f64; 2]) -> [f64; 2] {
     [arc[0].min(arc[1]), arc[0].max(arc[1])]
 }
 
-/// How far two ascending arcs are from each other; negative by how much they overlap. Of all shifts the one that brings
-/// the middles together has the best chance.
+/// Distance of two ascending arcs; negative: their overlap. On a closed curve their middles are first shifted together.
 pub(crate) fn apart(x: [f64; 2], y: [f64; 2], period: Option<f64>) -> f64 {
     let distance = (near(middle(y), middle(x), period) - middle(x)).abs();
     distance - 0.5 * (x[1] - x[0] + y[1] - y[0])
 }
 
-/// Two ascending arcs in one, where the first is.
+/// The union of two ascending arcs, on the branch of the first.
 pub(crate) fn joined(x: [f64; 2], y: [f64; 2], period: Option<f64>) -> [f64; 2] {
     let shift = near(middle(y), middle(x), period) - middle(y);
     [x[0].min(y[0] + shift), x[1].max(y[1] + shift)]

@@ -1,4 +1,4 @@
-//! Contact centrelines: cubic Bézier segments strung into curves with a radius. Knows nothing of rods.
+//! Contact centrelines: curves of cubic Bézier segments with a radius. Knows nothing of rods.
 //!
 //! c(u) = Σ B_i(u) b_i, u in \[0, 1\], B_i the cubic Bernstein polynomials. All lengths in one unit \[L\] of the
 //! caller's choice; nothing here has an absolute tolerance.
@@ -166,11 +166,11 @@ pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
     if across < SMALL_ANGLE * along { small_angle(across / along) } else { across.atan2(along) }
 }
 
-/// Tangents of angles up to which [`small_angle`] is right to rounding.
+/// Largest tangent for which [`small_angle`] is exact to rounding.
 const SMALL_ANGLE: f64 = 0.1;
 
-/// atan t by its series, whose first term left out is t¹⁷/17: most angles between successive edges are small, and there
-/// are three a segment and state.
+/// atan t by its series up to t¹⁵. Most angles between successive edges are small, and there are three per segment and
+/// state.
 fn small_angle(t: f64) -> f64 {
     let q = t * t;
     let tail = [1.0 / 15.0, 1.0 / 13.0, 1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
@@ -197,7 +197,7 @@ fn distance_to_segment(p: &Vec3, d: &Vec3) -> f64 {
     }
     let (p, d) = (p / scale, d / scale);
     let t = (p.dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
-    // 0/0 of a vanishing chord: measure from its start.
+    // 0/0 of a vanishing chord: its start is used.
     let t = if t.is_nan() { 0.0 } else { t };
     scale * (p - d * t).norm()
 }
@@ -366,8 +366,8 @@ impl CurveSet {
         self.curves[curve].closed.then(|| self.length_of(curve))
     }
 
-    /// Segment and parameter at a reference arc length \[L\] from the start of a curve; beyond its ends, on closed
-    /// curves whole turns aside, the end.
+    /// Segment and parameter at a reference arc length \[L\] from the start of a curve. Closed curves are periodic;
+    /// beyond the ends of an open one its end is returned.
     pub(crate) fn at_arc(&self, curve: usize, arc: f64) -> (usize, f64) {
         let arc = self.period(curve).map_or(arc, |period| arc.rem_euclid(period));
         let info = &self.curves[curve];

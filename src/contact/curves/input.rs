@@ -1,11 +1,11 @@
-//! Curves as the caller has them, borrowed: points of polylines or cubic pieces, nothing copied.
+//! Borrowed curves of the caller: points of polylines or cubic pieces; nothing is copied.
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::contact::curves::radius::Radius;
 use crate::error::InputError;
 use crate::math::{LARGEST, Vec3};
 
-/// Parameters this near an end of a segment are its joint.
+/// Distance from an end of a segment, as a parameter, below which a point counts as the joint.
 pub(crate) const JOINT: f64 = 1e-9;
 
 /// Where the centreline runs.
@@ -57,7 +57,7 @@ impl<'a> Curve<'a> {
         }
     }
 
-    /// Refuses everything that has no answer; `index` names the curve.
+    /// Refuses curves that contact cannot be computed for; `index` names the curve in the error.
     fn check(&self, index: usize) -> Result<(), InputError> {
         let field = |what: &str| format!("curves[{index}].{what}");
         match self.shape {
@@ -118,13 +118,13 @@ fn check_finite(p: &Vec3, field: impl Fn() -> String) -> Result<(), InputError> 
     Err(InputError::Vector { field: field(), value: [p.x, p.y, p.z], allowed: "finite, and at most 1e100 in size" })
 }
 
-/// Smaller of each coordinate; one instruction each, unlike `inf`, which minds NaN.
+/// Componentwise minimum. One instruction a component, unlike `inf`, which handles NaN.
 #[inline(always)]
 pub(crate) fn lower(a: &Vec3, b: &Vec3) -> Vec3 {
     a.zip_map(b, |x, y| if x < y { x } else { y })
 }
 
-/// Larger of each coordinate.
+/// Componentwise maximum.
 #[inline(always)]
 pub(crate) fn upper(a: &Vec3, b: &Vec3) -> Vec3 {
     a.zip_map(b, |x, y| if x > y { x } else { y })
@@ -157,7 +157,7 @@ pub(crate) struct Strands<'a> {
     /// Curve of each segment; empty if there is only one curve.
     owner: Vec<u32>,
     len: usize,
-    /// Some curve has a radius per segment.
+    /// Whether some curve has a radius per segment.
     varied: bool,
 }
 

@@ -1,5 +1,4 @@
-//! The curves that contact sees: cubic pieces strung into curves, borrowed polylines and cubics, their radii, and arcs
-//! of them.
+//! Curves in contact: sets of cubic segments, borrowed polylines and cubics, radii, arcs.
 
 pub mod arc;
 pub mod curve;

@@ -11,7 +11,7 @@ use crate::math::LARGEST;
 /// zones and the smallest clearance see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius<'a> {
-    /// The same all along.
+    /// One radius for the whole curve.
     Constant(f64),
     /// One for each segment, in order.
     PerSegment(&'a [f64]),
@@ -42,7 +42,7 @@ impl<'a, const N: usize> From<&'a [f64; N]> for Radius<'a> {
 }
 
 impl<'a> Radius<'a> {
-    /// Of the k-th segment.
+    /// Radius of the k-th segment.
     #[inline]
     pub(crate) fn of(&self, k: usize) -> f64 {
         match self {
@@ -51,7 +51,7 @@ impl<'a> Radius<'a> {
         }
     }
 
-    /// The largest.
+    /// Largest radius.
     pub(crate) fn largest(&self) -> f64 {
         match self {
             Self::Constant(radius) => *radius,
@@ -67,7 +67,7 @@ impl<'a> Radius<'a> {
         }
     }
 
-    /// Refuses another number than `count` of radii, and radii that are not finite and positive.
+    /// Refuses a list of length other than `count`, and radii that are not finite and positive.
     pub(crate) fn check(&self, count: usize, field: &dyn Fn(&str) -> String) -> Result<(), InputError> {
         match self {
             Self::Constant(radius) => check_radius(&field("radius"), *radius),

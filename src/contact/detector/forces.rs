@@ -7,9 +7,9 @@ use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairTerm,
 use crate::error::InputError;
 use crate::math::{Vec3, parallel};
 
-/// Candidate pairs whose forces are computed before they are added up in order.
+/// Candidate pairs whose forces are computed before they are summed in order.
 const BLOCK: usize = 8192;
-/// Of these, those per parallel piece of work.
+/// Candidate pairs per parallel task.
 const FORCES: usize = 64;
 
 /// Energy and forces of the contact of curves.
@@ -18,9 +18,9 @@ pub struct Forces {
     /// Energy \[F·L\].
     pub energy: f64,
     /// Forces \[F\] on each curve's control points, −∂energy/∂point at fixed arc lengths: one for each point of a
-    /// polyline, four for each cubic piece (of two that share a joint each has its part).
+    /// polyline, four for each cubic piece (pieces that share a joint each have their share).
     pub forces: Vec<Vec<Vec3>>,
-    /// Smallest gap \[L\] of the overlaps; infinite if there is none.
+    /// Smallest gap \[L\]; infinite if nothing overlaps.
     pub min_gap: f64,
 }
 
@@ -31,7 +31,7 @@ impl Default for Forces {
 }
 
 impl Forces {
-    /// No contact, in the old buffers.
+    /// Sets the result to no contact and reuses the buffers.
     fn clear(&mut self, strands: &Strands) {
         (self.energy, self.min_gap) = (0.0, f64::INFINITY);
         self.forces.resize_with(strands.curves.len(), Vec::new);
@@ -64,16 +64,16 @@ impl Forces {
 
 impl Detector {
     /// Energy, forces and smallest gap of a contact law, integrated over the parts of each curve that overlap another
-    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. For
-    /// explicit steppers: it costs up to four times [`Detector::detect`] on polylines in contact all along, and the
-    /// result is kept in buffers.
+    /// (half from each side). A number is the stiffness κ \[F/L²\] of the penalty ½κ⟨−gap⟩² per length. For explicit
+    /// time steppers. It costs up to four times [`Detector::detect`] for polylines in contact along their whole length.
+    /// The result stays in buffers.
     ///
-    /// A point of a curve is pushed by every strand in the ball about it that the radii reach: by the nearest points
-    /// there, farthest ones between two of them counted off (`contact::zones` says why), corners of polylines included. So
-    /// the force is continuous and the exact slope of the energy, whether a strand slides over a kink, inside or
-    /// outside, or is bent tighter than the contact distance; only where a radius per segment steps, it jumps by the
-    /// part of the step, and where adjacent segments of one curve (which never push each other) turn by a right angle
-    /// or more, by the forces they leave out. Points where centrelines coincide have energy, but no direction and no force.
+    /// Every strand within the contact distance of a point pushes it, at its nearest points; the farthest points
+    /// between two nearest ones are subtracted (see `contact::zones`), corners of polylines included. So the force is
+    /// continuous and the exact derivative of the energy, also where a strand slides over a kink, inside or outside, or
+    /// is bent tighter than the contact distance. There are two exceptions: the force jumps where a radius per segment
+    /// steps, and where adjacent segments of one curve, which never push each other, turn by a right angle or more.
+    /// Points where centrelines coincide have energy, but no direction and no force.
     ///
     /// # Errors
     /// As [`Detector::detect`], and numbers of the law that are not finite and positive.
@@ -105,8 +105,8 @@ impl Detector {
         Ok(&self.forces)
     }
 
-    /// The terms that [`Detector::forces`] are the sum of, with Hessians if wanted, for implicit steppers: one term per
-    /// ordered pair of segments in contact, with respect to the control points of both (cubics); see [`PairTerm`]. A
+    /// The terms whose sum is [`Detector::forces`], with Hessians on request, for implicit time steppers: one term per
+    /// ordered pair of segments in contact, with respect to the control points of both cubics; see [`PairTerm`]. A
     /// polyline's segment p₀p₁ counts as the cubic with b₁ = p₀ + (p₁ − p₀)/3, b₂ likewise:
     /// [`PairTerm::point_gradient`] and [`PairTerm::point_hessian`] bring gradient and Hessian to its points. A term
     /// takes about 400 bytes, with Hessian 5 kB.
@@ -131,7 +131,7 @@ impl From<f64> for Law {
     }
 }
 
-/// A law whose numbers make sense.
+/// The law, if its numbers are finite and positive.
 fn checked(law: Law) -> Result<Law, InputError> {
     match law {
         Law::Linear { stiffness } => InputError::positive("stiffness", stiffness)?,

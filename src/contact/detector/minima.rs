@@ -27,7 +27,7 @@ impl Detector {
         site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
         let arc = |s: usize, u: f64| this.arc(strands, s, u);
         sites.clear();
-        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::dress(strands, arc, &minima[k])));
+        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::site_of(strands, arc, &minima[k])));
         self.minima = minima;
     }
 
@@ -51,10 +51,10 @@ impl Detector {
         norm(&w) <= strands.radius_at(i, m.u) + strands.radius_at(j, m.v) + self.options.range
     }
 
-    /// All minima of a pair with distance at most `reach`.
+    /// All minima of a pair i < j with distance at most `reach`.
     fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
-            // Two adjacent straight segments are nearest at their joint.
+            // Adjacent straight segments are nearest at their joint.
             if !strands.adjacent(i, j) {
                 out.extend(site::straight_minimum(strands, i, j, reach));
             }
@@ -68,12 +68,12 @@ impl Detector {
         closest::minima(&a, &b, reach, self.options.sampling, |u, v, flat| {
             out.push(Minimum { i: i as u32, u, j: j as u32, v, flat });
         });
-        vertex_minima(strands, i, j, reach, false, out);
-        vertex_minima(strands, j, i, reach, true, out);
+        vertex_minima(strands, i, j, reach, out);
+        vertex_minima(strands, j, i, reach, out);
         keep_from(out, first, |m| !self.neighbouring_points(strands, m));
     }
 
-    /// Points too close along the curve, the same point of a joint included.
+    /// Whether the two points are neighbours along the curve; the two parameters of one joint included.
     fn neighbouring_points(&self, strands: &Strands, m: &Minimum) -> bool {
         let (i, j) = (m.i as usize, m.j as usize);
         if strands.curve_of(i) != strands.curve_of(j) {
@@ -88,7 +88,7 @@ impl Detector {
     }
 }
 
-/// Drops the minima from index `first` on that are not `wanted`.
+/// Drops those minima from index `first` on that are not `wanted`.
 fn keep_from(minima: &mut Vec<Minimum>, first: usize, wanted: impl Fn(&Minimum) -> bool) {
     let mut kept = first;
     for k in first..minima.len() {

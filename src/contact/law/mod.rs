@@ -2,8 +2,8 @@
 //!
 //! The linear law p = κ⟨e⟩ with offset c = 0 is the penalty; the augmented Lagrangian raises the offset field c until
 //! the gap is non-negative to a tolerance, after which p is the multiplier. The core law p = p₀ x²/(1 − x), x =
-//! ⟨e⟩/depth, sets in gently and lets no overlap reach its depth: one set of numbers carries pressures of many decades,
-//! and where strands press harder the law is stiffer. Searches begin with it. Both are C¹ in p or better inside, p
+//! ⟨e⟩/depth, begins with slope 0 and keeps every overlap below its depth. Its stiffness grows with the pressure, so
+//! that one pair of numbers serves pressures of many decades. Searches begin with it. In both laws p is continuous and
 //! vanishes where contact ends.
 
 pub mod potential;
@@ -80,22 +80,22 @@ impl Law {
     }
 }
 
-/// A line is longer than the longest point by this factor: that is exact for strands that bend in one plane under an
-/// even law; crossings of strands that wind about each other were found to be up to 1.2 times as long under soft laws
-/// (κε⁴/B of 50). Lines outgrow it at once.
+/// Length of the shortest line over that of the longest point contact. A factor of 1 would be exact for strands that
+/// bend in one plane under an even law. Crossings of strands that wind about each other were up to 1.2 times as long
+/// under soft laws (κε⁴/B of 50). Lines exceed 1.5 at once.
 const LINE_OVER_POINT: f64 = 1.5;
-/// βa of [`shortest_line`].
+/// The root βa in [`shortest_line`].
 const HALF_ZONE_AT_OPENING: f64 = 1.095_543_932_565_708;
 
-/// Length \[L\] from which a contact is a line: half again that of the zone of a point which is just about to open into
-/// a line (or into two points), for a contact stiffness κ \[F/L²\] and the smaller bending stiffness B of either strand
-/// \[F·L²\].
+/// Length \[L\] from which a contact is a line: 1.5 times the zone of a point contact at the load at which it opens
+/// into a line (or into two points), for a contact stiffness κ \[F/L²\] and the smaller bending stiffness B of either
+/// strand \[F·L²\].
 ///
-/// The gap w = w_a − w_b of two strands pressed together obeys w⁗ = −4β⁴w with β⁴ = ¼κ(1/B_a + 1/B_b) where w < 0, w⁗
-/// = 0 elsewhere. A point carries a force as long as the strands would bend away from it on both sides: w″ = k + c|s|,
-/// k > 0. At k = 0 it opens. The even solution that is zero at the end a of its zone then has w″(a) = a w‴(a), which
-/// is at βa = 1.0955. A stiffer law makes the zone of a point shorter as κ^(−1/3), this bound as κ^(−1/4), and leaves
-/// a line as long as it is: points and lines part as the law hardens.
+/// The gap w = w_a − w_b of two strands pressed together obeys w⁗ = −4β⁴w with β⁴ = ¼κ(1/B_a + 1/B_b) where w < 0, w⁗ =
+/// 0 elsewhere. A contact is a point as long as the strands bend away from it on both sides: w″ = k + c|s|, k > 0. At k
+/// = 0 it opens. The even solution that is zero at the end a of its zone then has w″(a) = a w‴(a), which is at βa =
+/// 1.0955. With κ the zone of a point shortens as κ^(−1/3), this bound as κ^(−1/4), and a line keeps its length: a
+/// stiffer law separates points from lines.
 pub(crate) fn shortest_line(stiffness: f64, bending: [f64; 2]) -> f64 {
     let compliance = 1.0 / bending[0] + 1.0 / bending[1];
     LINE_OVER_POINT * 2.0 * HALF_ZONE_AT_OPENING / (0.25 * stiffness * compliance).powf(0.25)
@@ -129,7 +129,7 @@ mod tests {
         for law in LAWS {
             for pressure in [1e-12, 1e-3, 0.3, 40.0, 1e9] {
                 let back = law.response(law.overlap(pressure, 2.0), 2.0).pressure;
-                // near the depth the overlap resolves the pressure no better than this
+                // near the depth rounding of the overlap limits the accuracy of the pressure
                 assert!((back / pressure - 1.0).abs() < 1e-12 * (1.0 + pressure), "{law:?} {pressure} {back}");
             }
             assert_eq!(law.overlap(0.0, 2.0), 0.0);

@@ -5,10 +5,10 @@
 //! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with factor ½; [`zones`](crate::contact::zones) says which parts are counted off (−). With
-//! d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein weights (minus on
-//! the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus q⊗q/d_vv, the Schur
-//! complement of the foot.
+//! Each strand integrates over its own length with factor ½; [`zones`](crate::contact::zones) defines the parts with
+//! the sign −. With d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein
+//! weights (minus on the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus
+//! q⊗q/d_vv, the Schur complement of the foot.
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::contact::curves::input::{CurveShape, Strands};
@@ -36,14 +36,15 @@ pub(crate) mod second_order;
 pub(crate) mod stiffness;
 mod term;
 
-/// Segments per parallel piece of work.
+/// Segments per parallel task.
 const SEGMENTS: usize = 256;
 
-/// Terms of all candidate pairs in contact, both ways round, in the order of the candidates (slave i, master j first).
+/// Terms of all candidate pairs in contact, with either segment as the slave, in the order of the candidates (slave i,
+/// master j first).
 ///
 /// `offset(slave, master)` is the offset c at both ends of a segment towards another one \[L\] (0 for a plain penalty);
-/// where contact goes on from one segment to the next, on either strand, it is to do so too. Parallel over candidates
-/// in the current rayon pool; the result does not depend on the number of threads.
+/// it must be continuous where contact continues from one segment to the next, on either strand. Parallel over
+/// candidates in the current rayon pool; the result does not depend on the number of threads.
 pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
     evaluate_within(&ContactGeometry::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
 }
@@ -53,11 +54,11 @@ pub(crate) struct ContactGeometry<'a> {
     strands: Strands<'a>,
     /// Reference length of each segment \[L\].
     lengths: &'a [f64],
-    /// Capsule of each segment; none if all curves are polylines.
+    /// Capsule of each segment; empty if all curves are polylines.
     capsules: Vec<Capsule>,
-    /// Whether the curve has a kink at the start of each segment; none if all curves are polylines.
+    /// Whether the curve has a kink at the start of each segment; empty if all curves are polylines.
     kinked: Vec<bool>,
-    /// Which pairs are left out as neighbours, if the candidates are those that are not.
+    /// Pairs excluded as neighbours, if the candidates leave these out.
     exclusion: Option<&'a Exclusion>,
     /// Remainders of the control points of each segment after rounding \[L\]; empty if they are not known.
     remainders: &'a [[Vec3; 4]],
@@ -69,7 +70,7 @@ impl<'a> ContactGeometry<'a> {
         Self { remainders: &set.remainders, ..Self::new(Strands::of_set(set), &set.lengths, None) }
     }
 
-    /// Curves with the reference lengths of their segments \[L\], and the neighbours that are not among the candidates.
+    /// Curves with the reference lengths of their segments \[L\], and the pairs excluded from the candidates.
     pub(crate) fn new(strands: Strands<'a>, lengths: &'a [f64], exclusion: Option<&'a Exclusion>) -> Self {
         let mut capsules = Vec::new();
         if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
@@ -89,7 +90,7 @@ impl<'a> ContactGeometry<'a> {
     }
 }
 
-/// [`evaluate`] for callers that go through the candidates in parts.
+/// [`evaluate`] for callers that evaluate the candidates in parts.
 pub(crate) fn evaluate_within(
     geometry: &ContactGeometry,
     candidates: &[[u32; 2]],
@@ -101,8 +102,8 @@ pub(crate) fn evaluate_within(
     in_chunks(candidates, add).into_iter().flatten().collect()
 }
 
-/// The terms of [`evaluate_within`] with respect to the segments' ends, in parts: they are large, and moved no more
-/// than need be.
+/// The terms of [`evaluate_within`] with respect to the segments' ends, chunk by chunk: they are large, and this moves
+/// them once.
 pub(crate) fn evaluate_ends(
     geometry: &ContactGeometry,
     candidates: &[[u32; 2]],
@@ -114,7 +115,7 @@ pub(crate) fn evaluate_ends(
     })
 }
 
-/// Calls `add(pair, scratch, out)` for every pair; its output, in the order of the pairs, in parts.
+/// Calls `add(pair, scratch, out)` for every pair; returns its output chunk by chunk, in the order of the pairs.
 fn in_chunks<T: Send>(
     candidates: &[[u32; 2]],
     add: impl Fn([usize; 2], &mut Vec<BranchPiece>, &mut Vec<T>) + Sync,
@@ -128,7 +129,7 @@ fn in_chunks<T: Send>(
 }
 
 impl ContactGeometry<'_> {
-    /// The terms of one candidate pair, either way round. `pieces` is scratch.
+    /// The terms of one candidate pair, with either segment as the slave. `pieces` is scratch.
     fn terms(
         &self,
         pair: [usize; 2],
@@ -140,8 +141,8 @@ impl ContactGeometry<'_> {
         self.each(pair, pressures, true, pieces, |place| found(place.pair_term(want)));
     }
 
-    /// The contacts of one candidate pair, either way round. `pieces` is scratch; where they are nearest they tell only
-    /// if that is asked for.
+    /// The contacts of one candidate pair, with either segment as the slave. `pieces` is scratch; it holds nearest
+    /// points only on request.
     fn each(
         &self,
         [i, j]: [usize; 2],
@@ -182,7 +183,7 @@ impl ContactGeometry<'_> {
         }
     }
 
-    /// A segment as seen from a point.
+    /// A segment relative to a point.
     fn near(&self, segment: usize, origin: &Vec3) -> Cubic {
         let mut cubic = self.strands.cubic(segment).relative_to(origin);
         if let Some(lost) = self.remainders.get(segment) {
@@ -233,7 +234,7 @@ impl ContactGeometry<'_> {
         sum
     }
 
-    /// Lower bound of the distance \[L\]. Straight segments tell their intervals faster than this would save.
+    /// Lower bound of the distance \[L\]; 0 for straight segments, whose intervals cost less than the bound.
     fn nearest(&self, i: usize, j: usize) -> f64 {
         if self.capsules.is_empty() { 0.0 } else { self.capsules[i].distance_lower_bound(&self.capsules[j]) }
     }
@@ -264,16 +265,16 @@ impl ContactGeometry<'_> {
         lines.then(|| Lines::new(&self.strands, slave, master, pair_law.reach[0], self.kinks(slave, master)))
     }
 
-    /// At which ends a kink of the master counts for this pair: at its start, and at its end if the next segment is
-    /// left out as a neighbour of the slave.
+    /// The ends of the master whose kink this pair counts: the start, and the end if the next segment is excluded as a
+    /// neighbour of the slave.
     fn kinks(&self, slave: usize, master: usize) -> [bool; 2] {
         let left_out = |next: usize| self.exclusion.is_some_and(|e| !wanted(&self.strands, e, [slave, next]));
         [true, self.strands.next(master).is_some_and(left_out)]
     }
 
-    /// Calls `with` the pair as cubics near the origin, and as facing ones if it is seen to be that, unless it is seen
-    /// to have no foot: far from the origin the ends of zones would be lost in rounding, and looked for in vain. The
-    /// same origin for every master, so that two that meet at a joint find the same bits there.
+    /// Calls `with` for the pair as cubics near the origin, because far from it rounding would hide the ends of zones.
+    /// [`Facing`] is passed if the pair is shown to have one foot for each slave point; a pair shown to have no foot is
+    /// skipped. All masters use the same origin, so that two that meet at a joint compute the same bits there.
     fn with_pair(
         &self,
         slave: usize,

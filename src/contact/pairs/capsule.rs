@@ -1,9 +1,10 @@
-//! Capsules around segments (chord swept by bulge) and the distance between straight segments, for any unit of length.
+//! Capsules around segments (the chord swept by the bulge) and the distance between straight segments, in any unit of
+//! length.
 
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 
-/// Roundings of [`segment_distance_sq`] relative to the size of the pair, with room to spare.
+/// Bound of the rounding of [`segment_distance_sq`] relative to the size of the pair.
 const SAFETY: f64 = 64.0 * f64::EPSILON;
 
 /// Squared distance \[L²\] between the segments p0 p1 and q0 q1.
@@ -34,7 +35,7 @@ struct Scaled {
     unit_sq: f64,
 }
 
-/// Of the segments r + [0,1] d and [0,1] e.
+/// Squared distance of the segments r + [0,1] d and [0,1] e.
 fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> Scaled {
     let size =
         [d, e, r].into_iter().flat_map(|v| v.iter()).fold(0.0, |size, x| if x.abs() > size { x.abs() } else { size });
@@ -61,7 +62,7 @@ fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> Scaled {
         if (0.0..=1.0).contains(&s) {
             let t = clamp(er + s * de, ee);
             best = best.min(at(s, t));
-            // One more round takes the rounding of s out where lines are nearly parallel.
+            // A second projection removes the rounding of s where lines are nearly parallel.
             let s = clamp(t * de - dr, dd);
             best = best.min(at(s, clamp(er + s * de, ee)));
         }
@@ -108,7 +109,7 @@ pub fn distance_lower_bound(a: &Cubic, b: &Cubic) -> f64 {
 /// their bulges (which fall by four each time) are together below `tol`, and only where a nearer pair of parts is not
 /// known yet.
 ///
-/// For curves much thinner than they are bent between two nodes, where the bulge alone is more than a gap.
+/// For curves whose bulge between two nodes exceeds the gap.
 #[must_use]
 pub fn distance_lower_bound_within(a: &Cubic, b: &Cubic, tol: f64) -> f64 {
     nearest_parts(a, b, tol, MAX_HALVINGS, f64::INFINITY)
@@ -137,8 +138,8 @@ fn nearest_parts(a: &Cubic, b: &Cubic, tol: f64, halvings: usize, known: f64) ->
 mod tests {
     use super::*;
 
-    /// Two arcs that bulge towards each other by twenty times what is between them: the bound of halved ones is below
-    /// the distance by no more than asked for.
+    /// Two arcs that bulge towards each other by twenty times their distance: the bound with halving is below the
+    /// distance by no more than `tol`.
     #[test]
     fn halved_capsules_come_as_near_as_asked_for() {
         let arc = |top: f64, sign: f64, x: f64| Cubic {
@@ -153,7 +154,7 @@ mod tests {
             let (a, b) = (arc(0.0, 1.0, 0.0), arc(0.05, -1.0, x));
             let sampled = (0..=400).flat_map(|i| (0..=400).map(move |j| (f64::from(i) / 400.0, f64::from(j) / 400.0)));
             let nearest = sampled.map(|(u, v)| (a.point(u) - b.point(v)).norm()).fold(f64::INFINITY, f64::min);
-            // the plain bound knows the bulges only, not where they are
+            // the bound without halving contains the bulges, not their positions
             assert!(x < 0.5 || distance_lower_bound(&a, &b) < nearest - 0.1);
             for tol in [1e-2, 1e-3, 1e-4] {
                 let bound = distance_lower_bound_within(&a, &b, tol);

@@ -2,15 +2,15 @@
 //! apart.
 //!
 //! For each pair the closest points of the two chords are computed (Ericson 2005, section 5.1.9, without branches);
-//! their difference w is then only used as a direction: the chords cannot come closer than the gap between their
-//! projections on it,
+//! their difference w serves as a direction only: the chords cannot be closer than the gap between their projections on
+//! it,
 //!
 //! ```text
 //!     |w| · distance ≥ min(w·a₀, w·a₁) − max(w·b₀, w·b₁)      for any w,
 //! ```
 //!
-//! with equality for the true closest points. So rounding and nearly parallel chords can keep a pair that should go,
-//! never the reverse.
+//! with equality for the true closest points. So rounding and nearly parallel chords may keep a pair in vain, but never
+//! discard one wrongly.
 //!
 //! Lanes are arrays of four f32 in structure-of-arrays order, which the compiler turns into vector instructions (f32
 //! has twice the lanes and a far cheaper division). Only differences of f64 coordinates are cast, so offsets do not
@@ -98,13 +98,13 @@ impl Batch {
         let mut excess = [0.0; LANES];
         for l in 0..LANES {
             let gap = wr[l] - larger(-wd[l], 0.0) - larger(we[l], 0.0) - SAFETY * size[l] * sum[l];
-            // Positive only if gap > 0 and gap² > limit² |w|²; the last factor pays for the roundings of this line.
+            // Positive only if gap > 0 and gap² > limit² |w|²; the last factor covers the roundings of this line.
             let gap = larger(gap, 0.0);
             excess[l] = gap * gap * (1.0 - SAFETY) - self.limit[l] * self.limit[l].abs() * ww[l];
         }
         let mut far = 0;
         for l in 0..LANES {
-            // Beyond the sizes whose fourth powers f32 holds nothing is said.
+            // Pairs of sizes whose fourth powers overflow f32 are kept.
             let usual = size[l] > 1.0 / LARGEST as f32 && size[l] < LARGEST as f32;
             far |= u32::from(excess[l] > 0.0 && usual) << l;
         }
@@ -129,13 +129,13 @@ fn larger(x: f32, y: f32) -> f32 {
 /// `bulges` holds the capsule radius of each segment, or nothing if all are straight.
 pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[[u32; 2]], out: &mut Vec<[u32; 2]>) {
     let unit = 1.0 / strands.largest_radius();
-    // In units nobody uses all pairs are kept.
+    // All pairs are kept if the unit leaves the range of f32.
     let sane = unit.is_finite() && unit > 1e-300;
     let limit = |distance: f64| {
         let limit = distance * unit;
         if sane && limit < LARGEST { (limit as f32).next_up() } else { f32::INFINITY }
     };
-    // The usual case without looking up curve and radius for each pair.
+    // The usual case of one polyline with one radius, without look-up per pair.
     if let [Strand { shape: CurveShape::Polyline(points), radius: Radius::Constant(radius), .. }] = strands.curves[..] {
         let ends = |k: usize| (points[k], points[if k + 1 < points.len() { k + 1 } else { 0 }]);
         let limit = limit(radius + radius + reach);

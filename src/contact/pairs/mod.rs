@@ -1,4 +1,4 @@
-//! Pairs of segments: lower bounds of their distance, and the pairs that these discard.
+//! Pairs of segments: lower bounds of their distance, and the filter of pairs by these.
 
 pub mod capsule;
 pub mod filter;

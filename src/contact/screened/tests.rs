@@ -69,7 +69,7 @@ fn derivatives_of_the_law_are_those_of_its_energy() {
         assert!((after.energy - before.energy - 2.0 * h * here.slope).abs() < 1e-6 * h * scale.max(1e-3), "{r}");
         assert!((after.slope - before.slope - 2.0 * h * here.curvature).abs() < 1e-6 * h * scale.max(1e-3), "{r}");
     }
-    assert_eq!(LAW.at(30.0), Derivatives::default());
+    assert_eq!(LAW.at(30.0), PairEnergy::default());
 }
 
 /// Two parallel lines: 2A K₀(d/λ) per length. The error of the range is as the header says: 6.6e-5 and 2.3e-3 were found.

@@ -1,15 +1,15 @@
-//! Pieces of contact zones that go on in each other: one contact as seen from one strand.
+//! Chains of pieces of contact zones: one contact as seen from one strand.
 //!
-//! Zones are cut at the joints of segments, of either strand. Pieces belong together where they follow each other along
-//! the slave and their feet do on the master.
+//! Zones are cut at the joints of segments of either strand. Pieces belong together if they are consecutive along the
+//! slave and their feet along the master.
 
 use crate::contact::curves::arc::near;
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::law::potential::{ContactPair, ZonePiece};
 
-/// Ends of pieces that meet agree to rounding on the strand, relative to the contact distance …
+/// Largest distance of the ends of consecutive pieces on the slave, over the contact distance: rounding …
 const TOL_ARC: f64 = 1e-6;
-/// … and on the other strand to how well a foot is known where the distance hardly changes along it.
+/// … and of their feet on the master, which are less accurate where the distance hardly changes along it.
 pub(crate) const TOL_FOOT: f64 = 1e-2;
 
 /// A piece with its place on both strands, the slave's first.
@@ -17,14 +17,14 @@ pub(crate) const TOL_FOOT: f64 = 1e-2;
 pub(crate) struct ChainPiece<'a> {
     pub(crate) segments: [usize; 2],
     pub(crate) curves: [usize; 2],
-    /// Arc lengths of both ends \[L\]: ascending on the slave; their feet, descending where the strands run against
-    /// each other.
+    /// Arc lengths of both ends \[L\], ascending on the slave; then of their feet, descending where the strands run in
+    /// opposite directions.
     pub(crate) arcs: [[f64; 2]; 2],
     pub(crate) zone: &'a ZonePiece,
 }
 
-/// All contacts, each as a chain of pieces in the order of the slave's arc length, as seen from either strand, without
-/// pieces that are counted off.
+/// All contacts as seen from either strand, each a chain of pieces in the order of the slave's arc length, without
+/// subtracted pieces.
 pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec<ChainPiece<'a>>> {
     let links = links(set, terms);
     let next = successors(set, &links);
@@ -32,7 +32,7 @@ pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec
     next.iter().flatten().for_each(|&j| follows[j] = true);
     let mut used = vec![false; links.len()];
     let mut chains = Vec::new();
-    // from their first piece; what is left are zones all round a closed strand
+    // open chains from their first piece, then the rest: zones all round a closed strand
     let starts = (0..links.len()).filter(|&i| !follows[i]).chain((0..links.len()).filter(|&i| follows[i]));
     for start in starts {
         let mut chain = Vec::new();
@@ -49,10 +49,10 @@ pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec
     chains
 }
 
-/// The pieces of one pair, without those that are counted off.
+/// The pieces of one pair, without subtracted ones.
 pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
     let segments = [term.slave, term.master];
-    term.zones.iter().filter(|zone| !zone.piece.branch.is_counted_off()).map(move |zone| {
+    term.zones.iter().filter(|zone| !zone.piece.branch.is_subtracted()).map(move |zone| {
         let arcs = [(term.slave, zone.piece.u), (term.master, zone.piece.v)];
         let arcs = arcs.map(|(segment, ends)| ends.map(|u| set.arc_length(segment, u)));
         ChainPiece { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone }
@@ -69,7 +69,7 @@ fn links<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<ChainPiece<'a>>
     links
 }
 
-/// For each piece the one that continues it.
+/// For each piece the next one of its chain.
 fn successors(set: &CurveSet, links: &[ChainPiece]) -> Vec<Option<usize>> {
     let mut taken = vec![false; links.len()];
     let mut successors = Vec::with_capacity(links.len());

@@ -1,9 +1,9 @@
 //! Certified smallest clearance between curves: branch and bound over pairs of cubic pieces.
 //!
-//! Capsules discard far pairs, but along a line of contact, where the gap is nearly constant over many pieces, their
-//! error (the bulge) would ask for millions of pieces. There a bound of fourth order is used. Let a(u) and b(v) be the
-//! pieces and D(u, v) = |b(v) − a(u)|². If ½∂²D/∂v² ≥ m > 0 on the whole box (least Bernstein coefficient over the
-//! control points of a), then for *any* map v = φ(u) into the box
+//! Capsules discard far pairs. Along a line of contact, where the gap is nearly constant over many pieces, their error
+//! (the bulge) would require millions of pieces; a bound of fourth order serves there. Let a(u) and b(v) be the pieces
+//! and D(u, v) = |b(v) − a(u)|². If ½∂²D/∂v² ≥ m > 0 on the whole box (least Bernstein coefficient over the control
+//! points of a), then for *any* map v = φ(u) into the box
 //!
 //! ```text
 //!     min_v D(u, v) ≥ |w(u)|² − Q(u)²/m,   w(u) = b(φ(u)) − a(u),   Q(u) = w(u)·b′(φ(u)) = ½∂D/∂v at φ(u).
@@ -29,12 +29,12 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-/// Pieces examined per candidate pair before giving up with a wider interval, and at least this many in all.
+/// Pieces examined per candidate pair, and in all at least, before the search ends with a wider interval.
 const BUDGET_PER_PAIR: usize = 200;
 const BUDGET_MIN: usize = 200_000;
-/// Halvings of a pair of pieces before it is taken as it is.
+/// Largest number of halvings of a pair of pieces.
 const MAX_DEPTH: u32 = 40;
-/// Halvings spent on deciding whether pieces of one curve are neighbours.
+/// Largest number of halvings to decide whether pieces of one curve are neighbours.
 const MAX_STRADDLE: u32 = 6;
 
 /// Certified smallest gap: the true one lies in [`lower`, `upper`] (centre distance minus both radii; negative =
@@ -43,7 +43,7 @@ const MAX_STRADDLE: u32 = 6;
 pub struct Clearance {
     /// Nothing is closer than this.
     pub lower: f64,
-    /// Gap found at the place below.
+    /// Gap at the points below.
     pub upper: f64,
     /// Segment (global index) and parameter of one point.
     pub segment_a: usize,
@@ -60,13 +60,13 @@ pub struct Clearance {
 }
 
 /// Smallest gap between parts that are not neighbours, to within `tol` \[L\]; `None` if it is above `max_gap` \[L\]
-/// (within `tol` of `max_gap` either answer is possible), if geometry or arguments are not finite, or if there is
+/// (either answer is possible within `tol` of `max_gap`), if geometry or arguments are not finite, or if there is
 /// nothing to compare.
 ///
-/// Compared are points of different curves, and points of one curve with at least π of turning (by the control-polygon
-/// bound, resolved to 1/64 of a segment) between them both ways: nothing closer along the curve can be a mutual closest
-/// pair (Fenchel). The open ends of a curve are also compared with their one-sided projections on that curve, from π/2
-/// of turning on.
+/// Compares points of different curves, and points of one curve with at least π of total curvature (by the
+/// control-polygon bound, resolved to 1/64 of a segment) between them both ways: points closer along the curve cannot
+/// be a mutual closest pair (Fenchel). The open ends of a curve are also compared with their one-sided projections on
+/// that curve, from π/2 of total curvature on.
 ///
 /// Branch and bound, smallest lower bound first. The work is bounded (200 pieces per candidate pair, at least 200 000):
 /// when it runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the squared
@@ -102,9 +102,9 @@ struct Box2 {
     v: [f64; 2],
     depth: u32,
     straddle: u32,
-    /// Its lower bound cannot be raised any more.
+    /// Whether its lower bound is final.
     last: bool,
-    /// Cut where feet run against the ends of v.
+    /// Whether it has been cut where feet reach the ends of v.
     cut: bool,
 }
 
@@ -120,7 +120,7 @@ impl PartialOrd for Box2 {
     }
 }
 impl Ord for Box2 {
-    /// Smallest lower bound on top of the heap; ties by place, so that the search is deterministic.
+    /// Smallest lower bound on top of the heap; ties are ordered by index, so that the search is deterministic.
     fn cmp(&self, other: &Self) -> Ordering {
         other
             .lower
@@ -134,7 +134,7 @@ impl Ord for Box2 {
 struct ClearanceSearch<'a> {
     set: &'a CurveSet,
     exclusion: &'a Exclusion,
-    /// Place of the best gap found (segment and parameter twice).
+    /// Segment and parameter of both points of the best gap found.
     best: Option<(usize, f64, usize, f64)>,
     /// Best gap found, or the caller's ceiling.
     upper: f64,
@@ -144,7 +144,7 @@ struct ClearanceSearch<'a> {
     dropped: f64,
 }
 
-/// Outcome of the neighbour test for a pair of pieces: all, a part or none of it is excluded.
+/// Result of the neighbour test for a pair of pieces: all, a part or none of it is excluded.
 enum ExcludedPart {
     Yes,
     Partly,
@@ -176,11 +176,11 @@ impl ClearanceSearch<'_> {
         let mut lower = f64::INFINITY;
         while let Some(top) = self.heap.pop() {
             if budget == 0 && self.best.is_none() {
-                // An honest answer needs a place, even one beyond the ceiling.
+                // The result needs a pair of points, even one beyond the ceiling.
                 self.upper = f64::INFINITY;
                 self.offer_at(&top, 0.5, 0.5);
             }
-            // Everything left is at least as far as the top.
+            // All remaining pairs are at least as far as the top.
             if top.lower >= self.upper - self.tol || budget == 0 || top.last {
                 lower = top.lower;
                 break;
@@ -213,14 +213,14 @@ impl ClearanceSearch<'_> {
         }
     }
 
-    /// Offers the gap polished from the place (u, v in \[0, 1\] of the pieces).
+    /// Refines the point (u, v in \[0, 1\] of the pieces) and keeps its gap if it is the best.
     fn offer_at(&mut self, piece: &Box2, u: f64, v: f64) {
         let (i, j) = (piece.i as usize, piece.j as usize);
         let (distance, u, v) = self.polish(piece, at(piece.u, u), at(piece.v, v));
         self.offer(distance - self.radii(i, j), (i, u, j, v));
     }
 
-    /// Ends of open curves against their own curve, exact: end feet need π/2 of turning only.
+    /// Ends of open curves against their own curve, exact; their feet need π/2 of total curvature only.
     fn open_ends(&mut self, pairs: &[[u32; 2]]) {
         let mut feet = Feet::new();
         for &[p, q] in pairs {
@@ -272,7 +272,7 @@ impl ClearanceSearch<'_> {
             return;
         }
         if !top.cut {
-            // First time here: cut where the foot meets an end of v, and bound each part.
+            // The first refinement cuts where the foot meets an end of v and bounds each part.
             let mut cuts = local.foot_leaves();
             cuts.push(1.0);
             let mut start = 0.0;
@@ -300,7 +300,7 @@ impl ClearanceSearch<'_> {
         let radii = self.radii(i, j);
         let local = PowerForm::new(&self.set.segments[i], &self.set.segments[j], piece.u, piece.v);
         let bound = local.fourth_order(local.convexity());
-        // Never worse than what is known already.
+        // Never below the known bound.
         let lower = (bound.lower - radii).max(piece.lower);
         if bound.at_place - radii < self.upper + self.tol.max(1e-3 * radii) {
             self.offer_at(piece, bound.u, bound.v);
@@ -339,7 +339,7 @@ impl ClearanceSearch<'_> {
         }
     }
 
-    /// Is less than π of turning between all (some, no) points of the two pieces?
+    /// Whether less than π of total curvature lies between all (some, no) points of the two pieces.
     fn neighbours(&self, piece: &Box2) -> ExcludedPart {
         let (i, j) = (piece.i as usize, piece.j as usize);
         if self.set.curve_of(i) != self.set.curve_of(j) {
@@ -359,8 +359,8 @@ impl ClearanceSearch<'_> {
         }
     }
 
-    /// Newton on the distance inside the box from (u, v), falling back to alternate projection steps; never worse than
-    /// the start.
+    /// Newton's method for the distance inside the box from (u, v), with alternating projections where it fails; never
+    /// farther than the start.
     fn polish(&self, piece: &Box2, u: f64, v: f64) -> (f64, f64, f64) {
         let origin = self.set.segments[piece.j as usize].b[0];
         let shift = |c: &Cubic| Cubic { b: c.b.map(|p| p - origin) };
@@ -377,7 +377,7 @@ impl ClearanceSearch<'_> {
             let newton = if det > 1e-10 * huu.abs() * hvv.abs() && huu > 0.0 {
                 (clamp(u - (hvv * gu - huv * gv) / det, piece.u), clamp(v - (huu * gv - huv * gu) / det, piece.v))
             } else {
-                // Flat along the line: only project.
+                // Flat along the line: projection only.
                 (u, clamp(v - gv / hvv.abs().max(f64::MIN_POSITIVE), piece.v))
             };
             let next = (b.point(newton.1) - a.point(newton.0)).norm();

@@ -11,39 +11,38 @@
 //! * *sheared* along the valley of D that crosses it, so that it may be narrowed to a thin strip;
 //! * else halved.
 //!
-//! **Proof.** Cells are looked at enlarged by β = 1e-9 on all sides, and every bound has its roundings added.
-//! On a convex cell the mean H̄ of the Hessians between a point p and a stationary point q obeys the cell's bounds, and
-//! ∇D(p) = H̄ (p − q). So (i) there is at most one stationary point, and it is a minimum; (ii) from the slopes at p,
-//! rounding included, follow bounds of its distances from p along u and t; (iii) if p is farther than these from the
-//! border, there is one; (iv) if p rests against the border with the slope there rising inward, that slope bounds how
-//! far inside q can be, often not at all. The search ends in a convex cell only by (iii), or by (iv) with less than
-//! β/4, when the minimum lies outside the cell proper. Otherwise the cell is cut on. Hence: *all minima outside
-//! undecided cells are told, each once, and nothing else*. (A minimum within β of the end of a segment is told at that
-//! end.)
+//! **Proof.** Cells are enlarged by β = 1e-9 on all sides, and every bound includes its rounding. On a convex cell the
+//! mean H̄ of the Hessians between a point p and a stationary point q obeys the cell's bounds, and ∇D(p) = H̄ (p − q).
+//! So (i) there is at most one stationary point, and it is a minimum; (ii) from the slopes at p, rounding included,
+//! follow bounds of its distances from p along u and t; (iii) if p is farther than these from the border, there is one;
+//! (iv) if p rests against the border with the slope there rising inward, that slope bounds how far inside q can be,
+//! often not at all. The search ends in a convex cell only by (iii), or by (iv) with less than β/4, when the minimum
+//! lies outside the cell proper. Otherwise the cell is cut on. Hence *all minima outside undecided cells are found,
+//! each once, and nothing else*. (A minimum within β of the end of a segment is reported at that end.)
 //!
-//! **Undecided cells.** A cell along which D_u is zero to the rounding of the coordinates as given (parallel or
-//! coincident curves): it is *level*, every point of it a minimum as far as f64 can tell. And what is left when
-//! [`CELLS`] × sampling cells have been looked at: parallel curves of unlike speed, minima merging with saddles to
-//! within rounding. Undecided cells that hang together give one minimum, marked `flat`, at the nearest level point
-//! found among them; a group without a level point gives none.
+//! **Undecided cells.** First, a cell along which D_u is zero to the rounding of the coordinates as given (parallel or
+//! coincident curves): it is *level*: every point of it is a minimum within the accuracy of f64. Second, the cells that
+//! remain after [`CELLS`] × sampling cells: parallel curves of different speed, minima that merge with saddles to
+//! within rounding. A connected group of undecided cells gives one minimum, marked `flat`, at its nearest level point;
+//! a group without a level point gives none.
 
 mod cell;
 mod valley;
 
-use cell::{BORDER, Bounds, Cell};
+use cell::{BORDER, Bounds, CellParallelogram};
 
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 
-/// Cells looked at for one pair before the rest is left undecided, times the sampling.
+/// Largest number of cells examined for one pair, times the sampling; the rest is undecided.
 const CELLS: usize = 64;
-/// Narrower cells are not cut.
+/// Smallest width of a cell that is cut.
 const SMALLEST: f64 = 1e-8;
-/// Where cells are cut: not in the middle, lest the minima of symmetric cases lie on borders.
+/// Fraction at which cells are cut. Not the middle, because minima of symmetric cases would lie on borders.
 const CUT: f64 = 0.4837;
-/// A cell narrowed to less than this part of it is looked at again before it is cut.
+/// A cell clipped to less than this fraction is examined again before it is cut.
 const WORTH: f64 = 0.7;
-/// A cell is not narrowed to less than this part of it at once.
+/// Smallest fraction that a cell is clipped to at once.
 const LEAST: f64 = 0.05;
 
 /// A local minimum at parameters u, v, known to `radius`.
@@ -55,8 +54,8 @@ struct Closest {
     flat: bool,
 }
 
-/// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks are not
-/// looked at), each handed to `push(u, v, flat)`. `sampling` bounds the work, see the module's head.
+/// All local minima with distance ≤ `max_distance` \[L\] at which both curves are stationary (ends and kinks excluded),
+/// each passed to `push(u, v, flat)`. `sampling` bounds the work, see the module's header.
 pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, mut push: impl FnMut(f64, f64, bool)) {
     let origin = b.b[0];
     let far = a.b.iter().chain(&b.b).map(Vec3::amax).fold(0.0, f64::max);
@@ -92,19 +91,19 @@ struct MinimumSearch {
 enum CellVerdict {
     Dropped,
     Minimum(Closest),
-    /// D does not change along it as far as can be told.
+    /// D is constant along the cell up to rounding.
     Level,
     Undecided,
-    /// To be looked at instead.
-    One(Cell),
-    Two([Cell; 2]),
+    /// Cell to be examined instead.
+    One(CellParallelogram),
+    Two([CellParallelogram; 2]),
 }
 
 impl MinimumSearch {
     fn run(&self, max_cells: usize) -> Vec<Closest> {
         let mut found = Vec::new();
         let mut undecided = Vec::new();
-        let mut stack = vec![Cell::WHOLE];
+        let mut stack = vec![CellParallelogram::WHOLE];
         let mut looked_at = 0;
         while let Some(cell) = stack.pop() {
             looked_at += 1;
@@ -112,7 +111,7 @@ impl MinimumSearch {
                 undecided.push((cell, false));
                 continue;
             }
-            match self.look_at(&cell) {
+            match self.examine(&cell) {
                 CellVerdict::Dropped => {}
                 CellVerdict::Minimum(closest) => found.push(closest),
                 CellVerdict::Level => undecided.push((cell, true)),
@@ -128,11 +127,11 @@ impl MinimumSearch {
     }
 
     /// The curves in the order of a cell.
-    fn curves(&self, cell: &Cell) -> (&Cubic, &Cubic) {
+    fn curves(&self, cell: &CellParallelogram) -> (&Cubic, &Cubic) {
         if cell.flipped { (&self.b, &self.a) } else { (&self.a, &self.b) }
     }
 
-    fn look_at(&self, cell: &Cell) -> CellVerdict {
+    fn examine(&self, cell: &CellParallelogram) -> CellVerdict {
         let (a, b) = self.curves(cell);
         let [low, high] = cell.v_range();
         if low > 1.0 + BORDER || high < -BORDER {
@@ -140,7 +139,7 @@ impl MinimumSearch {
         }
         let wide = cell.enlarged();
         let bounds = Bounds::new(a, b, &wide);
-        // What is level is neither dropped nor shortened on the strength of its coordinates' rounding.
+        // A level cell is neither dropped nor shortened, because its slopes are rounding.
         let level = bounds.level(self.noise);
         let [along_t, along_u] = bounds.slopes();
         if bounds.beyond(self.reach) || along_t || (along_u && !level) {
@@ -151,7 +150,7 @@ impl MinimumSearch {
         if level && tt[0] > 0.0 {
             return self.cut(cell, &wide, &bounds, &curvatures, true);
         }
-        // At a corner of the square the way down may lead into another pair of segments.
+        // At a corner of the square D may fall into another pair of segments.
         let corner = (cell.u[0] <= 0.0 || cell.u[1] >= 1.0) && (low <= 0.0 || high >= 1.0);
         if tt[1] < 0.0 || (uu[1] < 0.0 && !corner) {
             return CellVerdict::Dropped;
@@ -167,13 +166,19 @@ impl MinimumSearch {
         self.cut(cell, &wide, &bounds, &curvatures, false)
     }
 
-    /// Narrower, along a valley, or in two; a level cell only across.
-    fn cut(&self, cell: &Cell, wide: &Cell, bounds: &Bounds, curvatures: &[[f64; 2]; 3], level: bool) -> CellVerdict {
+    /// The cell clipped, sheared along a valley, or cut in two; a level cell is only cut across.
+    fn cut(
+        &self,
+        cell: &CellParallelogram,
+        wide: &CellParallelogram,
+        bounds: &Bounds,
+        curvatures: &[[f64; 2]; 3],
+        level: bool,
+    ) -> CellVerdict {
         let [part_u, part_t] = bounds.clipped();
         let part_u = if level { Some([0.0, 1.0]) } else { part_u };
         let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return CellVerdict::Dropped };
-        // Not to less than a part of it at once: bounds of second derivatives over very narrow cells are lost in
-        // rounding.
+        // The fraction is limited, because bounds of second derivatives over very narrow cells are lost in rounding.
         let narrowed = |range: [f64; 2], wide: [f64; 2], part: [f64; 2]| {
             let at = |x: f64| wide[0] + x * (wide[1] - wide[0]);
             let [from, to] = if part[1] - part[0] < LEAST {
@@ -191,7 +196,7 @@ impl MinimumSearch {
         let [du, dt] = cell.width();
         let narrow = cell.with_t(t).with_u(u);
         let [new_du, new_dt] = narrow.width();
-        // Strips thinner than the borders gain nothing.
+        // Strips thinner than the borders are not worth it.
         let gains = |new: f64, old: f64| new < WORTH * old && old > BORDER;
         if gains(new_du, du) || gains(new_dt, dt) {
             return CellVerdict::One(narrow);
@@ -208,11 +213,11 @@ impl MinimumSearch {
         CellVerdict::Two(self.halves(&narrow))
     }
 
-    /// The cell laid along the valley that crosses it, if that is shown to be one and the cell lies across it by much
-    /// of its width.
-    fn along_valley(&self, cell: &Cell, [tt, _, uu]: &[[f64; 2]; 3]) -> Option<Cell> {
+    /// The cell sheared along the valley that crosses it, if there provably is one and the valley crosses much of the
+    /// cell's width.
+    fn along_valley(&self, cell: &CellParallelogram, [tt, _, uu]: &[[f64; 2]; 3]) -> Option<CellParallelogram> {
         let (a, b) = self.curves(cell);
-        let h = Derivatives::new(a, b, cell.middle(), cell.v(cell.middle(), 0.5 * (cell.t[0] + cell.t[1])));
+        let h = DistanceDerivatives::new(a, b, cell.middle(), cell.v(cell.middle(), 0.5 * (cell.t[0] + cell.t[1])));
         let steeper = cell.slope == 0.0 && h.uu > h.vv;
         let (cell, slope, valley) =
             if steeper { (cell.exchanged(), -h.uv / h.uu, uu[0] > 0.0) } else { (*cell, -h.uv / h.vv, tt[0] > 0.0) };
@@ -221,7 +226,7 @@ impl MinimumSearch {
         (valley && across > 0.3 * dt && across > BORDER).then(|| cell.sheared(slope))
     }
 
-    fn halves(&self, cell: &Cell) -> [Cell; 2] {
+    fn halves(&self, cell: &CellParallelogram) -> [CellParallelogram; 2] {
         let (a, b) = self.curves(cell);
         let [du, dt] = cell.width();
         let extent = |c: &Cubic| c.edges().iter().map(Vec3::norm).sum::<f64>();
@@ -236,16 +241,16 @@ impl MinimumSearch {
     }
 
     /// The minimum of D over an (enlarged) cell on which the least eigenvalue of D's Hessian with respect to u and t is
-    /// above `convexity`; see the module's head for what each answer proves.
-    fn newton(&self, cell: &Cell, convexity: f64, curvatures: &[[f64; 2]; 3]) -> Newton {
+    /// above `convexity`; the module's header states what each answer proves.
+    fn newton(&self, cell: &CellParallelogram, convexity: f64, curvatures: &[[f64; 2]; 3]) -> Newton {
         let (a, b) = self.curves(cell);
         let clamp = |x: f64, range: [f64; 2]| x.clamp(range[0], range[1]);
-        // Resting against the border: D rises inward.
+        // At the border with D rising inward.
         let rests =
             |x: f64, range: [f64; 2], slope: f64| (x == range[0] && slope > 0.0) || (x == range[1] && slope < 0.0);
         let (mut u, mut t) = (cell.middle(), 0.5 * (cell.t[0] + cell.t[1]));
         for _ in 0..60 {
-            let h = Derivatives::new(a, b, u, cell.v(u, t)).sheared(cell.slope);
+            let h = DistanceDerivatives::new(a, b, u, cell.v(u, t)).sheared(cell.slope);
             let (gu, gt) = (h.gu, h.gv);
             let held = (rests(u, cell.u, gu), rests(t, cell.t, gt));
             let (du, dt) = match held {
@@ -266,8 +271,8 @@ impl MinimumSearch {
                 }
                 let inside = |x: f64, r: [f64; 2], radius: f64| x - r[0] > radius && r[1] - x > radius;
                 let [ru, rt] = nearness.radii();
-                let told = inside(u, cell.u, ru) && inside(t, cell.t, rt);
-                return if told { self.told(cell, u, t, ru.max(rt)) } else { Newton::Unsure };
+                let is_inside = inside(u, cell.u, ru) && inside(t, cell.t, rt);
+                return if is_inside { self.minimum_at(cell, u, t, ru.max(rt)) } else { Newton::Unsure };
             }
             (u, t) = (nu, nt);
         }
@@ -275,7 +280,7 @@ impl MinimumSearch {
     }
 
     /// The minimum at (u, t), if it lies on both segments and in range.
-    fn told(&self, cell: &Cell, u: f64, t: f64, radius: f64) -> Newton {
+    fn minimum_at(&self, cell: &CellParallelogram, u: f64, t: f64, radius: f64) -> Newton {
         let v = cell.v(u, t);
         let on = |x: f64| (-BORDER..=1.0 + BORDER).contains(&x);
         let (u, v) = if cell.flipped { (v, u) } else { (u, v) };
@@ -317,7 +322,7 @@ impl Nearness {
     /// p rests against the border in the directions `held`: no q lies in the cell by more than β/4.
     fn beyond(&self, held: (bool, bool)) -> bool {
         let ([gu, gt], r, c) = (self.slope, self.rounding, self.mixed);
-        // What the slope at the border lacks to exclude q altogether, and how far inside q can then be.
+        // Slope missing at the border to exclude q, and the distance that q can then lie inside.
         let one = |held: f64, free: f64, stiff_held: f64, stiff_free: f64| {
             let lacks = c * (free + r) / stiff_free + r - held;
             lacks <= 0.0 || lacks / (stiff_held - c * c / stiff_free) < 0.25 * BORDER
@@ -332,7 +337,7 @@ impl Nearness {
 
 enum Newton {
     At(Closest),
-    /// None on this cell's part of the segments, or out of range.
+    /// No minimum on this cell's part of the segments, or out of range.
     Outside,
     Unsure,
 }
@@ -349,7 +354,7 @@ fn convexity([tt, ut, uu]: &[[f64; 2]; 3]) -> f64 {
 }
 
 /// Difference of the points, and D's derivatives, at (u, v).
-struct Derivatives {
+struct DistanceDerivatives {
     w: Vec3,
     da: Vec3,
     db: Vec3,
@@ -362,7 +367,7 @@ struct Derivatives {
     rounding: f64,
 }
 
-impl Derivatives {
+impl DistanceDerivatives {
     fn new(a: &Cubic, b: &Cubic, u: f64, v: f64) -> Self {
         let ((pa, da, dda), (pb, db, ddb)) = (a.derivatives(u), b.derivatives(v));
         let w = pa - pb;

@@ -1,4 +1,4 @@
-//! Places of contact: local minima of the distance, contacts as chains of zone pieces, and the smallest clearance.
+//! Contact sites: local minima of the distance, contacts as chains of zone pieces, the smallest clearance.
 
 pub mod chain;
 pub mod clearance;

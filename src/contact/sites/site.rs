@@ -1,5 +1,4 @@
-//! Contact sites: pairs of points of the curves that are mutually nearest, and how a pair of *straight* segments is
-//! searched for them.
+//! Contact sites, mutually nearest pairs of points of the curves, and their search on a pair of *straight* segments.
 //!
 //! The squared distance of two straight segments is a convex quadratic of the two parameters, so each pair has one
 //! minimum or one straight interval of minima. It is a local minimum of the curves if it lies inside both segments, or
@@ -11,7 +10,7 @@ use crate::contact::curves::curve::norm;
 use crate::contact::curves::input::{JOINT, Strands};
 use crate::math::Vec3;
 
-/// Where on its curves a site lies.
+/// Location of a site on its curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SiteLocation {
     /// Both points are inside their curves (also at joints).
@@ -47,13 +46,13 @@ pub struct Site {
     pub angle: f64,
     /// Interior or end.
     pub kind: SiteLocation,
-    /// The minimum is not isolated as far as can be told: one point of it, for parallel segments the middle of what
-    /// this pair has of it. (Straight cubics 1e12 of their length apart are flat as well: the distance changes along
-    /// them by less than its rounding.)
+    /// Whether the minimum is not isolated within rounding. The site is then one point of it; for parallel segments the
+    /// middle of their overlap. (Straight cubics 1e12 of their length apart are flat, too, because their distance
+    /// varies by less than its rounding.)
     pub flat: bool,
 }
 
-/// A minimum of a pair of segments (global indices), before it is dressed as a [`Site`].
+/// A minimum of a pair of segments (global indices); [`site_of`] makes a [`Site`] of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Minimum {
     pub(crate) u: f64,
@@ -63,10 +62,10 @@ pub(crate) struct Minimum {
     pub(crate) flat: bool,
 }
 
-/// Sines below this are parallel: rounding of the directions themselves.
+/// Largest sine of parallel directions: the rounding of the directions themselves.
 const PARALLEL: f64 = 4.0 * f64::EPSILON;
-/// One-sided slopes of at most this, relative to the lengths multiplied, count as zero at joints (duplicates are
-/// removed later).
+/// Largest one-sided slope that counts as zero at joints, relative to the product of the lengths; duplicates are
+/// removed later.
 const LEVEL: f64 = 8.0 * f64::EPSILON;
 
 /// num/den in \[0, 1\].
@@ -140,7 +139,7 @@ fn owned(strands: &Strands, segment: usize, u: f64, w: &Vec3) -> bool {
 }
 
 /// The site of a minimum: gap, normal, angle and arc lengths from its parameters. `arc(segment, u)` is the arc length from the start of the curve.
-pub(crate) fn dress(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
+pub(crate) fn site_of(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
     let (i, j, u, v) = (found.i as usize, found.j as usize, found.u, found.v);
     let ((a, da), (b, db)) = (point_and_tangent(strands, i, u), point_and_tangent(strands, j, v));
     let w = b - a;
@@ -186,7 +185,7 @@ fn crossing_angle(d: &Vec3, e: &Vec3) -> f64 {
 fn point_and_tangent(strands: &Strands, segment: usize, u: f64) -> (Vec3, Vec3) {
     if strands.is_straight(segment) {
         let (p0, p1) = strands.ends(segment);
-        // From the nearer end, so that both ends are exact.
+        // Measured from the nearer end, so that both ends are exact.
         let d = p1 - p0;
         (if u < 0.5 { p0 + d * u } else { p1 - d * (1.0 - u) }, d)
     } else {

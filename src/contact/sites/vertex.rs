@@ -10,8 +10,8 @@ use crate::math::Vec3;
 const SMOOTH: f64 = 1e-9;
 
 /// Minima at kinks and open ends of segment `i` that it owns (its start, and its end if open), against segment `j`.
-/// `swapped`: `j` comes first in the result, and vertices of `j` have been looked at already.
-pub(crate) fn vertex_minima(strands: &Strands, i: usize, j: usize, reach: f64, swapped: bool, out: &mut Vec<Minimum>) {
+/// In the result the lower segment comes first. Pairs of vertices are found in the call with i < j only.
+pub(crate) fn vertex_minima(strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
     let (own, other) = (strands.cubic(i), strands.cubic(j));
     for u in [0.0, 1.0] {
         let x = own.b[if u == 0.0 { 0 } else { 3 }];
@@ -21,21 +21,21 @@ pub(crate) fn vertex_minima(strands: &Strands, i: usize, j: usize, reach: f64, s
         let inner = feet.as_slice().iter().map(|f| f.u).filter(|&v| v > 0.0 && v < 1.0);
         for v in inner {
             if fits(&(x - other.point(v))) {
-                out.push(ordered(i, u, j, v, swapped));
+                out.push(ordered(i, u, j, v));
             }
         }
         for v in [0.0, 1.0] {
             let y = other.b[if v == 0.0 { 0 } else { 3 }];
             let near = norm(&(x - y)) <= reach;
-            if near && !swapped && fits(&(x - y)) && vertex(strands, j, v).is_some_and(|f| f(&(y - x))) {
-                out.push(ordered(i, u, j, v, swapped));
+            if near && i < j && fits(&(x - y)) && vertex(strands, j, v).is_some_and(|f| f(&(y - x))) {
+                out.push(ordered(i, u, j, v));
             }
         }
     }
 }
 
-fn ordered(i: usize, u: f64, j: usize, v: f64, swapped: bool) -> Minimum {
-    let (i, u, j, v) = if swapped { (j, v, i, u) } else { (i, u, j, v) };
+fn ordered(i: usize, u: f64, j: usize, v: f64) -> Minimum {
+    let (i, u, j, v) = if i < j { (i, u, j, v) } else { (j, v, i, u) };
     Minimum { i: i as u32, u, j: j as u32, v, flat: false }
 }
 

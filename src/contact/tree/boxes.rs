@@ -1,13 +1,13 @@
 //! Four f32 boxes side by side (structure of arrays), so that one box is tested against four at once: the leaves of the
 //! broad phase's tree.
 
-/// Boxes of a block.
+/// Number of boxes of a block.
 pub(crate) const WIDTH: usize = 4;
 
 /// A box: lowest and highest corner.
 pub(crate) type Box3 = ([f32; 3], [f32; 3]);
 
-/// The box of nothing.
+/// The empty box.
 const EMPTY: Box3 = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
 
 /// Four boxes, coordinate by coordinate; unused places are empty boxes that overlap nothing.

@@ -1,29 +1,29 @@
 //! Broad phase: candidate segment pairs from a bounding-volume tree (`leaves`), kept while
 //! nothing has moved far.
 //!
-//! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: far offsets and
-//! odd units cost nothing, a pair is never lost. A leaf is a run of up to four consecutive segments of one curve:
-//! curves are sorted by themselves, so the tree needs a quarter of the nodes, and two leaves are compared segment by
-//! segment in vector lanes. Leaf pairs along a strand all of whose segments are excluded are dropped by one comparison
-//! as the tree is traversed. The tree is refitted while its boxes stay as tight as when it was built; which pairs are
-//! found does not depend on its shape.
+//! The tree stores f32 boxes in coordinates relative to the set's centre and size, rounded *outward*: distance from the
+//! origin and unit do not matter, and a pair is never lost. A leaf is a run of up to four consecutive segments of one
+//! curve: curves are sorted by themselves, so the tree needs a quarter of the nodes, and two leaves are compared
+//! segment by segment in vector lanes. Leaf pairs along a strand all of whose segments are excluded are dropped by one
+//! comparison as the tree is traversed. The tree is refitted while its boxes stay as tight as when it was built; which
+//! pairs are found does not depend on its shape.
 //!
 //! **When the list is kept.** It is built for curves that come within `range + margin` of touching. While no control
 //! point has moved more than `margin`/2 since, no distance has shrunk by more than `margin`, so the list still holds
 //! every pair within `range`. Exclusion by turning changes with the geometry too: the list is built with the limit π/2
 //! lowered by 0.25 rad, and is kept only as long as every pair left out for that reason is still excluded by the
 //! present [`Exclusion`] (an exact O(segments) check of how far each segment's exclusion reaches). So the list is
-//! always a superset of the pairs that can hold contact; users still ask [`Exclusion::excluded`] per pair where they
-//! must not see neighbours.
+//! always a superset of the pairs that can be in contact; callers that must not see neighbours also test
+//! [`Exclusion::excluded`].
 //!
 //! **Order.** Leaf pairs are compared in the order of the tree, in which neighbours in space follow one another, and
 //! pass the capsule test while they are in the cache; the pairs of segments that remain are sorted by counting: the
 //! same list for any number of threads.
 //!
-//! **Growth.** From 1e4 to 1e6 segments the time per segment grows by a half on crowded inputs and where little else is
-//! to do: 1e4 segments live in a cache of 1 MB, 1e6 (200 bytes a segment are moved by a refit, 60 by a search) in main
-//! memory. Tried and left: leaves of sixteen segments in two levels and leaves renumbered in the order of the tree make
-//! a search in a crowd 10 % faster, a refit as much slower, plectonemes 15 % slower.
+//! **Growth.** From 1e4 to 1e6 segments the time per segment grows by a half on crowded inputs: 1e4 segments fit into a
+//! cache of 1 MB, 1e6 do not (a refit moves 200 bytes a segment, a search 60). Two alternatives were tried and
+//! rejected, leaves of sixteen segments in two levels and leaves renumbered in the order of the tree: a search in a
+//! crowd becomes 10 % faster, a refit as much slower, and plectonemes 15 % slower.
 //!
 //! Cost O(segments + pairs) on curves of bounded crowding (a new tree costs O(n log n)); memory about 70 bytes a
 //! segment for boxes and tree, 8 a pair, and a copy of the control points if `margin` > 0.
@@ -52,7 +52,7 @@ pub struct BroadPhase {
     leaves: Leaves,
     /// The list before the present one.
     earlier: Vec<[u32; 2]>,
-    /// Scratch of the sort.
+    /// Scratch memory of the sort.
     starts: Vec<u32>,
     generation: u64,
 }
@@ -77,13 +77,13 @@ struct Built {
 }
 
 impl BroadPhase {
-    /// Nothing found yet.
+    /// An empty list.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Increments each time the list changes; while it stays the list is the very same.
+    /// Counter of changes of the list: equal numbers mean the same list.
     #[must_use]
     pub fn generation(&self) -> u64 {
         self.generation
@@ -101,9 +101,9 @@ impl BroadPhase {
         self.built.as_ref().is_some_and(|built| (built.range, built.margin) == (range, margin))
     }
 
-    /// All pairs i < j of segments, sorted, that are not excluded as neighbours and whose curves may come within
-    /// radius_i + radius_j + `range` \[L\] of each other, and some more: a pair up to `margin` \[L\] farther may be
-    /// listed, one whose capsules are provably farther apart is not. `exclusion` must be up to date with `set`.
+    /// All pairs i < j of segments, sorted, that are not excluded as neighbours and whose curves may be within radius_i +
+    /// radius_j + `range` \[L\] of each other. A pair up to `margin` \[L\] farther may be listed; a pair whose
+    /// capsules are provably farther apart is not. `exclusion` must be up to date with `set`.
     ///
     /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds at every call. Rebuilt also when `range`,
     /// `margin`, the number of segments or the curves (radii, closure) change. The result depends on the calls made,
@@ -138,7 +138,7 @@ impl BroadPhase {
             std::mem::swap(&mut self.pairs, &mut self.earlier);
             self.refit(strands, 0.5 * (range + margin));
             self.search(strands, exclusion, Some(range + margin));
-            // where strands are apart, a list built anew is as empty as the one before
+            // a new list may equal the old one, for example an empty one
             self.generation += u64::from(self.pairs != self.earlier || self.generation == 0);
             if margin > 0.0 {
                 self.built.get_or_insert_default().remember(strands, exclusion, range, margin);
@@ -149,7 +149,7 @@ impl BroadPhase {
         Ok(&self.pairs)
     }
 
-    /// Bytes held, but for scratch of the tree's library (a second copy of its nodes).
+    /// Memory, bytes, without the scratch of the tree's library (a second copy of its nodes).
     pub(crate) fn memory(&self) -> usize {
         let built = self.built.as_ref().map_or(0, |b| bytes(&b.points) + bytes(&b.radii) + bytes(&b.reach));
         let lists = bytes(&self.pairs) + bytes(&self.bulges) + bytes(&self.far) + bytes(&self.starts);
@@ -173,7 +173,7 @@ impl BroadPhase {
         let reaches = exclusion.reduced_reach();
         self.far.clear();
         for curve in &strands.curves {
-            // Round a closed curve the pairs beyond its seam are looked at one by one.
+            // Pairs across the seam of a closed curve are tested one by one.
             let last = curve.first + curve.count - 1;
             self.far.extend((curve.first..=last).map(|i| (i + (last - i).min(reaches[i] as usize)) as u32));
         }
@@ -203,7 +203,7 @@ impl BroadPhase {
     }
 }
 
-/// Everything that the comparison of two leaves needs.
+/// Data for the comparison of two leaves.
 struct LeafComparison<'a> {
     strands: &'a Strands<'a>,
     exclusion: &'a Exclusion,
@@ -239,7 +239,7 @@ impl LeafComparison<'_> {
         }
     }
 
-    /// Those whose capsules may be near enough.
+    /// Pairs whose capsules may be near enough.
     fn near(&self, found: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let mut list = Vec::with_capacity(found.len());
         match self.reach {
@@ -281,7 +281,7 @@ fn sort_pairs(lists: &[Vec<[u32; 2]>], rows: usize, starts: &mut Vec<u32>, sorte
 
 impl Built {
     fn still_holds(&self, strands: &Strands, exclusion: &Exclusion, range: f64, margin: f64) -> bool {
-        // Rounded to the safe side: a few ulp short of half the margin (and exact rest always holds).
+        // Rounded down: a few ulp less than half the margin (no movement is always allowed).
         let allowed = 0.5 * margin * (1.0 - 1e-12);
         let near = |(then, now): (&Vec3, &Vec3)| then == now || (now - then).norm() <= allowed;
         let same_curves = self.curves.iter().copied().eq(curves_of(strands));
@@ -327,8 +327,8 @@ fn radii_of<'a>(strands: &'a Strands) -> impl Iterator<Item = &'a f64> + 'a {
     strands.curves.iter().flat_map(|c| c.radius.list().unwrap_or_default())
 }
 
-/// The pairs that [`BroadPhase::candidates`] must contain, by trying all with the capsule bound: those not excluded and
-/// perhaps within radius_i + radius_j + `range`. For tests; O(n²).
+/// The pairs that [`BroadPhase::candidates`] must contain, by the capsule bound of every pair: not excluded, possibly
+/// within radius_i + radius_j + `range`. For tests; O(n²).
 #[doc(hidden)]
 #[must_use]
 pub fn brute_force_candidates(set: &CurveSet, exclusion: &Exclusion, range: f64) -> Vec<[u32; 2]> {

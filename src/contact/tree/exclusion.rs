@@ -1,4 +1,4 @@
-//! Which parts of one curve are too close *along the curve* to touch, by accumulated turning of the tangent.
+//! Exclusion of parts of one curve that are too close *along the curve* to touch, by the total turning of the tangent.
 //!
 //! **One-sided (π/2).** Let an arc have all its tangents within less than π/2 of the tangent t(σ) at one of its points,
 //! c(σ). For any other point c(s) of the arc, (c(s) − c(σ))·t(σ) = ∫ t·t(σ) > 0 (< 0 for s < σ): it is not orthogonal
@@ -9,8 +9,8 @@
 //! **Bilateral (π).** If the chord between two points is orthogonal to the curve at both, arc and chord form a closed
 //! curve with two corners of π/2; Fenchel's theorem gives total curvature ≥ 2π, so the arc turns by at least π.
 //!
-//! Neither element indices nor arc lengths enter: a tight loop of few elements is seen, a long straight stretch costs
-//! nothing.
+//! Neither element indices nor arc lengths enter: a tight loop of few elements is detected, a long straight part is
+//! excluded as a whole.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -19,9 +19,9 @@ use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::error::SolveError;
 use crate::math::Vec3;
 
-/// Change of turning that a kept candidate list stands, rad; beyond it the list is rebuilt.
+/// Change of turning after which a candidate list is rebuilt, rad.
 const SLACK: f64 = 0.25;
-/// Covers the rounding of sums of angles, rad per rad of accumulated turning.
+/// Bound of the rounding of sums of angles, rad per rad of accumulated turning.
 const ROUNDING: f64 = 1e-12;
 
 /// Turning bounds of all curves; updated with the geometry.
@@ -30,9 +30,9 @@ pub struct Exclusion {
     /// Accumulated turning from the start of the curve to the start of the segment, and to its end.
     start: Vec<f64>,
     end: Vec<f64>,
-    /// Per curve: turning of one whole turn (closed) or of the whole curve.
+    /// Per curve: turning of the whole curve, of a closed one once round.
     total: Vec<f64>,
-    /// How many following segments are excluded with each segment, at π/2, π/2 − slack and π.
+    /// Number of following segments that are excluded with each segment, at π/2, π/2 − slack and π.
     reach: Vec<u32>,
     reach_reduced: Vec<u32>,
     reach_bilateral: Vec<u32>,
@@ -43,7 +43,7 @@ pub struct Exclusion {
 }
 
 impl Exclusion {
-    /// Nothing excluded yet; call [`Exclusion::update`].
+    /// An exclusion of no pairs; call [`Exclusion::update`].
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -78,9 +78,10 @@ impl Exclusion {
             self.total.push(sum);
             let range = curve.first..curve.first + curve.count;
             let (start, end) = (&self.start[range.clone()], &self.end[range.clone()]);
-            reach(curve.closed, start, end, sum, FRAC_PI_2, &mut self.reach[range.clone()]);
-            reach(curve.closed, start, end, sum, FRAC_PI_2 - SLACK, &mut self.reach_reduced[range.clone()]);
-            reach(curve.closed, start, end, sum, PI, &mut self.reach_bilateral[range]);
+            let turning = CurveTurning { closed: curve.closed, start, end, total: sum };
+            turning.reach(FRAC_PI_2, &mut self.reach[range.clone()]);
+            turning.reach(FRAC_PI_2 - SLACK, &mut self.reach_reduced[range.clone()]);
+            turning.reach(PI, &mut self.reach_bilateral[range]);
         }
         Ok(())
     }
@@ -100,7 +101,7 @@ impl Exclusion {
         }
     }
 
-    /// Bytes held.
+    /// Memory, bytes.
     pub(crate) fn memory(&self) -> usize {
         bytes(&self.start)
             + bytes(&self.end)
@@ -133,7 +134,7 @@ impl Exclusion {
     }
 
     /// True if the pair can hold no contact: `i == j`, or the same curve with less than π/2 of turning over the arc
-    /// spanning both segments, either way round for a closed curve. Symmetric.
+    /// that spans both segments, in either direction on a closed curve. Symmetric.
     #[must_use]
     pub fn excluded(&self, i: usize, j: usize) -> bool {
         self.within(&self.reach, i, j)
@@ -146,42 +147,42 @@ impl Exclusion {
         self.within(&self.reach_bilateral, i, j)
     }
 
-    /// As [`Exclusion::excluded`] with a limit lower by 0.25 rad: what a candidate list that outlives this geometry may
-    /// leave out.
+    /// As [`Exclusion::excluded`] with a limit lower by 0.25 rad, for candidate lists that are kept while the geometry
+    /// changes.
     pub(crate) fn excluded_reduced(&self, i: usize, j: usize) -> bool {
         self.within(&self.reach_reduced, i, j)
     }
 
-    /// Number of segments following each segment that the list built now leaves out.
+    /// Number of segments following each segment that a list built now excludes.
     pub(crate) fn reduced_reach(&self) -> &[u32] {
         &self.reach_reduced
     }
 
-    /// True if everything left out by `built` (a former [`Exclusion::reduced_reach`]) is still excluded.
+    /// True if all pairs excluded by `built` (a former [`Exclusion::reduced_reach`]) are still excluded.
     pub(crate) fn covers(&self, built: &[u32]) -> bool {
         self.reach.len() == built.len() && self.reach.iter().zip(built).all(|(now, then)| now >= then)
     }
 
     /// Upper bound of the turning, rad, of the forward arc from parameter `u` of segment `i` to parameter `v` of
-    /// segment `j` of the same curve (through the closing joint if that is the way; open curves need i < j, or i = j
-    /// and u ≤ v). Sharper than whole segments: the end pieces are cut. Infinite if there is no such arc.
+    /// segment `j` of the same curve (through the closing joint if need be; open curves need i < j, or i = j and u ≤
+    /// v). Sharper than whole segments, because the end pieces are cut. Infinite if there is no such arc.
     #[must_use]
     pub fn turning_between(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        self.between(&set.segments[i], i, u, &set.segments[j], j, v)
+        self.turning_of_arc([i, j], [u, v], |k| set.segments[k])
     }
 
     /// As [`Exclusion::turning_between`], for borrowed curves.
     pub(crate) fn turning_between_pieces(&self, strands: &Strands, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        self.between(&strands.cubic(i), i, u, &strands.cubic(j), j, v)
+        self.turning_of_arc([i, j], [u, v], |k| strands.cubic(k))
     }
 
-    fn between(&self, a: &Cubic, i: usize, u: f64, b: &Cubic, j: usize, v: f64) -> f64 {
+    fn turning_of_arc(&self, [i, j]: [usize; 2], [u, v]: [f64; 2], cubic: impl Fn(usize) -> Cubic) -> f64 {
         let (first, _, closed) = self.place[i];
         if first != self.place[j].0 {
             return f64::INFINITY;
         }
         if i == j && u <= v {
-            return piece(a, u, v).turning_bound();
+            return piece(&cubic(i), u, v).turning_bound();
         }
         let total = self.total[self.curve[i] as usize];
         let mut between = self.start[j] - self.end[i];
@@ -191,12 +192,13 @@ impl Exclusion {
             }
             between += total;
         }
-        between.max(0.0) + a.split_at(u).1.turning_bound() + b.split_at(v).0.turning_bound() + ROUNDING * (1.0 + total)
+        let ends = [cubic(i).split_at(u).1, cubic(j).split_at(v).0].map(|end| end.turning_bound());
+        between.max(0.0) + ends[0] + ends[1] + ROUNDING * (1.0 + total)
     }
 
     /// True if neither point can be an orthogonal projection of the other because less than π/2 of turning lies between
-    /// them, one way or the other. Use it on pairs of *neighbouring* segments that are not excluded as a whole, where
-    /// the trivial foot (the point itself) and its surroundings must be told from true contact.
+    /// them in either direction. For pairs of *neighbouring* segments that are not excluded as a whole, where the
+    /// trivial foot (the point itself) and its surroundings must be distinguished from contact.
     #[must_use]
     pub fn excluded_points(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> bool {
         self.turning_between(set, i, u, j, v) < FRAC_PI_2 || self.turning_between(set, j, v, i, u) < FRAC_PI_2
@@ -207,13 +209,13 @@ impl Exclusion {
         [self.start[segment], self.end[segment]]
     }
 
-    /// Turning of a whole curve, of a closed one all the way round, rad (bound).
+    /// Turning of a whole curve, of a closed one once round, rad (bound).
     pub(crate) fn turning_of(&self, curve: usize) -> f64 {
         self.total[curve]
     }
 
-    /// True if whole segments i ≠ j of one curve have at least `limit` of turning (bound) between their facing ends,
-    /// both ways round.
+    /// True if whole segments i ≠ j of one curve have at least `limit` of turning (bound) between their facing ends in
+    /// both directions.
     pub(crate) fn turns_between_at_least(&self, set: &CurveSet, i: usize, j: usize, limit: f64) -> bool {
         let (i, j) = if i < j { (i, j) } else { (j, i) };
         let curve = set.curve_of(i);
@@ -236,7 +238,7 @@ impl Exclusion {
     }
 }
 
-/// Bytes a list holds, whether used or kept for later.
+/// Memory of a list, bytes, spare capacity included.
 pub(crate) fn bytes<T>(list: &Vec<T>) -> usize {
     list.capacity() * size_of::<T>()
 }
@@ -267,7 +269,7 @@ fn turning(curve: &Strand, k: usize) -> (f64, f64) {
 }
 
 /// Upper bound of the angle between two vectors without inverse functions: with x the distance of the unit vectors, θ =
-/// 2 asin(x/2) ≤ x (1 + .0554 x²) up to π/2, where it is .1 % above; 4e-8 above at θ = 0.
+/// 2 asin(x/2) ≤ x (1 + .0554 x²) up to π/2. The bound is .1 % above θ at π/2 and 4e-8 above it at 0.
 fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     let (dot, size_sq) = (a.dot(b), a.norm_squared() * b.norm_squared());
     let usual = dot > 0.0 && size_sq > 1e-280 && size_sq < 1e280;
@@ -278,22 +280,33 @@ fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     x_sq.sqrt() * (1.0 + 0.0554 * x_sq)
 }
 
-/// For each segment of one curve, how many following ones lie within `limit` of turning (start of the one to end of the
-/// other).
-fn reach(closed: bool, start: &[f64], end: &[f64], total: f64, limit: f64, out: &mut [u32]) {
-    let count = start.len();
-    let limit = limit - ROUNDING * (1.0 + total);
-    // Position of the end of the k-th segment counted from the first, running on round a closed curve (k below twice
-    // the count).
-    let end_at = |k: usize| if k < count { end[k] } else { end[k - count] + total };
-    let mut ahead = 0;
-    for i in 0..count {
-        ahead = ahead.max(i);
-        let last = if closed { i + count - 1 } else { count - 1 };
-        while ahead < last && end_at(ahead + 1) - start[i] < limit {
-            ahead += 1;
+/// Turning accumulated along one curve, rad.
+struct CurveTurning<'a> {
+    closed: bool,
+    /// Up to the start of each segment.
+    start: &'a [f64],
+    /// Up to the end of each segment.
+    end: &'a [f64],
+    /// Of the whole curve.
+    total: f64,
+}
+
+impl CurveTurning<'_> {
+    /// For each segment, the number of following ones within `limit` of turning (start of the one to end of the other).
+    fn reach(&self, limit: f64, out: &mut [u32]) {
+        let count = self.start.len();
+        let limit = limit - ROUNDING * (1.0 + self.total);
+        // End of the k-th segment counted from the first, periodic on a closed curve (k below twice the count).
+        let end_at = |k: usize| if k < count { self.end[k] } else { self.end[k - count] + self.total };
+        let mut ahead = 0;
+        for i in 0..count {
+            ahead = ahead.max(i);
+            let last = if self.closed { i + count - 1 } else { count - 1 };
+            while ahead < last && end_at(ahead + 1) - self.start[i] < limit {
+                ahead += 1;
+            }
+            out[i] = (ahead - i) as u32;
         }
-        out[i] = (ahead - i) as u32;
     }
 }
 

@@ -10,12 +10,12 @@ use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::bytes;
 use crate::math::{Vec3, parallel};
 
-/// Segments per parallel piece of work.
+/// Segments per parallel task.
 pub(super) const MIN_LEN: usize = 4096;
-/// Below this many leaves all their pairs are tried: the tree costs more than it saves (and some of its builders
-/// dislike 1 or 2 leaves).
+/// Below this many leaves all their pairs are tested, because a tree costs more than it saves (and the library's
+/// builder does not accept 1 or 2 leaves).
 const SMALL: usize = 8;
-/// A tree whose inner boxes have grown by this factor relative to its leaves is built anew.
+/// Growth of the inner boxes relative to the leaves after which a tree is rebuilt.
 const SPOILT: f64 = 1.5;
 
 /// Leaves and the tree over them.
@@ -25,7 +25,7 @@ pub(super) struct Leaves {
     pub(super) firsts: Vec<u32>,
     /// Boxes of each leaf's segments.
     pub(super) blocks: Vec<Block>,
-    /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tried.
+    /// `None` if there are few leaves, or sizes beyond the range of f64: then all pairs of leaves are tested.
     tree: Option<Tree>,
     workspace: BvhWorkspace,
 }
@@ -50,7 +50,7 @@ impl Leaves {
         let block = |leaf: usize| {
             let first = firsts[leaf] as usize;
             Block::gather(firsts[leaf + 1] as usize - first, |lane| {
-                // A negative range may shrink boxes, but not inside out.
+                // A negative range shrinks boxes to a point at most.
                 let r = (strands.reach_of(first + lane) + inflate).max(0.0);
                 outward(strands.bounds(first + lane), r, &centre, size)
             })
@@ -64,12 +64,12 @@ impl Leaves {
         }
     }
 
-    /// Bytes held, but for scratch of the tree's library.
+    /// Memory, bytes, without the scratch of the tree's library.
     pub(super) fn memory(&self) -> usize {
         bytes(&self.firsts) + bytes(&self.blocks) + self.tree.as_ref().map_or(0, |t| t.bvh.heap_memory_size())
     }
 
-    /// Brings the tree to the present blocks: refitted, or built if there is none or it is spoilt.
+    /// Fits the tree to the present blocks: refits it, or builds it if there is none or it has grown too loose.
     fn fit_tree(&mut self) {
         let aabb = |block: &Block| {
             let (lo, hi) = block.union();
@@ -86,7 +86,7 @@ impl Leaves {
         }
         let boxes: Vec<Aabb> = self.blocks.iter().map(aabb).collect();
         let mut bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        // Puts the nodes in the order of the traversal.
+        // Sorts the nodes in the order of the traversal.
         fit(&mut bvh, &mut self.workspace);
         let fresh = looseness(&bvh);
         self.tree = Some(Tree { bvh, fresh });
@@ -100,7 +100,7 @@ impl Leaves {
     pub(super) fn pairs(&mut self, far: &[u32]) -> Vec<[u32; 2]> {
         let firsts = &self.firsts;
         let num_leaves = (firsts.len() - 1) as u32;
-        // The last segment of q is excluded with the first of p: all pairs between are.
+        // If the last segment of q is excluded with the first of p, all pairs between are.
         let wanted = |a: u32, b: u32| {
             let (p, q) = if a < b { (a, b) } else { (b, a) };
             (firsts[q as usize + 1] - 1 > far[firsts[p as usize] as usize]).then_some([p, q])
@@ -166,7 +166,7 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     (lo * 0.5 + hi * 0.5, size)
 }
 
-/// Whether a frame is neither too small nor too large for f64.
+/// Whether the size of a frame is in the range of f64.
 fn sane(size: f64) -> bool {
     (1e-290..1e290).contains(&size)
 }

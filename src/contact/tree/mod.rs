@@ -1,4 +1,4 @@
-//! From curves to pairs of segments: boxes, the tree over them, and the neighbours along a curve that it leaves out.
+//! From curves to pairs of segments: boxes, the tree over them, and the exclusion of neighbours along a curve.
 
 pub mod boxes;
 pub mod broad_phase;

@@ -1,14 +1,15 @@
-//! One branch of the projection: its foot followed along the slave, and cut where distance − reach changes sign.
+//! One branch of the projection: its foot traced along the slave, cut where distance − reach changes sign.
 
 use super::{Branch, BranchPiece, FootKind, Projection, Sample, SegmentPair, unit};
 use crate::math::Vec3;
 
-/// Samples per branch interval; the bracketing misses only dips narrower than the wiggles of one cubic between them.
+/// Samples per branch interval. The bracketing can miss only dips narrower than the oscillations of a cubic between two
+/// samples.
 pub(super) const NUM_SAMPLES: usize = 7;
 /// Iterations of the safeguarded root finder; bisection alone ends after 53.
 const MAX_ROOT_ITERATIONS: usize = 100;
 
-/// Function whose root is sought.
+/// Function whose root is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum RootOf {
     /// distance − reach.
@@ -20,8 +21,8 @@ enum RootOf {
 }
 
 impl SegmentPair<'_> {
-    /// The projection at parameter `t` of a branch, from a guess of the other parameter; and the rate of the slave's
-    /// parameter with `t`, negative where the branch is counted off.
+    /// The projection at parameter `t` of a branch, from a guess of the other parameter, and du/dt, u the slave's
+    /// parameter; negative where the branch is subtracted.
     pub(in crate::contact) fn project(&self, t: f64, guess: f64, branch: &Branch) -> (Projection, f64) {
         let (u, v, rate) = if branch.kind == FootKind::Fold {
             let u = self.slave_of(t, guess, branch);
@@ -66,7 +67,8 @@ impl SegmentPair<'_> {
         Sample { u, v, distance, t, rate: 1.0, slope, curvature }
     }
 
-    /// Newton on f from a near guess; if it leaves the interval or the sense of the branch, bisection.
+    /// Newton's method for f from a near guess; bisection if it leaves the interval or f has the wrong slope for the
+    /// branch.
     fn foot(&self, a: &Vec3, guess: f64, branch: &Branch) -> f64 {
         let [low, high] = branch.within;
         let border = 1e-9 * (high - low);
@@ -84,8 +86,8 @@ impl SegmentPair<'_> {
             if v < low - border || v > high + border {
                 break;
             }
-            // Where the connection is longer than the segment, rounding keeps the last steps above a few ulp: they only
-            // stop shrinking.
+            // Where the connection is longer than the segment, rounding keeps the last steps above a few ulp;
+            // convergence shows as steps that no longer shrink.
             let noise = step.abs() < 1e-12 && step.abs() >= 0.25 * last;
             if step.abs() <= 4.0 * f64::EPSILON || noise {
                 return v.clamp(low, high);
@@ -157,7 +159,7 @@ impl SegmentPair<'_> {
         sample.distance - self.reach_at(sample.u)
     }
 
-    /// Root of the target between two samples where it has opposite signs: Newton kept inside a shrinking bracket.
+    /// Root of the target between two samples where it has opposite signs: Newton's method inside a shrinking bracket.
     fn root(&self, s0: &Sample, s1: &Sample, branch: &Branch, target: RootOf) -> Sample {
         let value = |s: &Sample| match target {
             RootOf::Excess => (self.excess(s), self.excess_slope(s)),

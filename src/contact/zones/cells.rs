@@ -1,31 +1,31 @@
-//! Pairs of cubics with folds: the square of parameters is cut into cells until in each the feet are those of one
-//! branch that can be followed.
+//! Pairs of cubics with folds: the square of parameters is cut into cells until each contains the feet of one branch
+//! only.
 //!
 //! With f(u, v) = (a(u) − b(v))·b′(v), whose zeros are nearest (∂f/∂v < 0) and farthest points (∂f/∂v > 0) of the
 //! master, a cell is
 //! * discarded if its curves are farther apart than the reach, or f has one sign by its Bernstein coefficients;
-//! * followed along the slave if ∂f/∂v has one sign: there is one foot at most for each u;
-//! * followed along the master if ∂f/∂u = a′·b′ has one sign: there is one u for each v, through any folds;
-//! * otherwise cut in two. What is left when cells are small or many (slave points that see an arc of the master at one
-//!   distance) has its feet held at the middle of the cell, where its distance is right to second order.
+//! * traced along the slave if ∂f/∂v has one sign: there is one foot at most for each u;
+//! * traced along the master if ∂f/∂u = a′·b′ has one sign: there is one u for each v, through any folds;
+//! * otherwise cut in two. When cells are too small or too many (slave points with an arc of the master at one
+//!   distance), the foot is held at the middle of the cell, where the distance is correct to second order.
 
 use std::collections::VecDeque;
 
 use super::branch::falling_root;
 use super::facing::convexity;
-use super::{Branch, BranchPiece, FootKind, NARROW, ROUNDING, Sample, SegmentPair, Side};
+use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, ROUNDING, Sample, SegmentPair};
 use crate::contact::curves::curve::Cubic;
 use crate::contact::pairs::capsule;
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
-/// Cells looked at before the rest is held.
+/// Largest number of cells examined; the feet of the rest are held.
 const MAX_CELLS: usize = 512;
 /// Least slope of f over its largest in a cell, because the energy of random curves changes by 4e-8 at most where this is
 /// halved or doubled.
 const EVEN: f64 = 0.1;
-/// Cells narrower than this in both parameters are held.
+/// Width of a cell, in both parameters, below which its foot is held.
 const SMALLEST: f64 = 1.0 / 4096.0;
 
 /// Least |∂f/∂u| over its largest that is trusted at a smooth joint.
@@ -50,7 +50,7 @@ enum BranchVerdict {
 struct FunctionBounds {
     low: f64,
     high: f64,
-    /// Of the roundings in it.
+    /// Bound of the rounding.
     noise: f64,
 }
 
@@ -61,7 +61,7 @@ impl FunctionBounds {
         Self { low, high, noise }
     }
 
-    /// The sign of the function throughout, 0 if it is not told.
+    /// The sign of the function throughout, 0 if the bounds do not show one.
     fn sign(&self) -> f64 {
         if self.low > self.noise {
             1.0
@@ -82,15 +82,15 @@ fn largest(vectors: &[Vec3]) -> f64 {
     vectors.iter().map(Vec3::amax).fold(0.0, f64::max)
 }
 
-/// Bounds of ∂f/∂v = −D_vv, to a factor.
+/// Bounds of ∂f/∂v = −D_vv, up to a factor.
 fn sense(a: &Cubic, b: &Cubic) -> FunctionBounds {
     let [least, most] = convexity(a, b);
     let (size, edges) = (largest(&a.b).max(largest(&b.b)), largest(&b.edges()));
     FunctionBounds { low: -most, high: -least, noise: 100.0 * ROUNDING * edges * edges.max(size) }
 }
 
-/// `joined`: the part of the master ends at a smooth joint, where the tangent that both segments share decides, not
-/// this one's rounding.
+/// `joined`: whether the part of the master ends at a smooth joint. The common tangent decides there, not the rounding
+/// of one segment.
 fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
     if capsule::distance_lower_bound(a, b) > reach {
         return BranchVerdict::Empty;
@@ -105,8 +105,7 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
     if along.evenness() > EVEN {
         return BranchVerdict::Along(-along.sign());
     }
-    // At a joint the two segments' tangents may differ by the rounding of coordinates far from the origin: nothing to
-    // be steep about.
+    // At a joint the tangents of the two segments may differ by the rounding of coordinates far from the origin.
     let noise = if joined { STEEP } else { 10.0 * ROUNDING };
     let across =
         FunctionBounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
@@ -117,14 +116,14 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
 }
 
 impl SegmentPair<'_> {
-    /// No slave point has more than one foot on the master: a bound that holds wherever the master is curved less than
-    /// 1 over the distance.
+    /// Whether no slave point has more than one foot on the master, by a bound. It succeeds where the curvature of the
+    /// master is less than 1 over the distance.
     pub(super) fn has_one_branch(&self) -> bool {
         sense(self.slave, self.master).sign() < 0.0
     }
 
     /// Pieces of all feet, cell by cell.
-    pub(super) fn cells(&self, sides: &[Side; 2], out: &mut Vec<BranchPiece>) {
+    pub(super) fn cells(&self, sides: &[FootSide; 2], out: &mut Vec<BranchPiece>) {
         let reach = self.reach[0].max(self.reach[1]);
         let mut queue = VecDeque::from([ParameterCell { u: [0.0, 1.0], v: [0.0, 1.0] }]);
         let mut seen = 0;
@@ -155,25 +154,25 @@ impl SegmentPair<'_> {
         }
     }
 
-    /// Follows the branch of one cell along the slave. Cells that meet at a v judge by one function there.
+    /// Traces the branch of one cell along the slave. Cells that meet at a v use the same function there.
     fn follow_in(
         &self,
         cell: &ParameterCell,
-        sides: &[Side; 2],
+        sides: &[FootSide; 2],
         kind: FootKind,
         sign: f64,
         out: &mut Vec<BranchPiece>,
     ) {
         let border = |v: f64| {
             let (point, tangent, _) = self.master.derivatives(v);
-            Side::new(self.slave, &point, &tangent, true)
+            FootSide::new(self.slave, &point, &tangent, true)
         };
         let inner = cell.v.map(|v| (v > 0.0 && v < 1.0).then(|| border(v)));
         let sides = [inner[0].as_ref().unwrap_or(&sides[0]), inner[1].as_ref().unwrap_or(&sides[1])];
         self.follow(sides, cell.u, Branch { kind, sign, within: cell.v }, out);
     }
 
-    /// Follows the branch of one cell along the master, whose part there is `part`.
+    /// Traces the branch of one cell along the master, whose part there is `part`.
     fn fold(&self, cell: &ParameterCell, part: &Cubic, sign: f64, out: &mut Vec<BranchPiece>) {
         let [v0, v1] = cell.v;
         let ends = cell.u.map(|u| stationarity(part, &self.slave.point(u)));
@@ -208,7 +207,7 @@ impl SegmentPair<'_> {
         (db.norm_squared() - (a - b).dot(&ddb)) / da.dot(&db)
     }
 
-    /// The slave parameter whose foot is at v, on a fold: Newton, and bisection if it leaves the interval.
+    /// The slave parameter whose foot is at v, on a fold: Newton's method, or bisection if it leaves the interval.
     pub(super) fn slave_of(&self, v: f64, guess: f64, branch: &Branch) -> f64 {
         let [low, high] = branch.within;
         let (b, db, _) = self.master.derivatives(v);

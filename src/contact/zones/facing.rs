@@ -1,9 +1,9 @@
-//! Pairs of cubics where no point of the slave has more than one foot on the master: what [`SegmentPair`] finds for all
-//! cubics, for a fraction of the work.
+//! Pairs of cubics where no point of the slave has more than one foot on the master: the results of [`SegmentPair`] for
+//! a fraction of its work.
 //!
 //! With D(u, v) = ½|b(v) − a(u)|² the foot v(u) is a root of D_v. If D_vv > 0 on the whole square \[0, 1\]², shown by
-//! its Bernstein coefficients, there is at most one for every u, so Newton's method needs no certificate of its own,
-//! and there is one where the slave's point lies after the master's start and before its end. As in
+//! its Bernstein coefficients, there is at most one for every u, so Newton's method needs no certificate. There is a
+//! foot where the slave's point lies after the master's start and before its end. As in
 //! [`clearance`](crate::contact::sites::clearance), with any map φ(u) into \[0, 1\], w(u) = a(u) − b(φ(u)) and Q(u) =
 //! w·b′(φ(u)),
 //!
@@ -11,31 +11,31 @@
 //!     |w(u)|² − Q(u)²/min D_vv  ≤  d(u)²  ≤  |w(u)|²
 //! ```
 //!
-//! With φ linear between the feet of the ends, |w|² is of degree six: mostly its coefficients tell that a slave is in
-//! reach all along, or nowhere. Pairs they leave open, folds and open ends are left to [`SegmentPair`].
+//! With φ linear between the feet of the ends, |w|² is of degree six. Its coefficients usually show that a slave is
+//! within reach throughout, or nowhere. [`SegmentPair`] handles the other pairs, folds and open ends.
 
-use super::{Branch, BranchPiece, NARROW, Projection, ROUNDING, Sample, SegmentPair, Side, unit};
+use super::{Branch, BranchPiece, FootSide, NARROW, Projection, ROUNDING, Sample, SegmentPair, unit};
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, product_with_quadratic, roots};
 
-/// Least D_vv over the largest: where it is small, feet move fast and Newton's method converges late.
+/// Smallest ratio of the least D_vv to the largest, because below it feet move fast and Newton's method converges late.
 const CONVEX: f64 = 0.05;
-/// Relative difference between the common tangent of a joint and a segment's own that rounding may make.
+/// Relative rounding difference between the common tangent of a joint and a segment's own.
 const SAFE: f64 = 1e-6;
-/// A Newton step of this size leaves an error of its square.
+/// Newton step after which the iteration ends: the remaining error is its square.
 const LAST_STEP: f64 = 1e-9;
 const MAX_STEPS: usize = 10;
-/// Feet nearer to an end than this are left to [`SegmentPair`].
+/// Distance of a foot from an end below which [`SegmentPair`] takes over.
 const NEAR_JOINT: f64 = 1e-7;
 
-/// A master seen from a slave along all of which D_vv > 0.
+/// A master with D_vv > 0 for all points of a slave.
 pub(in crate::contact) struct Facing {
     /// b(v) = Σ `power[k]` vᵏ.
     power: [Vec3; 4],
     /// Lower bound of D_vv \[L²\].
     convexity: f64,
-    /// The whole slave lies before the start, beyond the end of the master.
+    /// Whether the whole slave lies before the start, or beyond the end, of the master.
     misses: [bool; 2],
 }
 
@@ -48,7 +48,7 @@ struct FootDerivatives {
 }
 
 impl Facing {
-    /// `None` if D_vv > 0 is not shown.
+    /// `None` if the bounds do not show D_vv > 0.
     pub(in crate::contact) fn new(slave: &Cubic, master: &Cubic) -> Option<Self> {
         let (b, e) = (&master.b, master.edges());
         let [least, most] = convexity(slave, master);
@@ -60,7 +60,7 @@ impl Facing {
         })
     }
 
-    /// The whole slave clearly lies before the start, beyond the end of the master.
+    /// Whether the whole slave clearly lies before the start, or beyond the end, of the master.
     pub(in crate::contact) fn misses(&self) -> [bool; 2] {
         self.misses
     }
@@ -79,7 +79,7 @@ impl Facing {
             let step = next - v;
             v = next;
             if step.abs() <= LAST_STEP {
-                // the rest of Taylor's series is below rounding
+                // the rest of the Taylor series is below rounding
                 let point = point + (tangent + curvature * (0.5 * step)) * step;
                 return Some(FootDerivatives {
                     v,
@@ -103,8 +103,9 @@ impl Facing {
         Projection { u, v, distance, normal: unit(&chord, distance), tangent, curvature }
     }
 
-    /// [`SegmentPair::pieces`] of this pair, but for [`BranchPiece::nearest`], which is an end of the piece unless `nearest` is
-    /// asked for; false if that has to do it. The master must go on before its start and beyond its end.
+    /// [`SegmentPair::pieces`] of this pair; false if the bounds do not decide and the general method is needed.
+    /// Without `nearest`, [`BranchPiece::nearest`] is an end of the piece. The master must continue before its start
+    /// and beyond its end.
     pub(in crate::contact) fn pieces(&self, pair: &SegmentPair, nearest: bool, out: &mut Vec<BranchPiece>) -> bool {
         let Some([start, end]) = between(&pair.sides()) else { return false };
         if end - start <= NARROW {
@@ -144,7 +145,8 @@ impl Facing {
         Some(Sample { u, v: foot.v, distance, t: u, rate: 1.0, slope: f64::NAN, curvature: f64::NAN })
     }
 
-    /// Whether the slave is in reach all along between two samples (true) or nowhere (false), if the bounds tell.
+    /// Whether the slave is within reach throughout between two samples (true) or nowhere (false); `None` if the bounds
+    /// do not decide.
     fn in_reach(&self, pair: &SegmentPair, first: &Sample, last: &Sample) -> Option<bool> {
         let (a, b) = (pair.slave.restrict(first.u, last.u), pair.master.restrict(first.v, last.v));
         let w: [Vec3; 4] = std::array::from_fn(|k| a.b[k] - b.b[k]);
@@ -213,13 +215,13 @@ fn beyond(curve: &Cubic, point: &Vec3, along: &Vec3) -> bool {
     })
 }
 
-/// The interval of slave parameters after the master's start and before its end, if that is one by the signs of the
-/// coefficients; of no width if it is empty.
-fn between(sides: &[Side; 2]) -> Option<[f64; 2]> {
+/// The interval of slave parameters after the master's start and before its end; of no width if it is empty. `None`
+/// unless the signs of the coefficients show that it is one interval.
+fn between(sides: &[FootSide; 2]) -> Option<[f64; 2]> {
     let mut range = [0.0f64, 1.0f64];
     for (k, side) in sides.iter().enumerate() {
         let c = &side.coefficients;
-        // our part is where the first is positive, the second negative
+        // the interval is where the first is positive and the second negative
         let ours = c.map(|c| if k == 0 { c > 0.0 } else { c < 0.0 });
         if c.contains(&0.0) || ours.windows(2).filter(|w| w[0] != w[1]).count() > 1 {
             return None;

@@ -1,11 +1,11 @@
-//! Contact zones: intervals of arc length on one curve that have another part within range, with the interval there.
+//! Contact zones: intervals of arc length on one curve within range of another interval, its partner.
 //!
 //! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so
 //! the part of a line within range of it is one interval, its ends roots of quadratics. Cubics go through
 //! [`SegmentPair::pieces`](crate::contact::zones::SegmentPair::pieces). The intervals of pairs of segments are then joined where both they and
 //! their partner intervals touch.
 
-use std::cell::Cell;
+use std::cell::OnceCell;
 
 use crate::contact::curves::curve::angle;
 use crate::contact::curves::input::Strands;
@@ -18,7 +18,7 @@ use crate::math::groups::Groups;
 
 /// A maximal interval of one curve whose points have a point of the partner interval within range.
 ///
-/// Every contact is told twice, once from each side. On a closed curve zones are cut at its start.
+/// Every contact gives two zones, one from each side. On a closed curve zones are cut at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zone {
     /// Curve the interval lies on.
@@ -45,134 +45,166 @@ pub(crate) struct Part {
     pub(crate) gap: f64,
 }
 
-/// Parts of segment `i` within range of segment `j`: both radii + `range` \[L\]. `nearest` keeps the distance of two
-/// straight segments for the call with i and j exchanged.
-pub(crate) fn parts(
-    strands: &Strands,
-    arc: &impl Fn(usize, f64) -> f64,
-    i: usize,
-    j: usize,
-    range: f64,
-    nearest: &Cell<Option<f64>>,
-    out: &mut Vec<Part>,
-) {
-    let radii = strands.radius_of(i) + strands.radius_of(j);
-    let reach = radii + range;
-    if reach <= 0.0 {
-        return;
+/// The search for parts of zones on pairs of segments.
+pub(crate) struct PartSearch<'a, A> {
+    pub(crate) strands: &'a Strands<'a>,
+    /// Arc length \[L\] at a segment and parameter, from the start of the curve.
+    pub(crate) arc: A,
+    /// Largest gap \[L\].
+    pub(crate) range: f64,
+}
+
+impl<A: Fn(usize, f64) -> f64> PartSearch<'_, A> {
+    /// Parts of segment `i` within range of segment `j`, then of `j` within range of `i`.
+    pub(crate) fn both(&self, i: usize, j: usize, out: &mut Vec<Part>) {
+        let (strands, radii) = (self.strands, self.strands.radius_of(i) + self.strands.radius_of(j));
+        if radii + self.range <= 0.0 {
+            return;
+        }
+        if strands.is_straight(i) && strands.is_straight(j) {
+            // Computed only where there is an interval; the same from both sides.
+            let distance = OnceCell::new();
+            for [i, j] in [[i, j], [j, i]] {
+                let gap = || {
+                    let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
+                    distance.get_or_init(|| segment_distance(&a0, &a1, &b0, &b1)) - radii
+                };
+                self.straight([i, j], radii + self.range, |u, v| out.push(self.part([i, j], u, v, gap())));
+            }
+        } else {
+            for [i, j] in [[i, j], [j, i]] {
+                self.cubic([i, j], radii + self.range, |u, v, distance| {
+                    out.push(self.part([i, j], u, v, distance - radii));
+                });
+            }
+        }
     }
-    let mut push = |u: [f64; 2], v: [f64; 2], gap: f64| {
-        let (t0, t1) = (arc(j, v[0]), arc(j, v[1]));
-        out.push(Part {
+
+    /// The part of segment i with parameters `u` whose feet have parameters `v` on segment j.
+    fn part(&self, [i, j]: [usize; 2], u: [f64; 2], v: [f64; 2], gap: f64) -> Part {
+        let (t0, t1) = ((self.arc)(j, v[0]), (self.arc)(j, v[1]));
+        Part {
             segment: i as u32,
-            curve: strands.curve_of(i) as u32,
-            partner: strands.curve_of(j) as u32,
-            arc: u.map(|u| arc(i, u)),
+            curve: self.strands.curve_of(i) as u32,
+            partner: self.strands.curve_of(j) as u32,
+            arc: u.map(|u| (self.arc)(i, u)),
             partner_arc: [t0.min(t1), t0.max(t1)],
             gap,
-        });
-    };
-    // A neighbour of j takes over beyond the joint unless it is thinner.
-    let thick = |k: &usize| strands.radius_of(*k) >= strands.radius_of(j);
-    if strands.is_straight(i) && strands.is_straight(j) {
-        let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
+        }
+    }
+
+    /// The segments before and after segment `j`, if they are as thick: then they take over beyond the joint.
+    fn neighbours(&self, j: usize) -> [Option<usize>; 2] {
+        let thick = |k: &usize| self.strands.radius_of(*k) >= self.strands.radius_of(j);
+        [self.strands.prev(j).filter(thick), self.strands.next(j).filter(thick)]
+    }
+
+    /// Calls `push(u, v)` for the intervals of straight segment i within `reach` of straight segment j.
+    fn straight(&self, [i, j]: [usize; 2], reach: f64, push: impl FnMut([f64; 2], [f64; 2])) {
+        let ((a0, a1), (b0, b1)) = (self.strands.ends(i), self.strands.ends(j));
         let chord = |k: usize| {
-            let (start, end) = strands.ends(k);
+            let (start, end) = self.strands.ends(k);
             end - start
         };
-        let corners = [strands.prev(j).filter(thick).map(chord), strands.next(j).filter(thick).map(chord)];
-        // Needed only where there is an interval, and the same from both sides.
-        let gap = || {
-            let distance = nearest.get().unwrap_or_else(|| segment_distance(&a0, &a1, &b0, &b1));
-            nearest.set(Some(distance));
-            distance - radii
-        };
-        straight_intervals(&(a1 - a0), &(b1 - b0), &(a0 - b0), reach, &corners, |u, v| push(u, v, gap()));
-        return;
+        let corners = self.neighbours(j).map(|k| k.map(chord));
+        let pair = StraightPair { d: a1 - a0, e: b1 - b0, r: a0 - b0 };
+        pair.intervals(reach, &corners, push);
     }
-    // Near the origin: far from it the ends would be lost in rounding. The same origin for every master, so that two
-    // that meet at a joint find the same bits there.
-    let origin = strands.ends(i).0;
-    let near = |k: usize| strands.cubic(k).relative_to(&origin);
-    let (slave, master) = (near(i), near(j));
-    let corner = |before: Option<usize>, after: Option<usize>| match (before, after) {
-        (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
-        _ => true,
-    };
-    let pair = SegmentPair {
-        slave: &slave,
-        master: &master,
-        open_start: corner(strands.prev(j).filter(thick), Some(j)),
-        open_end: corner(Some(j), strands.next(j).filter(thick)),
-        reach: [reach; 2],
-        joints: SmoothJoint::both(strands.prev(j).map(near), &master, strands.next(j).map(near), &origin),
-        kinks: [None; 2],
-    };
-    let mut pieces = Vec::new();
-    pair.pieces(&mut pieces);
-    // Farthest points lie in zones of nearer ones.
-    for piece in pieces.iter().filter(|piece| !piece.branch.is_counted_off()) {
-        let BranchPiece { u, v, .. } = piece.ascending();
-        push(u, v, piece.nearest.distance - radii);
+
+    /// Calls `push(u, v, smallest distance)` for the intervals of segment i within `reach` of segment j.
+    fn cubic(&self, [i, j]: [usize; 2], reach: f64, mut push: impl FnMut([f64; 2], [f64; 2], f64)) {
+        let strands = self.strands;
+        // Near the origin, because far from it rounding would hide the ends. All masters use the same origin, so that
+        // two that meet at a joint compute the same bits there.
+        let origin = strands.ends(i).0;
+        let near = |k: usize| strands.cubic(k).relative_to(&origin);
+        let (slave, master) = (near(i), near(j));
+        let corner = |before: Option<usize>, after: Option<usize>| match (before, after) {
+            (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
+            _ => true,
+        };
+        let [before, after] = self.neighbours(j);
+        let pair = SegmentPair {
+            slave: &slave,
+            master: &master,
+            open_start: corner(before, Some(j)),
+            open_end: corner(Some(j), after),
+            reach: [reach; 2],
+            joints: SmoothJoint::both(strands.prev(j).map(near), &master, strands.next(j).map(near), &origin),
+            kinks: [None; 2],
+        };
+        let mut pieces = Vec::new();
+        pair.pieces(&mut pieces);
+        // Farthest points lie in the zones of nearest ones.
+        for piece in pieces.iter().filter(|piece| !piece.branch.is_subtracted()) {
+            let BranchPiece { u, v, .. } = piece.ascending();
+            push(u, v, piece.nearest.distance);
+        }
     }
 }
 
-/// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest
-/// points, in at most three intervals, ascending. `corners`: the directions of the segments before and after e, if they
-/// reach as far; where a point is nearest to such a joint, it counts only if it is nearest to it as seen from the
-/// neighbour too (otherwise the neighbour has a nearer point and its own interval).
-fn straight_intervals(
-    d: &Vec3,
-    e: &Vec3,
-    r: &Vec3,
-    reach: f64,
-    corners: &[Option<Vec3>; 2],
-    mut push: impl FnMut([f64; 2], [f64; 2]),
-) {
-    // In units of the reach, against over- and underflow of squares.
-    let unit = 1.0 / reach;
-    let (d, e, r) =
-        if unit.is_finite() && unit > 0.0 { (d * unit, e * unit, r * unit) } else { (d / reach, e / reach, r / reach) };
-    let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
-    let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
-    // Before the start of e, beside it, beyond its end: the line seen from the nearest point, and what the foot allows
-    // of u.
-    let beside = [r - e * (er / ee), d - e * (de / ee)];
-    let before = (cut(UNIT, -er, -de), [r, d]);
-    let after = (cut(UNIT, er - ee, de), [r - e, d]);
-    let middle = (cut(cut(UNIT, er, de), ee - er, -de), beside);
-    let wedge = |range: [f64; 2], corner: &Option<Vec3>, p: &Vec3, sign: f64| match corner {
-        Some(t) => cut(range, sign * p.dot(t), sign * d.dot(t)),
-        None => range,
-    };
-    let before = (wedge(before.0, &corners[0], &r, 1.0), before.1);
-    let after = (wedge(after.0, &corners[1], &(r - e), -1.0), after.1);
-    let ordered = if de < 0.0 { [after, middle, before] } else { [before, middle, after] };
-    let mut open: Option<[f64; 2]> = None;
-    for (range, [x, y]) in ordered {
-        let Some(inside) = chord(&x, &y, 1.0) else { continue };
-        let part = [inside[0].max(range[0]), inside[1].min(range[1])];
-        let empty = part[0].is_nan() || part[0] > part[1];
-        if empty {
-            continue;
-        }
-        open = match open {
-            Some(u) if part[0] <= u[1] => Some([u[0], u[1].max(part[1])]),
-            Some(u) => {
-                push(u, u.map(foot));
-                Some(part)
-            }
-            None => Some(part),
+/// Segments r + \[0, 1\] d and \[0, 1\] e \[L\].
+struct StraightPair {
+    d: Vec3,
+    e: Vec3,
+    r: Vec3,
+}
+
+impl StraightPair {
+    /// {u in \[0, 1\] : r + u d within `reach` of the segment from 0 to e} and the parameters on e of its ends' nearest
+    /// points, in at most three intervals, ascending. `corners`: the directions of the segments before and after e, if
+    /// their radii are as large. A point nearest to such a joint counts only if the joint is the nearest point of the
+    /// neighbour, too (otherwise the neighbour has a nearer point and its own interval).
+    fn intervals(&self, reach: f64, corners: &[Option<Vec3>; 2], mut push: impl FnMut([f64; 2], [f64; 2])) {
+        let Self { d, e, r } = self;
+        // In units of the reach, to avoid overflow and underflow of squares.
+        let unit = 1.0 / reach;
+        let (d, e, r) = if unit.is_finite() && unit > 0.0 {
+            (d * unit, e * unit, r * unit)
+        } else {
+            (d / reach, e / reach, r / reach)
         };
-    }
-    if let Some(u) = open {
-        push(u, u.map(foot));
+        let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
+        let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
+        // Before the start of e, beside it, beyond its end: the line relative to the nearest point, and the range of u with
+        // its foot there.
+        let beside = [r - e * (er / ee), d - e * (de / ee)];
+        let before = (cut(UNIT, -er, -de), [r, d]);
+        let after = (cut(UNIT, er - ee, de), [r - e, d]);
+        let middle = (cut(cut(UNIT, er, de), ee - er, -de), beside);
+        let wedge = |range: [f64; 2], corner: &Option<Vec3>, p: &Vec3, sign: f64| match corner {
+            Some(t) => cut(range, sign * p.dot(t), sign * d.dot(t)),
+            None => range,
+        };
+        let before = (wedge(before.0, &corners[0], &r, 1.0), before.1);
+        let after = (wedge(after.0, &corners[1], &(r - e), -1.0), after.1);
+        let ordered = if de < 0.0 { [after, middle, before] } else { [before, middle, after] };
+        let mut open: Option<[f64; 2]> = None;
+        for (range, [x, y]) in ordered {
+            let Some(inside) = chord(&x, &y, 1.0) else { continue };
+            let part = [inside[0].max(range[0]), inside[1].min(range[1])];
+            let empty = part[0].is_nan() || part[0] > part[1];
+            if empty {
+                continue;
+            }
+            open = match open {
+                Some(u) if part[0] <= u[1] => Some([u[0], u[1].max(part[1])]),
+                Some(u) => {
+                    push(u, u.map(foot));
+                    Some(part)
+                }
+                None => Some(part),
+            };
+        }
+        if let Some(u) = open {
+            push(u, u.map(foot));
+        }
     }
 }
 
 const UNIT: [f64; 2] = [0.0, 1.0];
 
-/// Buffers of [`join`], kept from call to call: at 72 bytes a part, fresh memory would cost a quarter of the time.
+/// Buffers of [`join`], kept between calls: at 72 bytes a part, new memory would cost a quarter of the time.
 #[derive(Debug, Default)]
 pub(crate) struct JoinBuffers {
     parts: Vec<Part>,
@@ -182,7 +214,7 @@ pub(crate) struct JoinBuffers {
 }
 
 impl JoinBuffers {
-    /// Bytes held.
+    /// Memory, bytes.
     pub(crate) fn memory(&self) -> usize {
         bytes(&self.parts) + bytes(&self.place) + bytes(&self.groups) + bytes(&self.zone_of)
     }
@@ -200,7 +232,7 @@ pub(crate) fn join(
     in_order(lists, num_segments, workspace);
     let JoinBuffers { parts, groups, zone_of, .. } = workspace;
     let mut groups = Groups::apart(parts.len(), groups);
-    // Parts that reach as far as the present start.
+    // Parts that end after the start of the present one.
     let mut active: Vec<usize> = Vec::new();
     for k in 0..parts.len() {
         let part = &parts[k];
@@ -258,7 +290,7 @@ fn in_order(lists: &[Vec<Part>], num_segments: usize, workspace: &mut JoinBuffer
             .then(p.partner_arc[0].total_cmp(&q.partner_arc[0]))
             .then(p.arc[1].total_cmp(&q.arc[1]))
     };
-    // By insertion: nothing is far from its place.
+    // Insertion sort: no part is far from its position.
     for k in 1..parts.len() {
         let mut m = k;
         while m > 0 && parts[m].curve == parts[m - 1].curve && along(&parts[m], &parts[m - 1]).is_lt() {
@@ -293,7 +325,7 @@ mod tests {
                 _ => {}
             }
             let mut interval: Option<([f64; 2], [f64; 2])> = None;
-            straight_intervals(&d, &e, &r, 0.6, &[None, None], |u, v| {
+            StraightPair { d, e, r }.intervals(0.6, &[None, None], |u, v| {
                 assert!(interval.is_none());
                 interval = Some((u, v));
             });

@@ -12,10 +12,10 @@ pub enum FootKind {
     Start,
     /// The open end of the master, or a kink there.
     End,
-    /// The foot's parameter tells the slave's: a branch through a fold of the projection, nearest points before it and
-    /// farthest after it (or the other way round), followed along the master.
+    /// A branch through a fold of the projection, traced along the master: nearest points before the fold and farthest
+    /// after it, or the reverse.
     Fold,
-    /// Feet that rounding cannot tell apart, all taken to be at one parameter.
+    /// Feet that rounding cannot separate, all held at one parameter.
     Held,
 }
 
@@ -28,7 +28,7 @@ pub struct Sample {
     pub v: f64,
     /// |a(u) − b(v)| \[L\].
     pub distance: f64,
-    /// The parameter that a branch is followed by: v for a fold, otherwise u.
+    /// The parameter of the branch: v for a fold, otherwise u.
     pub(super) t: f64,
     /// du/dt.
     pub(super) rate: f64,
@@ -63,19 +63,19 @@ pub struct BranchPiece {
     pub v: [f64; 2],
     /// The branch.
     pub branch: Branch,
-    /// Where the distance is smallest inside the piece.
+    /// The point of smallest distance inside the piece.
     pub nearest: Sample,
 }
 
-/// A way for the foot to go along with the slave's point.
+/// A branch of the projection: a foot as a function of the slave's point.
 #[derive(Debug, Clone, Copy)]
 pub struct Branch {
     /// Kind of the foot.
     pub kind: FootKind,
-    /// 1 for nearest points of the master; −1 for farthest ones between two nearest, which are counted off; of a fold
+    /// 1 for nearest points of the master; −1 for farthest ones between two nearest, which are subtracted; for a fold
     /// the sign of ∂f/∂u.
     pub sign: f64,
-    /// Where the only foot is sought: an interval of v, for a fold of u.
+    /// Interval that contains the only foot: of v, for a fold of u.
     pub(super) within: [f64; 2],
 }
 
@@ -86,9 +86,9 @@ impl Branch {
         Self { kind, sign, ..Self::ONLY }
     }
 
-    /// Only farthest points, which are counted off.
+    /// Whether the branch consists of farthest points, which are subtracted.
     #[must_use]
-    pub fn is_counted_off(&self) -> bool {
+    pub fn is_subtracted(&self) -> bool {
         self.sign < 0.0 && self.kind != FootKind::Fold
     }
 
@@ -99,7 +99,7 @@ impl Branch {
 }
 
 impl BranchPiece {
-    /// The parameter that the branch is followed by, at its ends, and the other one there.
+    /// The parameter of the branch at its ends, and the other parameter there.
     pub(in crate::contact) fn along(&self) -> [[f64; 2]; 2] {
         if self.branch.kind == FootKind::Fold { [self.v, self.u] } else { [self.u, self.v] }
     }
@@ -110,14 +110,14 @@ impl BranchPiece {
         Self { u: turn(self.u), v: turn(self.v), ..*self }
     }
 
-    /// The part between two fractions of the way.
+    /// The part between two fractions of the piece.
     fn part(&self, from: f64, to: f64) -> Self {
         let between = |ends: [f64; 2]| [from, to].map(|x| ends[0] + (ends[1] - ends[0]) * x);
         Self { u: between(self.u), v: between(self.v), ..*self }
     }
 
-    /// Calls `keep` with the parts on which a condition does not hold; it is asked at samples and where it changes
-    /// between them.
+    /// Calls `keep` with the parts on which a condition does not hold. The condition is evaluated at samples; bisection
+    /// locates its changes between them.
     pub(in crate::contact) fn parts_without(&self, holds: impl Fn(f64) -> bool, mut keep: impl FnMut(Self)) {
         let at = |k: usize| (k as f64 / NUM_SAMPLES as f64).clamp(1e-6, 1.0 - 1e-6);
         let mut before = holds(at(0));
@@ -142,7 +142,7 @@ impl BranchPiece {
 }
 
 impl Sample {
-    /// The parameter that the branch is not followed by.
+    /// The parameter other than that of the branch.
     pub(super) fn other(&self, branch: &Branch) -> f64 {
         if branch.kind == FootKind::Fold { self.u } else { self.v }
     }

@@ -1,5 +1,4 @@
-//! Contact zones of a pair of straight segments in closed form: what [`SegmentPair`](super::SegmentPair) computes for cubics, for
-//! lines.
+//! Contact zones of a pair of straight segments in closed form, as [`SegmentPair`](super::SegmentPair) for cubics.
 //!
 //! ```text
 //!  slave   a(u) = a₀ + u d        foot   v(u) = e·(r + u d)/e²        from foot to slave point   x + u y   (orthogonal to e)
@@ -7,7 +6,7 @@
 //! ```
 //!
 //! At a kink the wedge between the planes orthogonal to both segments belongs to the corner itself: on the outside it
-//! is the nearest point, on the inside a point between two feet that is counted off.
+//! is the nearest point, on the inside a point between two feet that is subtracted.
 //!
 //! The foot leaves the master where a linear function of u vanishes, the distance passes the reach at the roots of a
 //! quadratic.
@@ -29,7 +28,7 @@ pub(in crate::contact) struct Lines {
     from: [Vec3; 2],
     /// On which side of the master's start and end the foot is: sign of c + u k, positive towards the end.
     sides: [[f64; 2]; 2],
-    /// The curve goes straight on at this end: a foot that rests there belongs to the later segment.
+    /// Whether the curve continues straight at this end. A foot there belongs to the later segment.
     joined: [bool; 2],
     open: [bool; 2],
     /// The same sign functions by the tangent of the curve beyond the end, at the kinks that this pair counts.
@@ -38,8 +37,7 @@ pub(in crate::contact) struct Lines {
 }
 
 impl Lines {
-    /// Two straight segments and a reach \[L\] that is the same all along; `kinks`: at which ends a kink of the master
-    /// counts here.
+    /// Two straight segments and a uniform reach \[L\]; `kinks`: the ends of the master whose kink counts here.
     pub(in crate::contact) fn new(
         strands: &Strands,
         slave: usize,
@@ -71,7 +69,7 @@ impl Lines {
                 let (first, second) = if k == 0 { (&chord, &e) } else { (&e, &chord) };
                 same_direction(first, second, joint.amax())
             });
-            // Both segments that meet at a joint judge by the tangent of the first: the same bits.
+            // Both segments at a joint use the tangent of the first: the same bits.
             let tangent = if k == 0 && lines.joined[0] { chord.unwrap_or(e) } else { e };
             lines.sides[k] = lines.side(k, &tangent);
             if kinks[k] && !lines.joined[k] {
@@ -81,7 +79,7 @@ impl Lines {
         lines
     }
 
-    /// The sign function of one end. Rounding alone counts as resting on a joint.
+    /// The sign function of one end. Values within rounding count as a foot on the joint.
     fn side(&self, k: usize, tangent: &Vec3) -> [f64; 2] {
         let (start, slope) = (self.from[k].dot(tangent), self.d.dot(tangent));
         if !self.joined[k] {
@@ -95,7 +93,7 @@ impl Lines {
     pub(in crate::contact) fn pieces(&self, mut push: impl FnMut(BranchPiece)) {
         let [[s0, k0], [s1, k1]] = self.sides;
         let whole = [0.0, 1.0];
-        // Ours are feet after the start and before the end; those that rest on a joint after us, or on a kink, are not.
+        // Feet of this pair lie after the start and before the end, not on the joint at the end or on a kink.
         let resting = |k: usize, joined: bool| self.sides[k] == [0.0; 2] && !joined;
         let mut middle = cut(cut(whole, s0, k0), -s1, -k1);
         if resting(0, self.joined[0]) || resting(1, false) {
@@ -113,7 +111,7 @@ impl Lines {
         for (k, kind) in [FootKind::Start, FootKind::End].into_iter().enumerate() {
             let Some(beyond) = self.kinks[k] else { continue };
             let [before, after] = if k == 0 { [beyond, self.sides[0]] } else { [self.sides[1], beyond] };
-            // Past the corner by both tangents at both ends of the slave, or short of it: nearly all.
+            // Usual case: past the corner, or before it, by both tangents at both ends of the slave.
             let ends = |[start, slope]: [f64; 2]| [start, start + slope];
             let ([b0, b1], [a0, a1]) = (ends(before), ends(after));
             if (b0 >= 0.0 || b1 >= 0.0) && (a0 <= 0.0 || a1 <= 0.0) {
@@ -137,7 +135,7 @@ impl Lines {
         let Some(inside) = chord(&x, &y, self.reach) else { return };
         let u = [inside[0].max(range[0]), inside[1].min(range[1])];
         if u[1] > u[0] {
-            // Parallel lines are as near everywhere.
+            // Parallel lines have a constant distance.
             let nearest = if inside[0].is_finite() { 0.5 * (inside[0] + inside[1]) } else { u[0] };
             let nearest = nearest.clamp(u[0], u[1]);
             let branch = Branch::of(kind, sign);
@@ -171,7 +169,7 @@ impl Lines {
         Sample { u, v: self.foot(u, kind), distance, t: u, rate: 1.0, slope, curvature }
     }
 
-    /// The projection of the slave's point at parameter `u`, and the sign it counts with.
+    /// The projection of the slave's point at parameter `u`, and its sign in the potential.
     pub(in crate::contact) fn project(&self, u: f64, branch: &Branch) -> (Projection, f64) {
         let [x, y] = self.connection(branch.kind);
         let w = x + y * u;
@@ -186,7 +184,7 @@ impl Lines {
 /// The empty range.
 const NOTHING: [f64; 2] = [1.0, 0.0];
 
-/// The part of a range with c + u k ≥ 0; empty (upside down) if there is none.
+/// The part of a range with c + u k ≥ 0; empty (its end before its start) if there is none.
 pub(in crate::contact) fn cut(range: [f64; 2], c: f64, k: f64) -> [f64; 2] {
     let root = -c / k;
     if k > 0.0 {

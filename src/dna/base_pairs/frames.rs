@@ -6,17 +6,17 @@ use super::BasePairs;
 use crate::dna::pose::{parameters, pose};
 use crate::math::{Mat3, Quat, Vec3};
 use crate::text::finite;
-use crate::text::npy::Array;
+use crate::text::npy::NpyArray;
 
 pub(super) use crate::text::npy::MAGIC;
 
 /// Å per nm.
 const ANGSTROMS: f64 = 10.0;
-/// The axes of a frame may be off unit length and right angles by this: files give three decimals.
+/// Largest deviation of the axes of a frame from unit length and right angles, because files have three decimals.
 const TOL_FRAME: f64 = 5e-3;
 /// Names of step parameters in 3DNA's order.
 const STEP: [&str; 6] = ["Shift", "Slide", "Rise", "Tilt", "Roll", "Twist"];
-/// Those of the parameters of a pair, which are 0 here.
+/// Names of the intra-base-pair parameters, which are 0 here.
 const PAIR: [&str; 6] = ["Shear", "Stretch", "Stagger", "Buckle", "Prop-Tw", "Opening"];
 
 impl BasePairs {
@@ -42,9 +42,9 @@ impl BasePairs {
     /// Base pairs of an array as [`BasePairs::npy`] writes it.
     ///
     /// # Errors
-    /// Another shape, and frames that are none, by their number.
+    /// Another shape; frames that are not orthonormal, by their index.
     pub fn from_npy(bytes: &[u8], closed: bool) -> Result<Self, String> {
-        let Array { shape, values } = Array::parse(bytes)?;
+        let NpyArray { shape, values } = NpyArray::parse(bytes)?;
         let [count, 4, 3] = shape[..] else { return Err(format!("has shape {shape:?}, not (pairs, 4, 3)")) };
         let vector = |k: usize| Vec3::new(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
         let mut pairs = Self { closed, ..Self::default() };
@@ -78,7 +78,7 @@ impl BasePairs {
     /// Base pairs of a text as [`BasePairs::ref_frames`] writes it.
     ///
     /// # Errors
-    /// The line of what is none.
+    /// The first illegal line.
     pub fn from_ref_frames(text: &str, closed: bool) -> Result<Self, String> {
         let mut rows: Vec<(usize, Vec3)> = Vec::new();
         let lines = (1..).zip(text.lines()).skip(1);
@@ -105,8 +105,8 @@ impl BasePairs {
         Ok(pairs)
     }
 
-    /// Step parameters as 3DNA has them in `bp_step.par`: degrees and Å. Where the first pair lies is lost, and in what is
-    /// closed the step from the last to the first, which follows from the others.
+    /// Step parameters as 3DNA has them in `bp_step.par`: degrees and Å. The pose of the first pair is lost; so is the
+    /// step from the last to the first of a closed molecule, which follows from the others.
     #[must_use]
     pub fn par(&self) -> String {
         let mut text = format!(
@@ -131,11 +131,10 @@ impl BasePairs {
         parameters(&turn, &(self.frames[k].inverse() * shift))
     }
 
-    /// Base pairs of step parameters, the first at the origin with the global axes. Columns go by the names of the head
-    /// line.
+    /// Base pairs of step parameters, the first at the origin with the global axes. The header names the columns.
     ///
     /// # Errors
-    /// The line of what is none.
+    /// The first illegal line.
     pub fn from_par(text: &str, closed: bool) -> Result<Self, String> {
         let mut lines = (1..).zip(text.lines()).skip(2);
         let (head, names) =

@@ -8,7 +8,7 @@ use crate::error::InputError;
 use crate::math::{Mat3, Quat, Vec3};
 
 impl BasePairs {
-    /// oxDNA's configuration: the strand that is read, then the other one, each from its 3′ end to its 5′ end.
+    /// oxDNA's configuration: the strand of the sequence, then its complement, each from its 3′ end to its 5′ end.
     ///
     /// A nucleotide's a1 points to the axis, its a3 to the 5′ end; velocities are 0.
     #[must_use]
@@ -36,7 +36,7 @@ impl BasePairs {
     /// oxDNA's topology in its classic form (3′ to 5′), for [`BasePairs::oxdna_configuration`].
     ///
     /// # Errors
-    /// A sequence of another length.
+    /// A sequence whose length is not the number of base pairs.
     pub fn oxdna_topology(&self, sequence: &Sequence) -> Result<String, InputError> {
         let count = self.positions.len();
         if sequence.num_bases() != count {
@@ -64,10 +64,10 @@ impl BasePairs {
 
     /// Base pairs of a configuration of two strands, as [`BasePairs::oxdna_configuration`] writes them.
     ///
-    /// Listed from 3′ to 5′ (classic) or from 5′ to 3′: a3 tells which.
+    /// Both orders are read, from 3′ to 5′ (classic) and from 5′ to 3′; a3 shows the order.
     ///
     /// # Errors
-    /// The line of what is no such configuration.
+    /// The first illegal line.
     pub fn from_oxdna(text: &str, closed: bool) -> Result<Self, String> {
         let refuse = |line: usize, reason: &str| format!("line {line}: {reason}");
         let mut rows = Vec::new();

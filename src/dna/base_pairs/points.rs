@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::BasePairs;
 
-/// PDB counts atoms to here, residues to 9999, then from the start again.
+/// Atom numbers of PDB restart here, residue numbers after 9999.
 const MOST_ATOMS: usize = 100_000;
 const MOST_RESIDUES: usize = 10_000;
 /// Largest coordinate that fits the columns of PDB, Å.
@@ -37,7 +37,7 @@ impl BasePairs {
         text
     }
 
-    /// PDB: an atom P a base pair on the axis, Å; of what is closed the last atom is bound to the first.
+    /// PDB: one atom P per base pair on the axis, Å; in a closed molecule the last atom is bonded to the first.
     ///
     /// # Errors
     /// A molecule that reaches 999 nm from the origin, where the format's columns end, with the base pair.

@@ -14,7 +14,7 @@ fn ring(link: f64, count: usize) -> BasePairs {
     BasePairs::along(&nodes, count).unwrap()
 }
 
-/// 336 base pairs have 32 turns at rest; the strands of the written molecule are linked so often, and their excess.
+/// 336 base pairs have 32 turns when relaxed; the linking number of the written strands is that plus the excess link.
 #[test]
 fn strands_are_linked_as_imposed() {
     for (link, turns) in [(0.0, 32), (-3.0, 29), (2.0, 34), (-0.4, 32)] {

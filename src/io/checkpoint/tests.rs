@@ -96,7 +96,7 @@ fn other_versions_are_named() {
     }
 }
 
-/// A body with a right checksum that is none: refused, however long it says its lists are.
+/// An illegal body with a correct checksum is refused, whatever the lengths of its lists.
 #[test]
 fn nonsense_is_not_understood() {
     for body in [vec![], vec![0xff; 400], vec![0; 3], b"no checkpoint, but as long as need be".to_vec()] {
@@ -112,8 +112,7 @@ fn nonsense_is_not_understood() {
     }
 }
 
-/// A checkpoint of another model (which only a caller who goes round the fingerprint can bring about) is refused by the
-/// solver.
+/// The solver refuses a checkpoint of another model, which only a caller that bypasses the fingerprint can pass.
 #[test]
 fn another_models_state_is_refused() {
     let scene = Scene::from_toml(&SCENE.replace("elements = 2", "elements = 3"), Path::new("")).unwrap();

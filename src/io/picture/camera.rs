@@ -4,12 +4,12 @@ use super::{TubePicture, View};
 use crate::error::InputError;
 use crate::math::{Mat3, Vec3};
 
-/// Part of the picture left empty on each side of a fitted view.
+/// Margin on each side of a fitted view, over the size of the picture.
 const MARGIN: f64 = 0.04;
 
 /// Maps the world to sample coordinates: x to the right, y downwards, z towards the eye, all in samples.
 pub(super) struct Camera {
-    /// Rows: what appears to the right, downwards, towards the eye.
+    /// Rows: directions to the right, downwards, towards the eye.
     axes: Mat3,
     center: Vec3,
     /// Samples per length.

@@ -1,4 +1,4 @@
-//! Legends in pictures: a bar of colours, a scale.
+//! Legends in pictures: colour bar and scale bar.
 
 use super::palette::Palette;
 use super::text::width as text_width;
@@ -48,7 +48,7 @@ impl Picture {
     }
 }
 
-/// A number in few letters.
+/// A number as short text.
 fn short(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 {

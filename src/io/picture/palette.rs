@@ -10,7 +10,7 @@ pub enum Palette {
     Viridis,
     /// Dark blue, magenta, yellow: for amounts.
     Plasma,
-    /// Blue, grey, red: for what has a sign.
+    /// Blue, grey, red: for signed quantities.
     CoolWarm,
 }
 

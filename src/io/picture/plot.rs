@@ -17,7 +17,7 @@ pub enum SeriesStyle {
     Dashed,
     /// Dots.
     Points,
-    /// Large dots, for what is to be pointed out.
+    /// Large dots, for emphasis.
     Marks,
     /// A line with dots at its points.
     LinePoints,
@@ -79,12 +79,12 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(60, 60, 60),
 ];
 
-/// Units of the drawing per pixel: the backend rounds to whole units, which would show in smooth curves.
+/// Units of the drawing per pixel, because the backend rounds to whole units, which would be visible in smooth curves.
 const FINE: u32 = 8;
 
 /// Most pixels a side.
 const MAX_SIZE: u32 = 20_000;
-/// Axes to larger values have no end: their ticks overflow.
+/// Largest end of an axis, because ticks of larger ones overflow.
 const FARTHEST: f64 = 1e300;
 
 /// Draws a plot as SVG, replacing what is there; text is DejaVu Sans where the viewer has it, else the viewer's own sans-serif.
@@ -155,7 +155,7 @@ fn tick(value: f64, is_log: bool, largest: f64) -> String {
     if is_log && ![1.0, 2.0, 5.0, 10.0].iter().any(|m| (mantissa - m).abs() < 1e-6) {
         return String::new();
     }
-    // ticks are sums of steps: what should be 0 is a rounding error
+    // ticks are sums of steps: a zero tick has a rounding error
     let value = if !is_log && value.abs() < 1e-9 * largest { 0.0 } else { value };
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -214,7 +214,7 @@ where
         .map_err(words)
 }
 
-/// What drawing into an SVG may fail with.
+/// Error of drawing into an SVG.
 type DrawError = DrawingAreaErrorKind<std::io::Error>;
 
 /// Draws the curves and prepares their legend entries.

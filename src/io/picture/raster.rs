@@ -4,14 +4,14 @@ use crate::math::{Vec3, parallel};
 
 /// A straight capsule in sample coordinates.
 #[derive(Clone, Copy)]
-pub(super) struct Shape {
+pub(super) struct ScreenCapsule {
     /// Ends of the axis.
     pub ends: [Vec3; 2],
     /// Radius in samples.
     pub radius: f64,
 }
 
-/// What each sample sees.
+/// The visible surface at each sample.
 pub(super) struct Samples {
     /// Samples per row.
     pub width: usize,
@@ -29,8 +29,8 @@ pub(super) const NOTHING: u32 = u32::MAX;
 /// Rows of samples per parallel task.
 const BAND: usize = 48;
 
-/// Draws all capsules; of equal depths the first wins, so the result does not depend on the number of threads.
-pub(super) fn draw(shapes: &[Shape], width: usize, height: usize) -> Samples {
+/// Draws all capsules. Of equal depths the first wins, so the result does not depend on the number of threads.
+pub(super) fn draw(shapes: &[ScreenCapsule], width: usize, height: usize) -> Samples {
     let mut samples = Samples {
         width,
         height,
@@ -68,7 +68,7 @@ pub(super) fn draw(shapes: &[Shape], width: usize, height: usize) -> Samples {
 }
 
 /// Columns (axis 0) or rows (axis 1) a capsule may cover.
-fn covered(shape: &Shape, axis: usize, size: usize) -> std::ops::Range<usize> {
+fn covered(shape: &ScreenCapsule, axis: usize, size: usize) -> std::ops::Range<usize> {
     let [a, b] = [shape.ends[0][axis], shape.ends[1][axis]];
     let low = (a.min(b) - shape.radius).floor().clamp(0.0, size as f64);
     let high = (a.max(b) + shape.radius + 1.0).ceil().clamp(0.0, size as f64);
@@ -88,7 +88,7 @@ struct Ray {
 }
 
 impl Ray {
-    fn new(shape: &Shape) -> Self {
+    fn new(shape: &ScreenCapsule) -> Self {
         let [start, end] = shape.ends;
         let length = (end - start).norm();
         let axis = if length > 0.0 { (end - start) / length } else { Vec3::z() };
@@ -127,21 +127,21 @@ mod tests {
 
     #[test]
     fn rays_meet_cylinder_caps_and_spheres() {
-        let ray = Ray::new(&Shape { ends: [Vec3::zeros(), Vec3::new(10.0, 0.0, 0.0)], radius: 2.0 });
+        let ray = Ray::new(&ScreenCapsule { ends: [Vec3::zeros(), Vec3::new(10.0, 0.0, 0.0)], radius: 2.0 });
         assert_eq!(ray.hit(5.0, 0.0), Some(2.0));
         assert_eq!(ray.hit(-2.0, 0.0), Some(0.0));
         assert_eq!(ray.hit(12.1, 0.0), None);
         assert_eq!(ray.hit(5.0, 2.1), None);
-        let towards = Ray::new(&Shape { ends: [Vec3::zeros(), Vec3::new(0.0, 0.0, 10.0)], radius: 2.0 });
+        let towards = Ray::new(&ScreenCapsule { ends: [Vec3::zeros(), Vec3::new(0.0, 0.0, 10.0)], radius: 2.0 });
         assert_eq!(towards.hit(0.0, 0.0), Some(12.0));
         assert_eq!(towards.hit(0.0, 2.0), Some(10.0));
-        let slanted = Ray::new(&Shape { ends: [Vec3::zeros(), Vec3::new(10.0, 0.0, 10.0)], radius: 1.0 });
+        let slanted = Ray::new(&ScreenCapsule { ends: [Vec3::zeros(), Vec3::new(10.0, 0.0, 10.0)], radius: 1.0 });
         assert!((slanted.hit(5.0, 0.0).unwrap() - (5.0 + 2.0_f64.sqrt())).abs() < 1e-12);
     }
 
     #[test]
     fn the_nearer_capsule_is_seen() {
-        let at = |z: f64| Shape { ends: [Vec3::new(3.0, 8.0, z), Vec3::new(13.0, 8.0, z)], radius: 2.0 };
+        let at = |z: f64| ScreenCapsule { ends: [Vec3::new(3.0, 8.0, z), Vec3::new(13.0, 8.0, z)], radius: 2.0 };
         let samples = draw(&[at(0.0), at(5.0), at(-3.0)], 16, 16);
         assert_eq!(samples.capsule[8 * 16 + 8], 1);
         assert_eq!(samples.capsule[0], NOTHING);

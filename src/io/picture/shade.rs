@@ -1,9 +1,9 @@
-//! Light: from what each sample sees to pixels.
+//! Lighting: from visible surfaces to pixels.
 
 use super::camera::Camera;
 use super::palette::{encoded, linear};
-use super::raster::{self, NOTHING, Samples, Shape};
-use super::tube::Capsule;
+use super::raster::{self, NOTHING, Samples, ScreenCapsule};
+use super::tube::TubeSegment;
 use super::{Picture, TubePicture};
 use crate::math::{Mat3, Vec3, parallel};
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ pub(super) struct Light {
 }
 
 impl Light {
-    pub fn new(shapes: &[Shape]) -> Self {
+    pub fn new(shapes: &[ScreenCapsule]) -> Self {
         let toward = KEY.normalize();
         let right = Vec3::y().cross(&toward).normalize();
         let axes = Mat3::from_rows(&[right.transpose(), right.cross(&toward).transpose(), toward.transpose()]);
@@ -40,14 +40,14 @@ impl Light {
         let size = (high - low).xy().amax().max(1.0);
         let scale = if shapes.is_empty() { 1.0 } else { (SHADOW_SIDE / size).min(1.0) };
         let place = |p: Vec3| (axes * p - low) * scale;
-        let shapes: Vec<Shape> =
-            shapes.iter().map(|s| Shape { ends: s.ends.map(place), radius: s.radius * scale }).collect();
+        let shapes: Vec<ScreenCapsule> =
+            shapes.iter().map(|s| ScreenCapsule { ends: s.ends.map(place), radius: s.radius * scale }).collect();
         let side = |k: usize| if shapes.is_empty() { 1 } else { ((high - low)[k] * scale).ceil() as usize + 1 };
         let map = raster::draw(&shapes, side(0), side(1));
         Self { axes, low, scale, map }
     }
 
-    /// Share (0 to 1) of the key light that reaches a point; `spread` is the radius of the penumbra in samples.
+    /// Fraction (0 to 1) of the key light that reaches a point; `spread` is the radius of the penumbra in samples.
     fn reaches(&self, point: Vec3, spread: f64, rays: Rays) -> f64 {
         let seen = (self.axes * point - self.low) * self.scale;
         let lit = rays.iter().filter(|[dx, dy]| {
@@ -91,7 +91,7 @@ impl Rays<'_> {
     }
 }
 
-/// Angle that looks random but depends on the sample only, as cosine and sine.
+/// Pseudo-random angle of a sample, as cosine and sine.
 fn dither(x: usize, y: usize) -> (f64, f64) {
     let mut h = (x as u32).wrapping_mul(0x9E37_79B9) ^ (y as u32).wrapping_mul(0x85EB_CA6B);
     h = (h ^ (h >> 15)).wrapping_mul(0x2C1B_3C6D);
@@ -100,9 +100,9 @@ fn dither(x: usize, y: usize) -> (f64, f64) {
     (cos, sin)
 }
 
-/// Everything needed to colour a sample.
-struct Scene<'a> {
-    capsules: &'a [Capsule],
+/// Data for the colour of a sample.
+struct LitScene<'a> {
+    capsules: &'a [TubeSegment],
     samples: &'a Samples,
     light: &'a Light,
     spiral: Vec<[f64; 2]>,
@@ -116,7 +116,7 @@ struct Scene<'a> {
     range: f64,
 }
 
-/// How much light reaches a point: found once for all samples of a pixel that see the same surface.
+/// Light that reaches a point, computed once for all samples of a pixel on the same surface.
 #[derive(Clone, Copy)]
 struct Visibility {
     point: Vec3,
@@ -128,7 +128,7 @@ struct Visibility {
 pub(super) fn develop(
     picture: &TubePicture,
     camera: &Camera,
-    capsules: &[Capsule],
+    capsules: &[TubeSegment],
     samples: &Samples,
     light: &Light,
 ) -> Picture {
@@ -141,7 +141,7 @@ pub(super) fn develop(
     let (fill, half) = (FILL.normalize(), (key + Vec3::z()).normalize());
     let n = picture.supersampling;
     let scene =
-        Scene { capsules, samples, light, spiral: spiral(RAYS), key, fill, half, spots, background, front, range };
+        LitScene { capsules, samples, light, spiral: spiral(RAYS), key, fill, half, spots, background, front, range };
     let mut rgb = vec![0; 3 * picture.width * picture.height];
     let mut lines: Vec<&mut [u8]> = rgb.chunks_mut(3 * picture.width).collect();
     parallel::each(&mut lines, 1, &|row, line| {
@@ -156,8 +156,8 @@ pub(super) fn develop(
     Picture { width: picture.width, height: picture.height, rgb }
 }
 
-impl Scene<'_> {
-    /// Colour of a sample, linear light; `last` is what the pixel's other samples found out.
+impl LitScene<'_> {
+    /// Colour of a sample, linear light; `last` is the visibility of the pixel's previous sample.
     fn color(&self, x: usize, y: usize, last: &mut Option<Visibility>) -> Vec3 {
         let at = y * self.samples.width + x;
         let index = self.samples.capsule[at];
@@ -207,7 +207,7 @@ impl Scene<'_> {
 }
 
 /// Unit normal (smooth over joints) and colour of a capsule at a point of its surface.
-fn surface(capsule: &Capsule, point: Vec3) -> (Vec3, Vec3) {
+fn surface(capsule: &TubeSegment, point: Vec3) -> (Vec3, Vec3) {
     let [a, b] = capsule.shape.ends;
     let axis = b - a;
     let raw = axis.dot(&(point - a)) / axis.norm_squared().max(f64::MIN_POSITIVE);

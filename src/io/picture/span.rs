@@ -1,9 +1,10 @@
 //! The smooth curve through the points of a tube, with its material direction.
 
 use crate::math::Vec3;
+use crate::math::direction::transport;
 use std::f64::consts::TAU;
 
-/// What is known at a node of a tube.
+/// Data at a node of a tube.
 #[derive(Clone, Copy)]
 pub(in crate::io) struct Node {
     pub point: Vec3,
@@ -27,7 +28,7 @@ pub(in crate::io) struct Span {
 }
 
 impl Span {
-    /// The span from `a` to `b`, where the frame at `b` is met turned by `seam` turns.
+    /// The span from `a` to `b`; the frame at `b` is rotated by `seam` turns.
     pub fn new(a: Node, b: Node, seam: f64) -> Self {
         let chord = b.point - a.point;
         let twist = twist_between(&a, &b) + TAU * (seam - seam.round());
@@ -40,7 +41,7 @@ impl Span {
     pub fn at(&self, u: f64) -> Node {
         let (a, b) = (&self.a, &self.b);
         let (point, tangent) = hermite(a, b, self.length, u);
-        let base = rotate_to(a.stripe, a.tangent, tangent);
+        let base = transport(a.stripe, a.tangent, tangent);
         let (sin, cos) = (u * self.twist).sin_cos();
         let stripe = base * cos + tangent.cross(&base) * sin;
         Node { point, tangent, color: a.color.lerp(&b.color, u), stripe }
@@ -81,14 +82,8 @@ fn hermite(a: &Node, b: &Node, length: f64, u: f64) -> (Vec3, Vec3) {
     (point, slope.try_normalize(0.0).unwrap_or(a.tangent))
 }
 
-/// Angle (rad) of the stripe of `b` against that of `a` carried along without turning.
+/// Angle (rad) of the stripe of `b` relative to that of `a` after parallel transport.
 fn twist_between(a: &Node, b: &Node) -> f64 {
-    let carried = rotate_to(a.stripe, a.tangent, b.tangent);
+    let carried = transport(a.stripe, a.tangent, b.tangent);
     b.tangent.dot(&carried.cross(&b.stripe)).atan2(carried.dot(&b.stripe))
-}
-
-/// Smallest rotation from unit vector `from` to `to`, applied to `v`, which is normal to `from`.
-fn rotate_to(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let c = 1.0 + from.dot(&to);
-    if c < 1e-9 { v } else { v - (from + to) * (to.dot(&v) / c) }
 }

@@ -1,16 +1,16 @@
-//! Text in pictures and plots, in a font that is bundled: DejaVu Sans, cut down to what captions need.
+//! Text in pictures and plots, in a bundled font: a subset of DejaVu Sans.
 
 use super::Picture;
 use plotters::prelude::*;
 use std::sync::LazyLock;
 
-/// Family of all text. An SVG leaves the letters to its viewer, who may not have the first.
+/// Font family of all text. The viewer of an SVG may lack the first.
 const FAMILY: &str = "DejaVu Sans, sans-serif";
 
 /// Height of a capital over a font's size as plotters takes it: 1493 units of the ascent's 1901 and the descent's 483.
 const CAPITAL: f64 = 1493.0 / 2384.0;
 
-/// Whether the bundled font can be used. Browsers draw with their own, which plotters cannot do into a picture.
+/// Whether the bundled font can be used; not on WebAssembly, where plotters cannot draw text into a picture.
 #[cfg(not(target_arch = "wasm32"))]
 static READY: LazyLock<bool> = LazyLock::new(|| {
     const DEJAVU: &[u8] = include_bytes!("../../../assets/DejaVuSans-subset.ttf");
@@ -45,7 +45,7 @@ pub(super) fn write(picture: &mut Picture, text: &str, [left, top]: [usize; 2], 
     // plotters puts the baseline half the font's size below the point it is given
     let corner = (left as i32, top as i32 + height as i32 - size as i32 / 2);
     let area = BitMapBackend::with_buffer(&mut picture.rgb, (picture.width as u32, picture.height as u32));
-    // a picture in memory refuses no pixel
+    // a picture in memory never fails
     let _ = area.into_drawing_area().draw_text(text, &font.color(&RGBColor(r, g, b)), corner);
 }
 

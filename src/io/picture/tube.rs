@@ -2,30 +2,30 @@
 
 use super::camera::Camera;
 use super::palette::linear;
-use super::raster::Shape;
+use super::raster::ScreenCapsule;
 use super::span::{Node, Span, tangents};
 use super::{Stripe, Tube};
 use crate::io::detail::within;
 use crate::math::Vec3;
 
-/// Largest turning of the tangent (rad) over one capsule; smaller is not seen with interpolated normals.
+/// Largest turning of the tangent (rad) over one capsule, because less is invisible with interpolated normals.
 const TURNING: f64 = 0.1;
 /// Largest turn of the stripe (rad) over one capsule.
 const TWISTING: f64 = 0.3;
-/// Points closer than this many radii to the last one are left out where the tube hardly bends.
+/// Points closer than this many radii to the previous one are left out where the tube hardly bends.
 const SPARSE: f64 = 0.4;
 
-/// Tubes of a smaller radius, in samples, are lines: neither stripe nor roundness can be seen.
+/// Radius, in samples, below which a tube is drawn as a line, because neither stripe nor roundness is visible.
 const THIN: f64 = 1.0;
-/// Points of a line that lie this near, in samples, to what is drawn without them are left out.
+/// Points of a line within this distance, in samples, of the line without them are left out.
 const UNSEEN: f64 = 0.5;
-/// Least width of what is drawn, in pixels: a rod much longer than thick must not vanish.
+/// Smallest width drawn, in pixels, because a rod much longer than thick must not vanish.
 const LEAST_WIDTH: f64 = 1.0;
 
 /// A piece of tube in sample coordinates.
-pub(super) struct Capsule {
+pub(super) struct TubeSegment {
     /// Axis and radius.
-    pub shape: Shape,
+    pub shape: ScreenCapsule,
     /// Unit tangents at the ends.
     pub tangents: [Vec3; 2],
     /// Colours at the ends, linear light.
@@ -34,32 +34,32 @@ pub(super) struct Capsule {
     pub stripe: [Vec3; 2],
     /// Cosine of the stripe's half angle and its colour, linear light.
     pub stripe_look: (f64, Vec3),
-    /// Whether the end is that of an open tube and shows a round cap.
+    /// Whether the end is an open end with a round cap.
     pub caps: [bool; 2],
 }
 
 /// All tubes cut into capsules.
-pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<Capsule> {
+pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<TubeSegment> {
     let mut all = Vec::new();
     for tube in tubes {
-        let look = Look::of(tube, camera);
+        let look = TubeStyle::of(tube, camera);
         let nodes = nodes(&look, 1.0 / camera.scale);
         let spans = if tube.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
         for i in 0..spans {
             let last = i + 1 == nodes.len();
             let caps = [!tube.closed && i == 0, !tube.closed && i + 1 == spans];
             let seam = look.stripe.map_or(0.0, |s| if last { s.seam_turns } else { 0.0 });
-            span(&look, nodes[i], nodes[(i + 1) % nodes.len()], seam, caps, camera, &mut all);
+            look.cut(&Span::new(nodes[i], nodes[(i + 1) % nodes.len()], seam), caps, camera, &mut all);
         }
         if let ([only], false) = (nodes.as_slice(), tube.closed) {
-            span(&look, *only, *only, 0.0, [true; 2], camera, &mut all);
+            look.cut(&Span::new(*only, *only, 0.0), [true; 2], camera, &mut all);
         }
     }
     all
 }
 
-/// How a tube is drawn.
-struct Look<'a> {
+/// Style of a tube.
+struct TubeStyle<'a> {
     tube: &'a Tube,
     stripe: Option<&'a Stripe>,
     /// Radius as drawn, samples.
@@ -67,7 +67,7 @@ struct Look<'a> {
     thin: bool,
 }
 
-impl<'a> Look<'a> {
+impl<'a> TubeStyle<'a> {
     fn of(tube: &'a Tube, camera: &Camera) -> Self {
         let radius = tube.radius * camera.scale;
         let thin = radius < THIN;
@@ -75,15 +75,37 @@ impl<'a> Look<'a> {
         Self { tube, stripe, radius: radius.max(0.5 * LEAST_WIDTH * camera.per_pixel), thin }
     }
 
-    /// Pieces beyond which nothing more is seen, of a span that turns by `turning` (rad) over `length` samples: the
-    /// sagitta of a piece is then an eighth of a sample.
+    /// Largest useful number of pieces of a span that turns by `turning` (rad) over `length` samples: the sagitta of a
+    /// piece is then an eighth of a sample.
     fn pieces(&self, turning: f64, length: f64) -> f64 {
         let visible = (turning * length).sqrt();
         if self.thin { visible } else { visible.max(self.radius) }
     }
+
+    /// Cuts the smooth curve between two nodes into capsules.
+    fn cut(&self, span: &Span, caps: [bool; 2], camera: &Camera, all: &mut Vec<TubeSegment>) {
+        let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
+        let pieces = pieces.min(self.pieces(span.turning, span.length * camera.scale));
+        let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
+        let at = |k: usize| span.at(k as f64 / pieces as f64);
+        let (half_angle, color) = self.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
+        let mut from = at(0);
+        for k in 1..=pieces {
+            let to = at(k);
+            all.push(TubeSegment {
+                shape: ScreenCapsule { ends: [camera.place(from.point), camera.place(to.point)], radius: self.radius },
+                tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
+                colors: [from.color, to.color],
+                stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],
+                stripe_look: (half_angle.cos(), linear(color)),
+                caps: [caps[0] && k == 1, caps[1] && k == pieces],
+            });
+            from = to;
+        }
+    }
 }
 
-/// Indices of the points worth drawing: none repeated, none closer than can be seen.
+/// Indices of the points to be drawn: none repeated, none closer than visible.
 fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
     let points = &tube.points;
     let close = (SPARSE * tube.radius).max(sample);
@@ -108,8 +130,8 @@ fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
     kept
 }
 
-/// Nodes of a tube with what is known there; `sample` is the size of a sample \[L\].
-fn nodes(look: &Look, sample: f64) -> Vec<Node> {
+/// Nodes of a tube with their data; `sample` is the size of a sample \[L\].
+fn nodes(look: &TubeStyle, sample: f64) -> Vec<Node> {
     let (tube, grey) = (look.tube, [150, 155, 160]);
     let kept = if look.thin { within(&tube.points, UNSEEN * sample, usize::MAX) } else { worth_drawing(tube, sample) };
     let tangents = tangents(&kept.iter().map(|&i| tube.points[i]).collect::<Vec<_>>(), tube.closed);
@@ -125,27 +147,4 @@ fn nodes(look: &Look, sample: f64) -> Vec<Node> {
         stripe: stripe(i, tangent),
     };
     kept.iter().zip(&tangents).map(node).collect()
-}
-
-/// Cuts the smooth curve between two nodes into capsules.
-fn span(look: &Look, a: Node, b: Node, seam: f64, caps: [bool; 2], camera: &Camera, all: &mut Vec<Capsule>) {
-    let span = Span::new(a, b, seam);
-    let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
-    let pieces = pieces.min(look.pieces(span.turning, span.length * camera.scale));
-    let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
-    let at = |k: usize| span.at(k as f64 / pieces as f64);
-    let (half_angle, color) = look.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
-    let mut from = at(0);
-    for k in 1..=pieces {
-        let to = at(k);
-        all.push(Capsule {
-            shape: Shape { ends: [camera.place(from.point), camera.place(to.point)], radius: look.radius },
-            tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
-            colors: [from.color, to.color],
-            stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],
-            stripe_look: (half_angle.cos(), linear(color)),
-            caps: [caps[0] && k == 1, caps[1] && k == pieces],
-        });
-        from = to;
-    }
 }

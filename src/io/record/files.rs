@@ -17,7 +17,7 @@ pub(super) const FILM_STRIP: &str = "filmstrip.png";
 pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 
-/// All but those of single steps.
+/// All files except those of single steps.
 const ALL: [&str; 12] =
     [COLLECTION, TABLE, LEGEND, FINAL_STATE, SITES, LINES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
 const STEP: [&str; 2] = ["step_", ".vtp"];
@@ -28,14 +28,14 @@ pub(super) fn of_step(step: usize) -> String {
     format!("{before}{step:04}{after}")
 }
 
-/// The step of which a file is the VTK file.
+/// The step of a VTK file, by its name.
 pub(in crate::io) fn step_of(name: &str) -> Option<usize> {
     let number = name.strip_prefix(STEP[0])?.strip_suffix(STEP[1])?;
     let ours = number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit());
     if ours { number.parse().ok() } else { None }
 }
 
-/// Removes what a record in `dir` has left, and nothing else.
+/// Removes the files of a record in `dir`, and nothing else.
 pub(super) fn remove_all(dir: &Path) -> Result<(), InputError> {
     let is_output = |name: &str| ALL.contains(&name) || step_of(name).is_some();
     let refuse = |path: &Path, e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };

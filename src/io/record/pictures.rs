@@ -11,13 +11,13 @@ use crate::math::{Mat3, Vec3};
 use crate::scene::file::ColorBy;
 
 use super::still::{Still, StillRod};
-use super::{Frame, Record, RodHead, files};
+use super::{Record, RecordedFrame, RodHead, files};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
 
 impl Record {
-    pub(super) fn write_pictures(&self, last: &Frame) -> Result<(), InputError> {
+    pub(super) fn write_pictures(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let final_state = self.still(last, false);
         let axes = self.axes(&final_state);
         let [width, height] = self.choice.size;
@@ -62,13 +62,13 @@ impl Record {
         if !self.choice.transparent {
             return drawn.save_png(&path);
         }
-        // the same before black: what differs is background
+        // the same on black: the difference is the background
         let mut on_black = TubePicture { background: [0; 3], ..picture.clone() }.render()?;
         self.add_legends(&mut on_black, picture.visible_width, range);
         drawn.save_transparent_png(&on_black, &path)
     }
 
-    /// Scale and colours, as far as they are asked for.
+    /// Scale bar and colour bar, if requested.
     fn add_legends(&self, picture: &mut Picture, visible_width: Option<f64>, range: Option<[f64; 2]>) {
         if let (true, Some(visible)) = (self.choice.scale_bar, visible_width) {
             let length = round_below(0.25 * visible);
@@ -91,7 +91,7 @@ impl Record {
         if self.choice.color_by == ColorBy::Twist { Palette::CoolWarm } else { Palette::Viridis }
     }
 
-    /// Values that colours span in all these states: from zero, for twist as far below it as above.
+    /// Range of the colours over all these states: from zero; for twist symmetric about zero.
     fn range<'a>(&self, frames: impl Iterator<Item = &'a Still>) -> Option<[f64; 2]> {
         let values = frames.flat_map(|frame| &frame.rods).flat_map(|rod| &rod.values);
         let largest = values.map(|value| value.abs()).fold(0.0, f64::max);
@@ -99,8 +99,8 @@ impl Record {
         (largest > 0.0).then_some([low, largest])
     }
 
-    /// Directions to the right and upwards in all pictures of the run: as the scene says, or those along which the final
-    /// state spreads most.
+    /// Directions to the right and upwards in all pictures of the run: those of the scene, or the directions of largest
+    /// extent of the final state.
     fn axes(&self, frame: &Still) -> [Vec3; 2] {
         if let Some(camera) = self.choice.camera.map(Vec3::from) {
             let camera = camera / camera.amax();
@@ -126,7 +126,7 @@ impl Record {
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
             high - low + 2.0 * radius
         };
-        // a colour bar has its room on the right
+        // space for a colour bar on the right
         let room = if self.choice.color_by == ColorBy::Strand { 1.06 } else { 1.3 };
         (room * extent(0)).max(1.06 * extent(1) * ratio)
     }
@@ -141,7 +141,7 @@ impl Record {
         }
     }
 
-    /// Whether a closed rod's excess link is ever other than zero.
+    /// Whether a closed rod has a non-zero excess link in any step.
     fn has_link(&self) -> bool {
         self.steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0)
     }
@@ -168,7 +168,7 @@ impl Record {
         TubePicture { tubes, view, spots: self.spots(frame), ..TubePicture::default() }
     }
 
-    /// A glow at every contact site, unless colours show its pressure.
+    /// A highlight at every contact site, unless colours show the pressure.
     fn spots(&self, frame: &Still) -> Vec<Spot> {
         if self.choice.color_by == ColorBy::Pressure {
             return Vec::new();
@@ -216,7 +216,7 @@ fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Ve
     [0, 1].map(|k| eigen.eigenvectors.column(axes[k]).into_owned())
 }
 
-/// The longest of 1, 2, 5 times a power of ten that is not longer.
+/// The largest number 1, 2 or 5 times a power of ten that is not above `length`.
 fn round_below(length: f64) -> f64 {
     let power = 10_f64.powf(length.log10().floor());
     [5.0, 2.0].into_iter().map(|m| m * power).find(|round| *round <= length).unwrap_or(power)

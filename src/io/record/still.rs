@@ -1,4 +1,4 @@
-//! A state as a picture needs it: few points, whatever the number of nodes.
+//! A state reduced for a picture: few points for any number of nodes.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::math::Vec3;
 use crate::observe::report::SiteReport;
 use crate::scene::file::ColorBy;
 
-use super::{Frame, Record, RodHead};
+use super::{Record, RecordedFrame, RodHead};
 
 /// Rods of more points than this are thinned out for the film strip.
 const MAX_POINTS: usize = 4096;
@@ -15,27 +15,27 @@ const MAX_POINTS: usize = 4096;
 /// film strip.
 const TOLERANCE: f64 = 1.0 / 2000.0;
 
-/// One picture's worth of a state.
+/// Data of one picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Still {
     pub step: usize,
     pub rods: Vec<StillRod>,
-    /// Places of contact, and the rod whose radius they are drawn by.
+    /// Contact sites, and the rod whose radius sets their size.
     pub spots: Vec<(Vec3, usize)>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct StillRod {
     pub points: Vec<Vec3>,
-    /// d1 at each point; none where too many points were left out to follow it.
+    /// d1 at each point; empty if too many points were left out to interpolate it.
     pub directions: Vec<Vec3>,
-    /// Quantity at each point that it is coloured by; none where it is coloured by strand.
+    /// Quantity that colours the rod, at each point; empty for colours by strand.
     pub values: Vec<f64>,
 }
 
 impl Record {
-    /// A frame as it is drawn; `thin` for small pictures.
-    pub(super) fn still(&self, frame: &Frame, thin: bool) -> Still {
+    /// A frame reduced for a picture; `thin` for small pictures.
+    pub(super) fn still(&self, frame: &RecordedFrame, thin: bool) -> Still {
         let rod = |rod: &super::RodSnapshot| {
             let values = self.values(rod);
             if thin && rod.positions.len() > MAX_POINTS {
@@ -52,7 +52,7 @@ impl Record {
         Still { step: frame.step, rods: frame.rods.iter().map(rod).collect(), spots }
     }
 
-    /// Quantity that pictures are coloured by, at the nodes of a rod.
+    /// Quantity that colours pictures, at the nodes of a rod.
     fn values(&self, rod: &super::RodSnapshot) -> Vec<f64> {
         match self.choice.color_by {
             ColorBy::Strand => Vec::new(),
@@ -63,7 +63,7 @@ impl Record {
     }
 
     /// Middle between the strands of a contact site.
-    fn place(&self, site: &SiteReport, frame: &Frame) -> Vec3 {
+    fn place(&self, site: &SiteReport, frame: &RecordedFrame) -> Vec3 {
         let at = |rod: usize, arcs: [f64; 2]| point_at(&self.head(rod, frame.step), &frame.rods[rod].positions, arcs);
         0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b))
     }
@@ -78,7 +78,7 @@ fn point_at(head: &RodHead, points: &[Vec3], arcs: [f64; 2]) -> Vec3 {
     point(index).lerp(&point(index + 1), fraction)
 }
 
-/// Few enough points to be kept for every picture of a film.
+/// Indices of few enough points for every picture of a film.
 fn few(points: &[Vec3]) -> Vec<usize> {
     let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), p| (low.inf(p), high.sup(p)));
     let mut tolerance = TOLERANCE * (high - low).norm();

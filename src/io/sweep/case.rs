@@ -1,4 +1,4 @@
-//! One case: its run, and what becomes of it as rows.
+//! One case: its run and its rows.
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,47 +12,50 @@ use crate::solve::{self, Interrupt, Progress, RunError, Status};
 use super::super::csv::Cell;
 use super::super::run::options;
 use super::super::table::Columns;
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::file::Rows;
 use super::plan::{Case, Plan};
 
 /// Column of the id.
 pub(super) const ID: &str = "case";
-/// Column of how the case ended.
+/// Column of the status.
 pub(super) const STATUS: &str = "status";
-/// Column of why it did not converge.
+/// Column of the message of a case that did not converge.
 pub(super) const MESSAGE: &str = "message";
-/// Column of wall time, the only one that is not the same to the bit each time.
+/// Column of wall time, the only one that is not reproducible to the bit.
 pub(super) const SECONDS: &str = "seconds";
 /// Status of a case that converged.
 pub(super) const CONVERGED: &str = "converged";
 
-/// How a case ended.
-struct End {
+/// Result of a case.
+struct CaseEnd {
     status: String,
     message: String,
 }
 
 impl Plan {
     /// Runs a case on one thread and gives its rows: id, values that are its own, status, message, and the columns of a
-    /// run's table. A scene that is refused, numbers that break down and a run that does not converge are rows, too. None
-    /// if `interrupt` stopped the run.
+    /// run's table. A scene that is refused, numbers that break down and a run that does not converge are rows, too.
+    /// `None` if `interrupt` stopped the run.
     #[must_use]
-    pub fn run(&self, case: &Case, interrupt: &Interrupt) -> Option<Table> {
+    pub fn run(&self, case: &Case, interrupt: &Interrupt) -> Option<SweepTable> {
         let (mut columns, mut steps) = (None, Vec::new());
-        // a fault of this program in one case is not to end the others
+        // a panic in one case must not end the others
         let end = catch_unwind(AssertUnwindSafe(|| self.solve(case, interrupt, &mut columns, &mut steps)));
         let end = match end {
             Ok(Ok(solution)) if solution.status == Status::Stopped && interrupt.is_raised() => return None,
             Ok(Ok(solution)) => {
                 let message = solution.failure.as_ref().map(ToString::to_string).unwrap_or_default();
-                // a state at rest may be one that overlaps
+                // an equilibrium may overlap
                 let status = steps.last().filter(|_| solution.status == Status::Converged);
-                End { status: status.map_or_else(|| solution.status.to_string(), |step| step.status.clone()), message }
+                CaseEnd {
+                    status: status.map_or_else(|| solution.status.to_string(), |step| step.status.clone()),
+                    message,
+                }
             }
-            Ok(Err(RunError::Input(error))) => End { status: "refused".to_owned(), message: error.to_string() },
-            Ok(Err(RunError::Solve(error))) => End { status: "broke down".to_owned(), message: error.to_string() },
-            Err(_) => End { status: "panicked".to_owned(), message: "a fault of the program".to_owned() },
+            Ok(Err(RunError::Input(error))) => CaseEnd { status: "refused".to_owned(), message: error.to_string() },
+            Ok(Err(RunError::Solve(error))) => CaseEnd { status: "broke down".to_owned(), message: error.to_string() },
+            Err(_) => CaseEnd { status: "panicked".to_owned(), message: "a fault of the program".to_owned() },
         };
         if self.rows() == Rows::Last {
             steps.drain(..steps.len().saturating_sub(1));
@@ -78,21 +81,21 @@ impl Plan {
         options.newton.interrupt = interrupt.clone();
         options.threads = Some(1);
         solve::run(scene.model, &scene.stages, &options, &mut |progress: &Progress| {
-            // sites are no columns
+            // sites have no columns
             steps.push(Observation { sites: Vec::new(), ..observe(progress) });
             ControlFlow::Continue(())
         })
     }
 }
 
-fn rows(case: &Case, end: &End, columns: Option<&Columns>, steps: &[Observation]) -> Table {
+fn rows(case: &Case, end: &CaseEnd, columns: Option<&Columns>, steps: &[Observation]) -> SweepTable {
     let own: Vec<(&str, Cell)> = case.set.iter().filter_map(|assignment| value(assignment)).collect();
     let head = || {
         let end = [(STATUS, Cell::from(end.status.as_str())), (MESSAGE, Cell::from(end.message.as_str()))];
         [(ID, Cell::from(case.id.as_str()))].into_iter().chain(own.clone()).chain(end)
     };
     let is_there = |(_, cell): &(&str, Cell)| !matches!(cell, Cell::Text(text) if text.is_empty());
-    let mut table = Table::default();
+    let mut table = SweepTable::default();
     for (columns, step) in steps.iter().filter_map(|step| Some((columns?, step))) {
         let cells = columns.names().into_iter().zip(columns.cells(step));
         table.push(head().chain(cells.filter(|(name, _)| *name != STATUS).filter(is_there)));
@@ -103,7 +106,7 @@ fn rows(case: &Case, end: &End, columns: Option<&Columns>, steps: &[Observation]
     table
 }
 
-/// Key and value of an assignment as a column has them: numbers as numbers, all else as words.
+/// Key and value of an assignment as column name and cell: a number, otherwise a string.
 fn value(assignment: &str) -> Option<(&str, Cell)> {
     let (key, text) = assignment.split_once('=')?;
     let cell = match value_of(text) {

@@ -1,4 +1,4 @@
-//! What the parts of a sweep hold: how much is done, and all of it as one table.
+//! Contents of the parts of a sweep: progress, and one table of all rows.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 use crate::error::InputError;
 
 use super::case::{CONVERGED, ID, MESSAGE, SECONDS, STATUS};
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::parquet::to_bytes;
 use super::parts::{parts, read_part, replace, sweep_temporaries};
 use super::plan::{Case, Plan};
 
 /// The collected table in the folder of a sweep.
 const TABLE: &str = "table.parquet";
-/// Failures that are told one by one.
+/// Most failures that are listed one by one.
 const MOST_FAILURES: usize = 5;
 
 /// Cases that have rows in the parts.
@@ -26,7 +26,7 @@ struct Finished {
     damaged: Vec<String>,
 }
 
-/// Looks through the parts in the folder of a sweep. Damaged ones are passed over: their cases count as missing.
+/// Reads the parts in the folder of a sweep. Damaged ones are skipped; their cases count as missing.
 fn finished(dir: &Path) -> Result<Finished, InputError> {
     let mut found = Finished { cases: HashMap::new(), damaged: Vec::new() };
     for path in parts(dir)? {
@@ -46,7 +46,7 @@ fn finished(dir: &Path) -> Result<Finished, InputError> {
     Ok(found)
 }
 
-/// Ids of the cases that have rows in the folder of a sweep, of whatever plan.
+/// Ids of the cases that have rows in the folder of a sweep, of any plan.
 ///
 /// # Errors
 /// Parts that cannot be read.
@@ -54,7 +54,7 @@ pub fn finished_ids(dir: &Path) -> Result<HashSet<String>, InputError> {
     Ok(finished(dir)?.cases.into_keys().collect())
 }
 
-/// How far a sweep has come.
+/// Progress of a sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SweepStatus {
     /// Cases of the plan.
@@ -65,13 +65,13 @@ pub struct SweepStatus {
     pub missing: Vec<usize>,
     /// Numbers of the cases that did not converge, with the values that they replace, their status and message.
     pub failures: Vec<(usize, Vec<String>, String)>,
-    /// Parts that are damaged, in words; their cases are missing.
+    /// Damaged parts, as text; their cases are missing.
     pub damaged: Vec<String>,
     /// The base scene.
     pub scene: PathBuf,
 }
 
-/// How far the sweep in a folder has come.
+/// Progress of the sweep in a folder.
 ///
 /// # Errors
 /// A plan or parts that cannot be read.
@@ -123,13 +123,13 @@ impl fmt::Display for SweepStatus {
     }
 }
 
-/// A word as a shell takes it.
+/// A word quoted for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.=/".contains(c);
     if word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
-/// Ascending numbers as job schedulers take them: `0,3,7-9`.
+/// Ascending numbers in the notation of job schedulers: `0,3,7-9`.
 #[must_use]
 pub fn ranges(numbers: &[usize]) -> String {
     let mut runs: Vec<[usize; 2]> = Vec::new();
@@ -147,16 +147,16 @@ pub fn ranges(numbers: &[usize]) -> String {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Collected {
     /// All rows, in the order of the plan.
-    pub table: Table,
+    pub table: SweepTable,
     /// Numbers of the cases that have no rows, ascending.
     pub missing: Vec<usize>,
 }
 
-/// Puts the rows of a plan's cases together, in the order of the plan; rows of other cases are left out.
+/// Merges the rows of a plan's cases, in the order of the plan; rows of other cases are left out.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if a case is there twice with rows that differ by a bit anywhere but in the wall time.
-pub fn merge(plan: &Plan, tables: &[Table]) -> Result<Collected, InputError> {
+/// [`InputError::Inconsistent`] if a case has two sets of rows that differ in anything but the wall time.
+pub fn merge(plan: &Plan, tables: &[SweepTable]) -> Result<Collected, InputError> {
     let mut places: HashMap<&str, Vec<(usize, Range<usize>)>> =
         plan.cases().iter().map(|case| (case.id.as_str(), Vec::new())).collect();
     for (index, table) in tables.iter().enumerate() {
@@ -166,7 +166,7 @@ pub fn merge(plan: &Plan, tables: &[Table]) -> Result<Collected, InputError> {
             }
         }
     }
-    let (mut collected, mut missing) = (Table::default(), Vec::new());
+    let (mut collected, mut missing) = (SweepTable::default(), Vec::new());
     for (number, case) in plan.cases().iter().enumerate() {
         let Some([(first, rows), others @ ..]) = places.get(case.id.as_str()).map(Vec::as_slice) else {
             missing.push(number);
@@ -191,8 +191,8 @@ fn unequal(number: usize, case: &Case, column: &str) -> InputError {
     InputError::Inconsistent { field: format!("case {number} ({})", case.id), reason }
 }
 
-/// Rows of each case: those of one case stand together.
-fn runs(table: &Table) -> Vec<(String, Range<usize>)> {
+/// Rows of each case; those of one case are consecutive.
+fn runs(table: &SweepTable) -> Vec<(String, Range<usize>)> {
     let mut runs: Vec<(String, Range<usize>)> = Vec::new();
     let Some(ids) = table.column(ID) else { return runs };
     for row in 0..table.num_rows() {
@@ -205,14 +205,14 @@ fn runs(table: &Table) -> Vec<(String, Range<usize>)> {
     runs
 }
 
-/// Collects the parts in the folder of a sweep into its `table.parquet`, and removes files that killed writers have left.
+/// Collects the parts in the folder of a sweep into its `table.parquet`, and removes temporary files of killed writers.
 ///
 /// # Errors
 /// As [`merge`]; a plan or parts that cannot be read; [`InputError::Write`].
 pub fn collect(dir: &Path) -> Result<Collected, InputError> {
     let plan = Plan::read(dir)?;
-    // damaged parts are told by the status; their cases are missing
-    let tables: Vec<Table> = parts(dir)?.iter().filter_map(|path| read_part(path, &|_| true).ok()).collect();
+    // the status reports damaged parts; their cases are missing
+    let tables: Vec<SweepTable> = parts(dir)?.iter().filter_map(|path| read_part(path, &|_| true).ok()).collect();
     let collected = merge(&plan, &tables)?;
     let path = dir.join(TABLE);
     let refuse = |reason: String| InputError::Write { path: path.clone(), reason };

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::super::csv::Cell;
 
-/// Values of a column, one a row; none where the row has no such value.
+/// Values of a column, one per row; `None` where the row has no value.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
+pub enum ColumnValues {
     /// Real numbers.
     Number(Vec<Option<f64>>),
     /// Whole numbers.
@@ -15,7 +15,7 @@ pub enum Values {
     Text(Vec<Option<String>>),
 }
 
-impl Values {
+impl ColumnValues {
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -42,7 +42,7 @@ impl Values {
         }
     }
 
-    /// The value of a row as a word, if there is any.
+    /// The value of a row as text, if there is any.
     #[must_use]
     pub fn text(&self, row: usize) -> Option<String> {
         match self {
@@ -87,7 +87,7 @@ impl Values {
         }
     }
 
-    /// Takes in a value; where it is of another kind the column becomes one that holds both.
+    /// Appends a value. A value of another kind converts the column to a kind that holds both.
     fn push(&mut self, cell: Cell) {
         match (&mut *self, cell) {
             (Self::Number(values), Cell::Number(value)) => values.push(Some(value)),
@@ -123,18 +123,18 @@ pub struct Column {
     /// Its name.
     pub name: String,
     /// Its values, one a row.
-    pub values: Values,
+    pub values: ColumnValues,
 }
 
 /// A table; all columns have the same number of rows.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Table {
+pub struct SweepTable {
     columns: Vec<Column>,
     rows: usize,
 }
 
-impl Table {
-    /// A table of columns of one length; others are filled up with rows without a value.
+impl SweepTable {
+    /// A table of columns. Shorter columns are padded with rows without a value.
     #[must_use]
     pub fn new(mut columns: Vec<Column>) -> Self {
         let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
@@ -142,7 +142,7 @@ impl Table {
         Self { columns, rows }
     }
 
-    /// The columns, in the order in which they first came up.
+    /// The columns, in the order of first appearance.
     #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns
@@ -156,17 +156,17 @@ impl Table {
 
     /// The values of a column.
     #[must_use]
-    pub fn column(&self, name: &str) -> Option<&Values> {
+    pub fn column(&self, name: &str) -> Option<&ColumnValues> {
         self.columns.iter().find(|column| column.name == name).map(|column| &column.values)
     }
 
-    /// Adds a row; columns that it names and the table lacks are added.
+    /// Appends a row; missing columns are added.
     pub fn push<'a>(&mut self, row: impl IntoIterator<Item = (&'a str, Cell)>) {
         for (name, cell) in row {
             let index = self.place(name, || match cell {
-                Cell::Number(_) => Values::Number(Vec::new()),
-                Cell::Count(_) => Values::Whole(Vec::new()),
-                Cell::Text(_) => Values::Text(Vec::new()),
+                Cell::Number(_) => ColumnValues::Number(Vec::new()),
+                Cell::Count(_) => ColumnValues::Whole(Vec::new()),
+                Cell::Text(_) => ColumnValues::Text(Vec::new()),
             });
             self.columns[index].values.push(cell);
         }
@@ -186,8 +186,8 @@ impl Table {
         }
     }
 
-    /// Index of a column, which is added if the table lacks it.
-    fn place(&mut self, name: &str, empty: impl FnOnce() -> Values) -> usize {
+    /// Index of a column, which is added if missing.
+    fn place(&mut self, name: &str, empty: impl FnOnce() -> ColumnValues) -> usize {
         self.columns.iter().position(|column| column.name == name).unwrap_or_else(|| {
             let mut values = empty();
             values.push_none(self.rows);
@@ -202,8 +202,8 @@ impl Table {
         self.columns.iter_mut().for_each(|column| column.values.push_none(rows - column.values.len()));
     }
 
-    /// The first column in which some rows differ from those of another table, by a bit or by being there; columns of
-    /// the names `but` do not count.
+    /// The first column in which some rows differ from those of another table, in value or presence; columns named in
+    /// `but` are ignored.
     #[must_use]
     pub fn difference(
         &self,
@@ -235,13 +235,13 @@ mod tests {
 
     #[test]
     fn rows_with_different_columns_and_kinds_make_one_table() {
-        let mut table = Table::default();
+        let mut table = SweepTable::default();
         table.push([("a", Cell::Count(1))]);
         table.push([("b", Cell::from("w")), ("a", Cell::Number(0.5))]);
         table.push([]);
         assert_eq!(table.num_rows(), 3);
-        assert_eq!(table.column("a"), Some(&Values::Number(vec![Some(1.0), Some(0.5), None])));
-        assert_eq!(table.column("b"), Some(&Values::Text(vec![None, Some("w".into()), None])));
+        assert_eq!(table.column("a"), Some(&ColumnValues::Number(vec![Some(1.0), Some(0.5), None])));
+        assert_eq!(table.column("b"), Some(&ColumnValues::Text(vec![None, Some("w".into()), None])));
         table.push([("a", Cell::from("word"))]);
         assert_eq!(table.column("a").unwrap().text(1), Some("0.5".into()));
     }
@@ -249,11 +249,11 @@ mod tests {
     #[test]
     fn a_bit_makes_a_difference_and_zeros_have_signs() {
         let of = |x: f64, seconds: f64| {
-            let mut table = Table::default();
+            let mut table = SweepTable::default();
             table.push([("x", Cell::Number(x)), ("seconds", Cell::Number(seconds))]);
             table
         };
-        let differ = |a: &Table, b: &Table| a.difference(0..1, b, 0..1, &["seconds"]);
+        let differ = |a: &SweepTable, b: &SweepTable| a.difference(0..1, b, 0..1, &["seconds"]);
         assert_eq!(differ(&of(1.0, 1.0), &of(1.0, 2.0)), None);
         assert_eq!(differ(&of(1.0, 1.0), &of(1.0 + f64::EPSILON, 1.0)), Some("x".into()));
         assert_eq!(differ(&of(0.0, 1.0), &of(-0.0, 1.0)), Some("x".into()));
@@ -262,9 +262,9 @@ mod tests {
         long.append(&one, 0..1);
         assert_eq!(long.difference(0..2, &one, 0..1, &[]), Some("number of rows".into()));
         let mut wider = of(1.0, 1.0);
-        wider.columns.push(Column { name: "y".into(), values: Values::Whole(vec![None]) });
+        wider.columns.push(Column { name: "y".into(), values: ColumnValues::Whole(vec![None]) });
         assert_eq!(differ(&wider, &one), None);
-        wider.columns[2].values = Values::Whole(vec![Some(0)]);
+        wider.columns[2].values = ColumnValues::Whole(vec![Some(0)]);
         assert_eq!((differ(&wider, &one), differ(&one, &wider)), (Some("y".into()), Some("y".into())));
     }
 }

@@ -9,25 +9,25 @@ use toml::Value;
 use crate::error::InputError;
 use crate::text::read_text;
 
-use super::random::Random;
+use super::random::DrawStream;
 
-/// Most cases of a sweep: a plan of so many is a file of a gigabyte.
+/// Largest number of cases of a sweep, because its plan is then a file of a gigabyte.
 const MOST_CASES: usize = 10_000_000;
 /// Most values of an axis given by its ends.
 const MOST_VALUES: usize = 1_000_000;
 
-/// Which of a case's accepted steps become rows.
+/// Accepted steps of a case that become rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rows {
-    /// Every one: a path in load is one case with many rows.
+    /// Every step: a load path is one case with many rows.
     #[default]
     All,
     /// The last.
     Last,
 }
 
-/// A sweep file as it is written.
+/// The text of a sweep file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SweepText {
@@ -41,7 +41,7 @@ pub(super) struct SweepText {
     /// Every combination of their values.
     #[serde(default)]
     axes: BTreeMap<String, AxisText>,
-    /// Keys that go together, each group an axis of its own.
+    /// Linked keys; each group is one axis.
     #[serde(default)]
     linked: Vec<BTreeMap<String, AxisText>>,
     random: Option<RandomText>,
@@ -80,8 +80,8 @@ enum DrawText {
     Bases(usize),
 }
 
-/// Groups of assignments, of which a case takes one from each axis.
-type Axis = Vec<Vec<String>>;
+/// The values of one axis, each a group of assignments; a case has one group of each axis.
+type SweepAxis = Vec<Vec<String>>;
 
 impl SweepText {
     pub fn read(path: &Path) -> Result<Self, InputError> {
@@ -95,7 +95,7 @@ impl SweepText {
         Ok(this)
     }
 
-    /// Refuses a key that is given twice: of two values one would be lost.
+    /// Refuses duplicate keys, because one of the values would be lost.
     fn check_keys(&self) -> Result<(), InputError> {
         let drawn = self.random.iter().flat_map(|random| random.keys.keys());
         let linked = self.linked.iter().flat_map(BTreeMap::keys);
@@ -112,7 +112,7 @@ impl SweepText {
         self.set.iter().map(|(key, value)| assignment(key, value)).collect()
     }
 
-    /// The assignments of every case, the last axis changing fastest.
+    /// The assignments of every case; the last axis changes fastest.
     pub fn cases(&self) -> Result<Vec<Vec<String>>, InputError> {
         let axes = self.all_axes()?;
         let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.len()));
@@ -130,7 +130,7 @@ impl SweepText {
         Ok((0..count).map(case).collect())
     }
 
-    fn all_axes(&self) -> Result<Vec<Axis>, InputError> {
+    fn all_axes(&self) -> Result<Vec<SweepAxis>, InputError> {
         let mut axes = Vec::new();
         for (key, axis) in &self.axes {
             axes.push(axis.values(key)?.iter().map(|value| vec![assignment(key, value)]).collect());
@@ -143,9 +143,9 @@ impl SweepText {
     }
 }
 
-/// Keys whose values go together, first with first.
-fn linked(group: &BTreeMap<String, AxisText>) -> Result<Axis, InputError> {
-    let mut axis: Axis = Vec::new();
+/// The axis of linked keys: the k-th values of all keys go together.
+fn linked(group: &BTreeMap<String, AxisText>) -> Result<SweepAxis, InputError> {
+    let mut axis: SweepAxis = Vec::new();
     for (key, values) in group {
         let values = values.values(key)?;
         if axis.is_empty() {
@@ -180,7 +180,7 @@ impl RangeText {
             return Err(InputError::Count { field, value: count, allowed: "between 1 and 1 million" });
         }
         let last = (count - 1).max(1) as f64;
-        // both ends are hit to the bit; between them 15 digits: 0.025 and not 0.02500000000000001
+        // both ends are exact; values between are rounded to 15 digits: 0.025, not 0.02500000000000001
         let short = |x: f64| format!("{x:.14e}").parse().unwrap_or(x);
         let value = |k: usize| match k {
             0 => from,
@@ -192,7 +192,7 @@ impl RangeText {
 }
 
 impl RandomText {
-    fn axis(&self) -> Result<Axis, InputError> {
+    fn axis(&self) -> Result<SweepAxis, InputError> {
         if !(1..=MOST_CASES).contains(&self.draws) {
             let field = "random.draws".to_owned();
             return Err(InputError::Count { field, value: self.draws, allowed: "between 1 and 10 million" });
@@ -200,7 +200,7 @@ impl RandomText {
         self.keys.iter().try_for_each(|(key, draw)| draw.check(key))?;
         let draw = |index: usize| {
             let one = |(key, draw): (&String, &DrawText)| {
-                assignment(key, &draw.value(&mut Random::of(self.seed, key, index)))
+                assignment(key, &draw.value(&mut DrawStream::of(self.seed, key, index)))
             };
             self.keys.iter().map(one).collect()
         };
@@ -227,7 +227,7 @@ impl DrawText {
         }
     }
 
-    fn value(&self, random: &mut Random) -> Value {
+    fn value(&self, random: &mut DrawStream) -> Value {
         match self {
             Self::Uniform([low, high]) => Value::Float(low + (high - low) * random.unit()),
             Self::Normal([mean, deviation]) => Value::Float(mean + deviation * random.normal()),

@@ -1,5 +1,5 @@
-//! Sweeps: thousands of runs of one scene with other values. A sweep file is planned into cases, cases are run in any order
-//! by any number of processes, and what they found is collected into one table.
+//! Sweeps: thousands of runs of one scene with other values. A sweep file is planned into cases, any number of
+//! processes run the cases in any order, and their results are collected into one table.
 //!
 //! ```toml
 //! scene = "minicircle.toml"                                # the base scene, relative to this file
@@ -37,8 +37,8 @@
 //!
 //! The id of a case is the hash of its scene in canonical form (values replaced, keys in order; title, outputs and
 //! threads left out), of the files that it names, and of the version of this format. A sweep that is planned again with
-//! more values keeps what was computed. A case that fails is a row with status and message; what to know of a state before
-//! believing it is in the column `notes`.
+//! more values keeps what was computed. A case that fails is a row with status and message; the column `notes` has
+//! warnings about a state.
 
 mod case;
 mod collect;
@@ -52,10 +52,10 @@ mod random;
 mod run;
 
 pub use collect::{Collected, SweepStatus, collect, finished_ids, merge, ranges, status};
-pub use columns::{Column, Table, Values};
+pub use columns::{Column, ColumnValues, SweepTable};
 pub use file::Rows;
 pub use parquet::{from_bytes, to_bytes};
 pub use parts::write_part;
 pub use plan::{Case, PLAN, Plan};
-pub use plot::{Axes, plot};
+pub use plot::{PlotAxes, plot};
 pub use run::{Shard, SweepRun, Tally};

@@ -12,25 +12,25 @@ use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::columns::{Column, Table, Values};
+use super::columns::{Column, ColumnValues, SweepTable};
 
 /// A table as the bytes of a Parquet file. Equal tables give equal bytes.
 ///
 /// # Errors
-/// The library's words.
-pub fn to_bytes(table: &Table) -> Result<Vec<u8>, String> {
+/// The library's message.
+pub fn to_bytes(table: &SweepTable) -> Result<Vec<u8>, String> {
     write(table).map_err(|e| e.to_string())
 }
 
 /// The columns of a Parquet file that are `wanted`; only kinds that [`to_bytes`] writes are read.
 ///
 /// # Errors
-/// Bytes that are no such file, in the library's words.
-pub fn from_bytes(bytes: Vec<u8>, wanted: &dyn Fn(&str) -> bool) -> Result<Table, String> {
+/// The library's message for bytes that are not such a file.
+pub fn from_bytes(bytes: Vec<u8>, wanted: &dyn Fn(&str) -> bool) -> Result<SweepTable, String> {
     read(bytes, wanted).map_err(|e| e.to_string())
 }
 
-fn write(table: &Table) -> Result<Vec<u8>, ParquetError> {
+fn write(table: &SweepTable) -> Result<Vec<u8>, ParquetError> {
     let fields = table.columns().iter().map(field).collect::<Result<_, _>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
     let program = concat!("supercoil ", env!("CARGO_PKG_VERSION")).to_owned();
@@ -40,9 +40,9 @@ fn write(table: &Table) -> Result<Vec<u8>, ParquetError> {
     let mut group = file.next_row_group()?;
     for column in table.columns() {
         match &column.values {
-            Values::Number(values) => write_column::<DoubleType, _>(&mut group, values, |&x| x)?,
-            Values::Whole(values) => write_column::<Int64Type, _>(&mut group, values, |&x| x)?,
-            Values::Text(values) => {
+            ColumnValues::Number(values) => write_column::<DoubleType, _>(&mut group, values, |&x| x)?,
+            ColumnValues::Whole(values) => write_column::<Int64Type, _>(&mut group, values, |&x| x)?,
+            ColumnValues::Text(values) => {
                 write_column::<ByteArrayType, _>(&mut group, values, |x| ByteArray::from(x.as_str()))?;
             }
         }
@@ -54,9 +54,9 @@ fn write(table: &Table) -> Result<Vec<u8>, ParquetError> {
 
 fn field(column: &Column) -> Result<TypePtr, ParquetError> {
     let (physical, converted) = match column.values {
-        Values::Number(_) => (Physical::DOUBLE, ConvertedType::NONE),
-        Values::Whole(_) => (Physical::INT64, ConvertedType::NONE),
-        Values::Text(_) => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+        ColumnValues::Number(_) => (Physical::DOUBLE, ConvertedType::NONE),
+        ColumnValues::Whole(_) => (Physical::INT64, ConvertedType::NONE),
+        ColumnValues::Text(_) => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
     };
     let builder = Type::primitive_type_builder(&column.name, physical);
     builder.with_repetition(Repetition::OPTIONAL).with_converted_type(converted).build().map(Arc::new)
@@ -75,16 +75,16 @@ fn write_column<T: DataType, V>(
     writer.close()
 }
 
-fn read(bytes: Vec<u8>, wanted: &dyn Fn(&str) -> bool) -> Result<Table, ParquetError> {
+fn read(bytes: Vec<u8>, wanted: &dyn Fn(&str) -> bool) -> Result<SweepTable, ParquetError> {
     let file = SerializedFileReader::new(Bytes::from(bytes))?;
     let schema = file.metadata().file_metadata().schema_descr_ptr();
     let mut columns = Vec::new();
     for (index, head) in schema.columns().iter().enumerate().filter(|(_, head)| wanted(head.name())) {
         let unread = || ParquetError::General(format!("column \"{}\" is of a kind that is not read", head.name()));
         let mut values = match head.physical_type() {
-            Physical::DOUBLE => Values::Number(Vec::new()),
-            Physical::INT64 => Values::Whole(Vec::new()),
-            Physical::BYTE_ARRAY => Values::Text(Vec::new()),
+            Physical::DOUBLE => ColumnValues::Number(Vec::new()),
+            Physical::INT64 => ColumnValues::Whole(Vec::new()),
+            Physical::BYTE_ARRAY => ColumnValues::Text(Vec::new()),
             _ => return Err(unread()),
         };
         for group in 0..file.num_row_groups() {
@@ -94,11 +94,16 @@ fn read(bytes: Vec<u8>, wanted: &dyn Fn(&str) -> bool) -> Result<Table, ParquetE
         }
         columns.push(Column { name: head.name().to_owned(), values });
     }
-    Ok(Table::new(columns))
+    Ok(SweepTable::new(columns))
 }
 
-fn read_column(group: &dyn RowGroupReader, index: usize, rows: usize, into: &mut Values) -> Result<(), ParquetError> {
-    /// Puts the values that are there where the levels say that there are any.
+fn read_column(
+    group: &dyn RowGroupReader,
+    index: usize,
+    rows: usize,
+    into: &mut ColumnValues,
+) -> Result<(), ParquetError> {
+    /// Inserts `None` where the definition levels have no value.
     fn spread<V, X>(
         (levels, present): (Vec<i16>, Vec<X>),
         value: impl Fn(X) -> Result<V, ParquetError>,
@@ -112,15 +117,15 @@ fn read_column(group: &dyn RowGroupReader, index: usize, rows: usize, into: &mut
     }
     let (mut levels, mut numbers, mut wholes, mut words) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     match (group.get_column_reader(index)?, into) {
-        (ColumnReader::DoubleColumnReader(mut reader), Values::Number(into)) => {
+        (ColumnReader::DoubleColumnReader(mut reader), ColumnValues::Number(into)) => {
             reader.read_records(rows, Some(&mut levels), None, &mut numbers)?;
             spread((levels, numbers), Ok, into)
         }
-        (ColumnReader::Int64ColumnReader(mut reader), Values::Whole(into)) => {
+        (ColumnReader::Int64ColumnReader(mut reader), ColumnValues::Whole(into)) => {
             reader.read_records(rows, Some(&mut levels), None, &mut wholes)?;
             spread((levels, wholes), Ok, into)
         }
-        (ColumnReader::ByteArrayColumnReader(mut reader), Values::Text(into)) => {
+        (ColumnReader::ByteArrayColumnReader(mut reader), ColumnValues::Text(into)) => {
             reader.read_records(rows, Some(&mut levels), None, &mut words)?;
             spread((levels, words), |word: ByteArray| word.as_utf8().map(str::to_owned), into)
         }
@@ -133,8 +138,8 @@ mod tests {
     use super::super::super::csv::Cell;
     use super::*;
 
-    fn table(rows: usize) -> Table {
-        let mut table = Table::default();
+    fn table(rows: usize) -> SweepTable {
+        let mut table = SweepTable::default();
         table.push([("case", Cell::from("é")), ("rods.a.b", Cell::Number(-0.0)), ("n", Cell::Count(7))]);
         for row in 0..rows {
             table.push([("case", Cell::from(format!("case {row}"))), ("rods.a.b", Cell::Number(f64::NAN))]);
@@ -156,7 +161,7 @@ mod tests {
             let some = from_bytes(bytes, &|name| name == "n").unwrap();
             assert_eq!(some.columns().len(), 1);
         }
-        assert_eq!(from_bytes(to_bytes(&Table::default()).unwrap(), &|_| true).unwrap(), Table::default());
+        assert_eq!(from_bytes(to_bytes(&SweepTable::default()).unwrap(), &|_| true).unwrap(), SweepTable::default());
     }
 
     #[test]

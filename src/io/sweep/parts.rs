@@ -1,4 +1,4 @@
-//! The folder of parts: files that are there whole or not at all.
+//! The folder of parts, which are replaced atomically.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -8,22 +8,21 @@ use twox_hash::XxHash3_128;
 use crate::error::InputError;
 
 use super::super::replace::fill_and_rename;
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::parquet::{from_bytes, to_bytes};
 
 /// Folder of the parts in that of a sweep.
 const PARTS: &str = "parts";
-/// Ending of a part.
+/// File extension of a part.
 const ENDING: &str = "parquet";
-/// Ending of a file that is being written.
+/// File extension of a file that is being written.
 const TEMPORARY: &str = "tmp";
 
-/// Writes rows of finished cases as a part into the folder of a sweep. The same rows give the same file, whoever writes
-/// them.
+/// Writes rows of finished cases as a part into the folder of a sweep. Equal rows give equal files.
 ///
 /// # Errors
 /// [`InputError::Write`].
-pub fn write_part(dir: &Path, rows: &Table) -> Result<(), InputError> {
+pub fn write_part(dir: &Path, rows: &SweepTable) -> Result<(), InputError> {
     let parts = dir.join(PARTS);
     let refuse = |reason: String| InputError::Write { path: parts.clone(), reason };
     std::fs::create_dir_all(&parts).map_err(|e| refuse(e.to_string()))?;
@@ -55,8 +54,8 @@ fn with_ending(dir: &Path, ending: &str) -> Result<Vec<PathBuf>, InputError> {
     Ok(found)
 }
 
-/// The columns of a part that are wanted; refused if the content is not the one that the name tells.
-pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Table, InputError> {
+/// The `wanted` columns of a part; refused if the name is not the hash of the content.
+pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<SweepTable, InputError> {
     let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
     let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
     if path.file_name().is_none_or(|found| found != name(&bytes).as_str()) {
@@ -65,7 +64,7 @@ pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Ta
     from_bytes(bytes, wanted).map_err(refuse)
 }
 
-/// Removes files that writers who were killed have left; those of writers at work are locked and stay.
+/// Removes temporary files of killed writers; those of active writers are locked and remain.
 pub(super) fn sweep_temporaries(dir: &Path) -> Result<usize, InputError> {
     let left = |path: &PathBuf| {
         let unlocked = File::options().append(true).open(path).and_then(|file| file.try_lock().map_err(Into::into));
@@ -74,18 +73,17 @@ pub(super) fn sweep_temporaries(dir: &Path) -> Result<usize, InputError> {
     Ok(with_ending(dir, TEMPORARY)?.iter().filter(|path| left(path)).count())
 }
 
-/// Writes a file so that at every moment either the old or the new content is found under its name, whoever else writes
-/// it. The file being written is locked.
+/// Writes a file atomically, also with several writers. The temporary file is locked.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let (beside, file) = temporary(path)?;
-    // file systems that know no locks have temporaries that nobody sweeps
+    // temporaries on file systems without locks are not removed
     file.try_lock().ok();
     fill_and_rename(file, &beside, path, bytes).inspect_err(|_| {
         std::fs::remove_file(&beside).ok();
     })
 }
 
-/// A new file beside `path`. Processes of several machines may have the same number: names are tried until one is free.
+/// A new file beside `path`. Processes of several machines may have the same id, so names are tried until one is free.
 fn temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
     let process = std::process::id();
     let mut attempt = 0u32;
@@ -103,8 +101,8 @@ mod tests {
     use super::super::super::csv::Cell;
     use super::*;
 
-    fn rows(id: &str) -> Table {
-        let mut table = Table::default();
+    fn rows(id: &str) -> SweepTable {
+        let mut table = SweepTable::default();
         table.push([("case", Cell::from(id)), ("x", Cell::Number(0.1))]);
         table
     }
@@ -127,7 +125,7 @@ mod tests {
         }
         std::fs::write(&found[0], &bytes).unwrap();
         assert_eq!(read_part(&found[0], &|_| true).unwrap().num_rows(), 1);
-        // a writer at work keeps its file, a dead one does not
+        // an active writer keeps its file, a dead one does not
         let (alive, file) = temporary(&found[0]).unwrap();
         file.try_lock().unwrap();
         let (dead, _) = temporary(&found[0]).unwrap();

@@ -17,22 +17,22 @@ use super::parts::replace;
 
 /// Name of the plan in the folder of a sweep.
 pub const PLAN: &str = "plan.jsonl";
-/// Version of plans, ids and columns; raised whenever the same scene would give other rows.
+/// Version of plans, ids and columns; raised whenever the rows of a scene change.
 const FORMAT: u32 = 1;
-/// Longer words name no file.
+/// Longest string that may be a file name.
 const LONGEST_PATH: usize = 1024;
 
 /// A case: one run of the base scene with values replaced.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// 32 hexadecimal digits: the hash of all that decides the case's rows.
+    /// 32 hexadecimal digits: the hash of all that determines the case's rows.
     pub id: String,
-    /// Values that are this case's own, as `KEY=VALUE`.
+    /// Values of this case alone, as `KEY=VALUE`.
     pub set: Vec<String>,
 }
 
-/// What all cases share.
+/// Data that all cases share.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
@@ -53,10 +53,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plans a sweep file. Combinations that make the same scene are one case. Scenes are checked when they are run.
+    /// Plans a sweep file. Combinations with the same scene are one case. Scenes are checked when they are run.
     ///
     /// # Errors
-    /// Files that cannot be read; axes that make no sweep; keys that lead nowhere in the base scene.
+    /// Files that cannot be read; illegal axes; keys that do not exist in the base scene.
     pub fn of_file(path: &Path) -> Result<Self, InputError> {
         let sweep = SweepText::read(path)?;
         let scene = path.parent().unwrap_or(Path::new("")).join(&sweep.scene);
@@ -64,7 +64,7 @@ impl Plan {
         let absolute = |e: std::io::Error| InputError::File { path: scene.clone(), reason: e.to_string() };
         let scene = std::path::absolute(&scene).map_err(absolute)?;
         let head = Head { supercoil_sweep: FORMAT, scene, rows: sweep.rows, set: sweep.shared(), text };
-        let mut names = Names::new(&head)?;
+        let mut names = CaseIds::new(&head)?;
         let mut seen = HashSet::new();
         let mut cases = Vec::new();
         for set in sweep.cases()? {
@@ -93,7 +93,7 @@ impl Plan {
         Self::from_text(&text, &path.display().to_string())
     }
 
-    /// Reads a plan from the text of [`Plan::to_text`]; `name` is told in errors.
+    /// Reads a plan from the text of [`Plan::to_text`]; errors contain `name`.
     ///
     /// # Errors
     /// As [`Plan::read`].
@@ -116,7 +116,7 @@ impl Plan {
     /// The plan as text: a line that all cases share, then a line a case.
     ///
     /// # Errors
-    /// A path that is no Unicode.
+    /// A path that is not Unicode.
     pub fn to_text(&self) -> Result<String, InputError> {
         let refuse = |e: serde_json::Error| InputError::Inconsistent { field: PLAN.into(), reason: e.to_string() };
         let mut text = serde_json::to_string(&self.head).map_err(refuse)? + "\n";
@@ -126,8 +126,7 @@ impl Plan {
         Ok(text)
     }
 
-    /// Writes the plan into the folder of a sweep, which is made if need be. Rows of cases that an earlier plan there had
-    /// stay.
+    /// Writes the plan into the folder of a sweep, which is created if need be. Rows of an earlier plan remain.
     ///
     /// # Errors
     /// [`InputError::Write`].
@@ -143,7 +142,7 @@ impl Plan {
         &self.cases
     }
 
-    /// Which steps become rows.
+    /// Steps that become rows.
     #[must_use]
     pub fn rows(&self) -> Rows {
         self.head.rows
@@ -187,15 +186,15 @@ impl Plan {
     }
 }
 
-/// Finds the ids of cases.
-struct Names<'a> {
+/// Computation of the ids of cases.
+struct CaseIds<'a> {
     head: &'a Head,
     scene: toml::Table,
     /// Hashes of the files that scenes name.
     files: HashMap<String, u128>,
 }
 
-impl<'a> Names<'a> {
+impl<'a> CaseIds<'a> {
     fn new(head: &'a Head) -> Result<Self, InputError> {
         let name = head.scene.display().to_string();
         let refuse = |e: toml::de::Error| InputError::Parse { file: name.clone(), reason: e.to_string() };

@@ -1,4 +1,4 @@
-//! Pictures of a sweep: any column over any axis.
+//! Plots of a sweep: any column over any other.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,14 +7,14 @@ use crate::error::InputError;
 
 use super::super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use super::case::ID;
-use super::columns::{Table, Values};
+use super::columns::{ColumnValues, SweepTable};
 
-/// Most curves: more cannot be told apart.
+/// Most curves, because more cannot be distinguished.
 const MOST_CURVES: usize = 12;
 
-/// What is drawn over what.
+/// Columns of a plot.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Axes {
+pub struct PlotAxes {
     /// Column along the horizontal axis: numbers.
     pub x: String,
     /// Column along the vertical axis: numbers.
@@ -29,9 +29,8 @@ pub struct Axes {
 /// drawn; rows without one of the two values are passed over.
 ///
 /// # Errors
-/// [`InputError::Name`] for columns that are not there or hold words; more curves than can be told apart; errors of
-/// drawing.
-pub fn plot(path: &Path, table: &Table, axes: &Axes) -> Result<(), InputError> {
+/// [`InputError::Name`] for columns that are not there or hold words; too many curves; errors of drawing.
+pub fn plot(path: &Path, table: &SweepTable, axes: &PlotAxes) -> Result<(), InputError> {
     let (x, y) = (numbers(table, "x", &axes.x)?, numbers(table, "y", &axes.y)?);
     let by = axes.by.as_deref().or(axes.steps.then_some(ID));
     let by = by.map(|name| column(table, "by", name).map(|values| (name, values))).transpose()?;
@@ -62,7 +61,7 @@ pub fn plot(path: &Path, table: &Table, axes: &Axes) -> Result<(), InputError> {
     plot_lines(path, &PlotSpec { x_label: axes.x.clone(), y_label, series, ..PlotSpec::default() })
 }
 
-/// A number that has a place among others.
+/// A number with a total order.
 #[derive(Debug, Clone, Copy)]
 struct Ordered(f64);
 
@@ -86,12 +85,12 @@ impl PartialEq for Ordered {
 
 impl Eq for Ordered {}
 
-fn label(name: &str, values: &Values, row: usize) -> String {
+fn label(name: &str, values: &ColumnValues, row: usize) -> String {
     let value = values.text(row).unwrap_or_else(|| "none".to_owned());
     if name == ID {
         return value.chars().take(8).collect();
     }
-    // the last words of a key say most
+    // the last part of a key is the most specific
     let short = name.rsplit('.').next().unwrap_or(name);
     format!("{short} = {}", value.strip_suffix(".0").unwrap_or(&value))
 }
@@ -101,16 +100,16 @@ fn too_many(by: &str) -> InputError {
     InputError::Inconsistent { field: by.to_owned(), reason }
 }
 
-fn column<'a>(table: &'a Table, field: &str, name: &str) -> Result<&'a Values, InputError> {
+fn column<'a>(table: &'a SweepTable, field: &str, name: &str) -> Result<&'a ColumnValues, InputError> {
     table.column(name).ok_or_else(|| {
         let names: Vec<&str> = table.columns().iter().map(|column| column.name.as_str()).collect();
         InputError::Name { field: field.to_owned(), name: name.to_owned(), allowed: names.join(", ") }
     })
 }
 
-fn numbers<'a>(table: &'a Table, field: &str, name: &str) -> Result<&'a Values, InputError> {
+fn numbers<'a>(table: &'a SweepTable, field: &str, name: &str) -> Result<&'a ColumnValues, InputError> {
     match column(table, field, name)? {
-        Values::Text(_) => {
+        ColumnValues::Text(_) => {
             let allowed = "a column of numbers".to_owned();
             Err(InputError::Name { field: field.to_owned(), name: name.to_owned(), allowed })
         }

@@ -1,12 +1,12 @@
-//! Random draws that depend on a seed, a key and an index only: more draws, or another key, change none of those before.
+//! Random draws that depend on a seed, a key and an index only: further draws or keys do not change earlier ones.
 
 use twox_hash::XxHash3_128;
 
 /// A stream of numbers: splitmix64 (Steele, Lea & Flood 2014), the same on every machine and in every version.
 #[derive(Debug, Clone)]
-pub(super) struct Random(u64);
+pub(super) struct DrawStream(u64);
 
-impl Random {
+impl DrawStream {
     /// The stream of draw `index` of a key.
     pub fn of(seed: u64, key: &str, index: usize) -> Self {
         Self(XxHash3_128::oneshot(format!("{seed} {key} {index}").as_bytes()) as u64)
@@ -31,7 +31,7 @@ impl Random {
 
     /// Of mean 0 and standard deviation 1 (Box & Muller 1958).
     pub fn normal(&mut self) -> f64 {
-        // 1 − x: the logarithm of 0 does not come up
+        // 1 − x avoids the logarithm of 0
         let (radius, angle) = ((-2.0 * (1.0 - self.unit()).ln()).sqrt(), std::f64::consts::TAU * self.unit());
         radius * angle.cos()
     }
@@ -44,8 +44,8 @@ mod tests {
     #[test]
     fn draws_are_uniform_and_normal_and_independent() {
         let count = 20_000;
-        let draws: Vec<Random> = (0..count).map(|index| Random::of(7, "a.b", index)).collect();
-        let mean = |of: &dyn Fn(Random) -> f64| draws.iter().cloned().map(of).sum::<f64>() / count as f64;
+        let draws: Vec<DrawStream> = (0..count).map(|index| DrawStream::of(7, "a.b", index)).collect();
+        let mean = |of: &dyn Fn(DrawStream) -> f64| draws.iter().cloned().map(of).sum::<f64>() / count as f64;
         // four standard errors
         assert!((mean(&|mut r| r.unit()) - 0.5).abs() < 4.0 * 0.289 / (count as f64).sqrt());
         assert!(mean(&|mut r| r.normal()).abs() < 4.0 / (count as f64).sqrt());
@@ -54,14 +54,14 @@ mod tests {
         let next = |index: usize| draws[(index + 1) % count].clone().normal();
         let paired = (0..count).map(|k| draws[k].clone().normal() * next(k)).sum::<f64>() / count as f64;
         assert!(paired.abs() < 4.0 / (count as f64).sqrt(), "{paired}");
-        assert_ne!(Random::of(7, "a.b", 0).bits(), Random::of(8, "a.b", 0).bits());
-        assert_ne!(Random::of(7, "a.b", 0).bits(), Random::of(7, "a.c", 0).bits());
+        assert_ne!(DrawStream::of(7, "a.b", 0).bits(), DrawStream::of(8, "a.b", 0).bits());
+        assert_ne!(DrawStream::of(7, "a.b", 0).bits(), DrawStream::of(7, "a.c", 0).bits());
     }
 
-    /// Plans of earlier versions stay what they were.
+    /// Draws do not change between versions.
     #[test]
     fn draws_are_those_of_every_version() {
-        let mut random = Random::of(1, "rods.dna.sequence.letters", 3);
+        let mut random = DrawStream::of(1, "rods.dna.sequence.letters", 3);
         let drawn = [random.below(1_000_000), random.below(1_000_000)];
         assert_eq!(drawn, [976571, 18332]);
     }

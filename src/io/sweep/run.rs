@@ -1,4 +1,4 @@
-//! Cases side by side, each on a thread of its own; rows are written every so many seconds.
+//! Parallel cases, each on one thread; rows are written at regular intervals.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,15 +10,15 @@ use crate::solve::Interrupt;
 
 use super::case::{CONVERGED, STATUS};
 use super::collect::finished_ids;
-use super::columns::Table;
+use super::columns::SweepTable;
 use super::parts::write_part;
 use super::plan::{Case, Plan};
 
-/// Every how many of the cases which one: case k belongs to shard k modulo `count`, so that neighbours, which cost about
-/// the same, are spread.
+/// A part of the cases: case k belongs to shard k modulo `count`, so that neighbours, which cost about the same, are
+/// spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// From 0.
+    /// Index of the shard, from 0.
     pub index: usize,
     /// Number of shards, at least 1.
     pub count: usize,
@@ -48,18 +48,18 @@ impl Shard {
     }
 }
 
-/// How cases are run.
+/// Settings of a run of a sweep.
 #[derive(Debug, Clone)]
 pub struct SweepRun {
-    /// Which cases.
+    /// The cases to run.
     pub shard: Shard,
-    /// Cases side by side, at least 1.
+    /// Number of parallel cases, at least 1.
     pub jobs: usize,
-    /// No case goes on after so many seconds; those at work then are left for the next run.
+    /// Time limit, s; running cases are then stopped and left for the next run.
     pub max_seconds: Option<f64>,
-    /// Rows wait at most so long for being written \[s\]: as much is lost when the process is killed.
+    /// Longest time before rows are written \[s\]; a killed process loses at most this.
     pub part_seconds: f64,
-    /// Stops all cases at work; they are left for the next run.
+    /// Stops all running cases; they are left for the next run.
     pub interrupt: Interrupt,
 }
 
@@ -71,16 +71,16 @@ impl Default for SweepRun {
     }
 }
 
-/// How far a run of a sweep has come.
+/// Progress of a run of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tally {
     /// Cases of the shard.
     pub cases: usize,
-    /// Those that were there before.
+    /// Cases that had rows before.
     pub before: usize,
-    /// Those that this run has finished.
+    /// Cases that this run has finished.
     pub done: usize,
-    /// Those among them that did not converge.
+    /// Cases among these that did not converge.
     pub failed: usize,
 }
 
@@ -93,8 +93,8 @@ impl Tally {
 }
 
 impl SweepRun {
-    /// Runs the cases of the shard that have no rows yet in the folder of a sweep; `watch` sees every finished one. Another
-    /// run of the same cases at the same time does no harm: both write the same rows.
+    /// Runs the cases of the shard that have no rows yet in the folder of a sweep; `watch` sees every finished one. Two
+    /// runs of the same cases at the same time are safe, because both write the same rows.
     ///
     /// # Errors
     /// A plan or parts that cannot be read, [`InputError::Write`] if rows cannot be written.
@@ -114,7 +114,7 @@ impl SweepRun {
                 scope.spawn(|| self.work(&plan, &left, &next, sender));
             }
             drop(sender);
-            let mut writer = Writer { dir, rows: Table::default(), last: Instant::now(), error: None };
+            let mut writer = RowWriter { dir, rows: SweepTable::default(), last: Instant::now(), error: None };
             let started = Instant::now();
             loop {
                 match receiver.recv_timeout(self.pause(started, &writer)) {
@@ -139,18 +139,18 @@ impl SweepRun {
         })
     }
 
-    fn work(&self, plan: &Plan, cases: &[&Case], next: &AtomicUsize, rows: Sender<Table>) {
+    fn work(&self, plan: &Plan, cases: &[&Case], next: &AtomicUsize, rows: Sender<SweepTable>) {
         while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
             let ended = (!self.interrupt.is_raised()).then(|| plan.run(case, &self.interrupt)).flatten();
-            // the other side goes only when all is over
+            // the receiver is dropped only at the end
             if ended.is_none_or(|ended| rows.send(ended).is_err()) {
                 return;
             }
         }
     }
 
-    /// How long nothing need be done unless a case ends.
-    fn pause(&self, started: Instant, writer: &Writer) -> Duration {
+    /// Time to wait for the end of a case.
+    fn pause(&self, started: Instant, writer: &RowWriter) -> Duration {
         let until = |seconds: f64, since: Instant| seconds - since.elapsed().as_secs_f64();
         let limit = self.max_seconds.map_or(f64::INFINITY, |limit| until(limit, started));
         let write = if writer.rows.num_rows() > 0 { until(self.part_seconds, writer.last) } else { f64::INFINITY };
@@ -159,24 +159,24 @@ impl SweepRun {
     }
 }
 
-fn converged(rows: &Table) -> bool {
+fn converged(rows: &SweepTable) -> bool {
     rows.column(STATUS).and_then(|status| status.text(0)).is_some_and(|status| status == CONVERGED)
 }
 
-/// Rows on their way to the disk.
-struct Writer<'a> {
+/// Rows waiting to be written.
+struct RowWriter<'a> {
     dir: &'a Path,
-    rows: Table,
+    rows: SweepTable,
     last: Instant,
     error: Option<InputError>,
 }
 
-impl Writer<'_> {
-    /// Writes the rows that wait; whether that went well.
+impl RowWriter<'_> {
+    /// Writes the waiting rows; returns whether it succeeded.
     fn write(&mut self) -> bool {
         if self.error.is_none() && self.rows.num_rows() > 0 {
             match write_part(self.dir, &self.rows) {
-                Ok(()) => self.rows = Table::default(),
+                Ok(()) => self.rows = SweepTable::default(),
                 Err(error) => self.error = Some(error),
             }
         }

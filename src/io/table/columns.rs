@@ -9,17 +9,17 @@ use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
 use crate::scene::ramped::{axis_of, place_name, prescribed};
 use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
 
-type Value = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
+type CellOfStep = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
 
-struct Column {
+struct RunColumn {
     name: String,
     unit: String,
     meaning: &'static str,
-    value: Value,
+    value: CellOfStep,
 }
 
 /// The columns of a run's table; those that a scene does not have are left out.
-pub struct Columns(Vec<Column>);
+pub struct Columns(Vec<RunColumn>);
 
 impl fmt::Debug for Columns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -27,8 +27,8 @@ impl fmt::Debug for Columns {
     }
 }
 
-/// Names of the units of what is in a table.
-struct Names {
+/// Names of the units of the columns.
+struct UnitNames {
     length: String,
     force: String,
     moment: String,
@@ -36,8 +36,8 @@ struct Names {
 }
 
 impl Columns {
-    /// Of a model, its stages and units; `relaxed_links` is the link of relaxed DNA by rod, turns, `thermal` kT in the
-    /// scene's unit of energy where it has one.
+    /// The columns for a model, its stages and units. `relaxed_links` is the link of relaxed DNA by rod, turns;
+    /// `thermal` is kT in the scene's unit of energy, if known.
     pub fn new(
         model: &Model,
         stages: &[Stage],
@@ -46,7 +46,8 @@ impl Columns {
         thermal: Option<f64>,
     ) -> Self {
         let (length, force) = (units.length.clone(), units.force.clone());
-        let names = Names { moment: format!("{force} {length}"), pressure: format!("{force}/{length}"), length, force };
+        let names =
+            UnitNames { moment: format!("{force} {length}"), pressure: format!("{force}/{length}"), length, force };
         let mut all = Self(Vec::new());
         all.add("step", "", "accepted step, 0 the start", |step| step.step.into());
         all.add("stage", "", "stage, from 0", |step| step.stage.into());
@@ -81,10 +82,10 @@ impl Columns {
         meaning: &'static str,
         value: impl Fn(&Observation) -> Cell + Send + Sync + 'static,
     ) {
-        self.0.push(Column { name: name.to_owned(), unit: unit.to_owned(), meaning, value: Box::new(value) });
+        self.0.push(RunColumn { name: name.to_owned(), unit: unit.to_owned(), meaning, value: Box::new(value) });
     }
 
-    fn prescribed(&mut self, model: &Model, stages: &[Stage], names: &Names) {
+    fn prescribed(&mut self, model: &Model, stages: &[Stage], names: &UnitNames) {
         for quantity in prescribed(model, stages) {
             let unit = match quantity.unit {
                 "L" => names.length.clone(),
@@ -101,7 +102,7 @@ impl Columns {
         }
     }
 
-    fn links(&mut self, model: &Model, relaxed_links: &[Option<f64>], names: &Names) {
+    fn links(&mut self, model: &Model, relaxed_links: &[Option<f64>], names: &UnitNames) {
         for rod in (0..model.rods.len()).filter(|&rod| model.rods[rod].closed) {
             let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodLink) -> f64| {
                 self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
@@ -124,7 +125,7 @@ impl Columns {
         }
     }
 
-    fn ends(&mut self, model: &Model, names: &Names) {
+    fn ends(&mut self, model: &Model, names: &UnitNames) {
         for rod in (0..model.rods.len()).filter(|&rod| !model.rods[rod].closed) {
             let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodEnds) -> Option<f64>| {
                 self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
@@ -150,7 +151,7 @@ impl Columns {
         }
     }
 
-    fn energies(&mut self, names: &Names, charged: bool, thermal: Option<f64>) {
+    fn energies(&mut self, names: &UnitNames, charged: bool, thermal: Option<f64>) {
         let unit = &names.moment;
         self.add("stretching_energy", unit, "½∫EA (Γ3 − 1)²", |step| number(step.energies.stretch));
         self.add("shearing_energy", unit, "½∫GA Γ²", |step| number(step.energies.shear));
@@ -170,7 +171,7 @@ impl Columns {
         }
     }
 
-    fn contact(&mut self, names: &Names) {
+    fn contact(&mut self, names: &UnitNames) {
         self.add(
             "min_gap",
             &names.length,
@@ -187,7 +188,7 @@ impl Columns {
         });
     }
 
-    fn reactions(&mut self, model: &Model, stages: &[Stage], names: &Names) {
+    fn reactions(&mut self, model: &Model, stages: &[Stage], names: &UnitNames) {
         for node in supported(model, stages) {
             let (position, rotation) = held(model, stages, node);
             let place = place_name(model, node);
@@ -274,7 +275,7 @@ impl Columns {
     /// # Errors
     /// [`InputError::Write`] if the file cannot be written.
     pub fn write_legend(&self, path: &Path) -> Result<(), InputError> {
-        let row = |column: &Column| [column.name.as_str(), column.unit.as_str(), column.meaning].map(Cell::from);
+        let row = |column: &RunColumn| [column.name.as_str(), column.unit.as_str(), column.meaning].map(Cell::from);
         write_table(path, &["column", "unit", "meaning"], self.0.iter().map(row))
     }
 }
@@ -297,7 +298,7 @@ fn number(x: f64) -> Cell {
     Cell::Number(x + 0.0)
 }
 
-/// Nodes that supports hold at some time of the run.
+/// Nodes that supports fix at some time of the run.
 fn supported(model: &Model, stages: &[Stage]) -> Vec<NodeRef> {
     let mut all: Vec<NodeRef> = model.supports.iter().chain(set_later(stages)).map(|support| support.node).collect();
     all.sort_unstable();
@@ -305,7 +306,7 @@ fn supported(model: &Model, stages: &[Stage]) -> Vec<NodeRef> {
     all
 }
 
-/// Components of position and rotation that are held there at some time.
+/// Components of position and rotation that are fixed at a node at some time.
 fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]) {
     let later = set_later(stages).filter(|support| support.node == node);
     later.fold(model.fixed(node), |(position, rotation), support| {
@@ -314,7 +315,7 @@ fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]
     })
 }
 
-/// Supports that stages set.
+/// Supports that stages add.
 fn set_later(stages: &[Stage]) -> impl Iterator<Item = &Support> {
     stages.iter().flat_map(|stage| &stage.ramps).filter_map(|ramp| match ramp {
         Ramp::Hold(support) => Some(support),

@@ -1,8 +1,8 @@
 //! A film as binary glTF 2.0.
 //!
 //! Each frame is a node with one mesh, one primitive a rod; an animation shows one at a time by scaling the others to
-//! nothing, as the standard provides (node transforms of scale zero). Without animation the last is seen. Morph targets would move
-//! smoothly, but colours could not change with the steps, and viewers take only a few of them.
+//! nothing, as the standard provides (node transforms of scale zero). Without animation the last is visible. Morph
+//! targets would move smoothly, but colours could not change with the steps, and viewers accept only a few of them.
 
 use std::path::Path;
 
@@ -21,23 +21,23 @@ use crate::io::picture::span::{self, tangents};
 use crate::io::picture::{Stripe, colors_by_value};
 use crate::math::Vec3;
 
-use super::mesh::{self, Look, per_ring, tube};
+use super::mesh::{self, MeshStyle, per_ring, tube};
 use super::{Film, FilmRod, Frame, FrameRod, Quantity, STRANDS};
 
-/// Sides of a tube, and those of tubes when there are many.
+/// Sides of a tube, and of a tube in films with many vertices.
 const SIDES: [usize; 2] = [14, 6];
-/// Vertices of a file at one ring a node: where there are more, tubes have few sides, and then are lines. Each takes some
-/// 60 bytes.
+/// Largest number of vertices of a file, some 60 bytes each, at one ring per node. Above it tubes get fewer sides, then
+/// become lines.
 const MAX_VERTICES: usize = 600_000;
-/// Largest extent of what is shown, in metres, which glTF counts in: what viewers and slides expect.
+/// Largest extent of the scene, in metres, the unit of glTF, because viewers and slides expect such a size.
 const EXTENT: f64 = 2.0;
 
-/// How a film is written as glTF.
+/// Options of glTF files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlbOptions {
     /// By which rods are coloured.
     pub color: Quantity,
-    /// Seconds that each frame is shown. Legal: greater than 0.
+    /// Duration of each frame, s. Legal: greater than 0.
     pub seconds_per_frame: f64,
 }
 
@@ -51,7 +51,7 @@ impl Film {
     /// The film as a binary glTF file (`.glb`): tubes with the material stripe, or lines where more than 600 000 vertices
     /// would be needed, and one animation that steps through the frames.
     ///
-    /// The vertices are in the film's own length unit, about the middle of the last frame; the node above them all turns the
+    /// The vertices are in the film's own length unit, about the middle of the last frame; the root node rotates the
     /// widest direction to the right and scales that frame to about two metres.
     ///
     /// # Errors
@@ -60,7 +60,7 @@ impl Film {
     pub fn glb(&self, options: &GlbOptions) -> Result<Vec<u8>, InputError> {
         self.check()?;
         InputError::positive("seconds_per_frame", options.seconds_per_frame)?;
-        let mut writer = Writer::new(self, options);
+        let mut writer = GlbWriter::new(self, options);
         let frames: Vec<Index<Node>> = self.frames.iter().map(|frame| writer.frame(frame)).collect();
         writer.root_node(&frames);
         if frames.len() > 1 {
@@ -79,7 +79,7 @@ impl Film {
     }
 }
 
-struct Writer<'a> {
+struct GlbWriter<'a> {
     film: &'a Film,
     options: &'a GlbOptions,
     range: [f64; 2],
@@ -90,7 +90,7 @@ struct Writer<'a> {
     data: Vec<u8>,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> GlbWriter<'a> {
     fn new(film: &'a Film, options: &'a GlbOptions) -> Self {
         let rods = film.frames.iter().flat_map(|frame| &frame.rods);
         let nodes: usize = rods.map(|rod| rod.points.len()).sum();
@@ -111,12 +111,12 @@ impl<'a> Writer<'a> {
         Self { film, options, range, center, sides, root, data: Vec::new() }
     }
 
-    /// Adds a node with what is seen of a frame.
+    /// Adds a node with the mesh of a frame.
     fn frame(&mut self, frame: &Frame) -> Index<Node> {
         let name = Some(format!("step {}", frame.step));
         let drawn = frame.rods.iter().enumerate().filter(|(_, rod)| rod.points.len() > 1);
         let primitives: Vec<Primitive> = drawn.map(|(index, rod)| self.primitive(index, rod)).collect();
-        // a mesh without primitives is none
+        // a mesh needs at least one primitive
         let mesh = (!primitives.is_empty()).then(|| {
             let mesh =
                 Mesh { name: name.clone(), primitives, extensions: None, extras: Default::default(), weights: None };
@@ -131,7 +131,8 @@ impl<'a> Writer<'a> {
         let (mesh, mode) = match self.sides {
             Some(sides) => {
                 let stripe = linear(Stripe::along(Vec::new()).color);
-                let look = Look { radius: head.radius, closed: head.closed, seam_turns: rod.seam_turns, sides, stripe };
+                let look =
+                    MeshStyle { radius: head.radius, closed: head.closed, seam_turns: rod.seam_turns, sides, stripe };
                 (tube(&nodes, &look), Mode::Triangles)
             }
             None => (line(&nodes), if head.closed { Mode::LineLoop } else { Mode::LineStrip }),
@@ -179,7 +180,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Points of a rod with all that is drawn there.
+    /// Nodes of a rod with the data for drawing.
     fn nodes(&self, index: usize, rod: &FrameRod) -> Vec<span::Node> {
         let color = self.options.color;
         let colors = match color {
@@ -194,7 +195,7 @@ impl<'a> Writer<'a> {
         tangents(&rod.points, self.film.rods[index].closed).into_iter().enumerate().map(node).collect()
     }
 
-    /// Adds values to the data, and how to read them.
+    /// Adds values to the data, and their accessor.
     fn accessor(&mut self, layout: Layout, count: usize, bytes: &[u8]) -> Index<Accessor> {
         let view = View {
             buffer: Index::new(0),
@@ -206,7 +207,7 @@ impl<'a> Writer<'a> {
             extensions: None,
             extras: Default::default(),
         };
-        // every type here fills whole words: the next array is aligned, too
+        // every type here fills whole words, so the next array is aligned
         self.data.extend(bytes);
         let view = self.root.push(view);
         self.root.push(Accessor {
@@ -228,7 +229,7 @@ impl<'a> Writer<'a> {
     /// The node above all frames, and the scene that shows it.
     fn root_node(&mut self, frames: &[Index<Node>]) {
         let (_, axes, extent) = self.film.stage();
-        // the rows are where x, y, z of the viewer come from
+        // the rows are the axes x, y, z of the viewer
         let turned = nalgebra::Rotation3::from_matrix_unchecked(axes);
         let q = nalgebra::UnitQuaternion::from_rotation_matrix(&turned).coords;
         let title = Some(self.film.title.clone()).filter(|title| !title.is_empty());
@@ -247,7 +248,7 @@ impl<'a> Writer<'a> {
     fn animation(&mut self, frames: &[Index<Node>]) {
         let scalars = Layout { kind: Type::Scalar, component: ComponentType::F32, target: None };
         let seconds = |k: usize| (k as f64 * self.options.seconds_per_frame) as f32;
-        // one more than frames, or the last would not be shown for any time
+        // one more than frames, so that the last one has a duration
         let times: Vec<f32> = (0..=frames.len()).map(seconds).collect();
         let bytes: Vec<u8> = times.iter().flat_map(|t| t.to_le_bytes()).collect();
         let input = self.accessor(scalars, times.len(), &bytes);
@@ -297,7 +298,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// How the values of an accessor lie in the data.
+/// Layout of the values of an accessor.
 #[derive(Clone, Copy)]
 struct Layout {
     kind: Type,

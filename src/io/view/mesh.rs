@@ -2,15 +2,16 @@
 
 use crate::io::picture::span::{Node, Span};
 use crate::math::Vec3;
+use crate::math::direction::any_normal;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Largest turning of the tangent (rad) between two rings: with smooth normals only the outline tells.
+/// Largest turning of the tangent (rad) between two rings; with smooth normals only the outline shows the rings.
 const TURNING: f64 = 0.15;
 /// Largest turn of the stripe (rad) between two rings.
 const TWISTING: f64 = 0.4;
 /// Most rings between two nodes.
 const MAX_RINGS: f64 = 16.0;
-/// Half the angle that the stripe covers, rad; as in pictures.
+/// Half the angle of the stripe, rad, as in pictures.
 const STRIPE: f64 = 0.3;
 /// Rings of the round cap of an open end.
 const CAP_RINGS: usize = 4;
@@ -25,24 +26,24 @@ pub(super) struct Mesh {
     pub indices: Vec<u32>,
 }
 
-/// How a tube is made.
-pub(super) struct Look {
+/// Style of a tube.
+pub(super) struct MeshStyle {
     pub radius: f64,
     pub closed: bool,
     pub seam_turns: f64,
-    /// Sides of the cross-section besides the stripe.
+    /// Sides of the cross-section in addition to the stripe.
     pub sides: usize,
     /// Colour of the stripe, linear light.
     pub stripe: Vec3,
 }
 
-/// Vertices of a ring: two of the stripe, the others once more than there are sides.
+/// Vertices of a ring: two of the stripe, and one more than there are sides.
 pub(super) fn per_ring(sides: usize) -> usize {
     2 + sides + 1
 }
 
 /// Cross-sections along a tube through the nodes, ends of open tubes not rounded.
-fn sections(nodes: &[Node], look: &Look) -> Vec<Node> {
+fn sections(nodes: &[Node], look: &MeshStyle) -> Vec<Node> {
     let count = if look.closed { nodes.len() } else { nodes.len().saturating_sub(1) };
     let mut all: Vec<Node> = nodes.first().copied().into_iter().collect();
     for i in 0..count {
@@ -55,11 +56,11 @@ fn sections(nodes: &[Node], look: &Look) -> Vec<Node> {
 }
 
 /// The tube through the nodes; fewer than two make none.
-pub(super) fn tube(nodes: &[Node], look: &Look) -> Mesh {
+pub(super) fn tube(nodes: &[Node], look: &MeshStyle) -> Mesh {
     let mut mesh = Mesh::default();
     let sections = sections(nodes, look);
     let (Some(first), Some(last), 2..) = (sections.first(), sections.last(), nodes.len()) else { return mesh };
-    // by how much a ring of a cap is turned out of the cross-section, rad
+    // angle of a ring of a cap from the cross-section, rad
     let tilt = |k: usize| FRAC_PI_2 * k as f64 / CAP_RINGS as f64;
     if !look.closed {
         (1..=CAP_RINGS).rev().for_each(|k| mesh.ring(first, look, -tilt(k)));
@@ -74,9 +75,9 @@ pub(super) fn tube(nodes: &[Node], look: &Look) -> Mesh {
 
 impl Mesh {
     /// Adds a ring of a sphere about the section, `tilt` (rad) from its equator.
-    fn ring(&mut self, section: &Node, look: &Look, tilt: f64) {
+    fn ring(&mut self, section: &Node, look: &MeshStyle, tilt: f64) {
         let (sin, cos) = tilt.sin_cos();
-        // without a direction (none known, or d1 along the tangent) there is no stripe, and any will do
+        // without a direction (unknown, or d1 along the tangent) there is no stripe, and any direction serves
         let direction = section.stripe.try_normalize(0.5);
         let stripe = if direction.is_some() { look.stripe } else { section.color };
         let e1 = direction.unwrap_or_else(|| any_normal(section.tangent));
@@ -107,13 +108,6 @@ impl Mesh {
     }
 }
 
-/// A unit vector normal to another.
-fn any_normal(tangent: Vec3) -> Vec3 {
-    let mut axis = Vec3::zeros();
-    axis[tangent.iamin()] = 1.0;
-    (axis - tangent * tangent.dot(&axis)).try_normalize(0.0).unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,7 +118,7 @@ mod tests {
         points.iter().zip(tangents(points, closed)).map(node).collect()
     }
 
-    /// Volume enclosed by the triangles: positive only if all are seen from outside.
+    /// Volume enclosed by the triangles: positive only if all face outwards.
     fn volume(mesh: &Mesh) -> f64 {
         let p = |i: u32| mesh.positions[i as usize];
         mesh.indices.chunks_exact(3).map(|t| p(t[0]).dot(&p(t[1]).cross(&p(t[2]))) / 6.0).sum()
@@ -132,7 +126,7 @@ mod tests {
 
     #[test]
     fn tubes_enclose_the_volume_of_tori_and_capsules() {
-        let look = |closed| Look { radius: 0.1, closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
+        let look = |closed| MeshStyle { radius: 0.1, closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
         let circle: Vec<Vec3> =
             (0..64).map(|i| TAU * i as f64 / 64.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
         let torus = tube(&nodes(&circle, true), &look(true));
@@ -149,7 +143,7 @@ mod tests {
     fn the_stripe_turns_into_the_seam() {
         let circle: Vec<Vec3> =
             (0..16).map(|i| TAU * i as f64 / 16.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
-        let look = Look { radius: 0.1, closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
+        let look = MeshStyle { radius: 0.1, closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
         let sections = sections(&nodes(&circle, true), &look);
         let (first, last) = (sections[0], sections[sections.len() - 1]);
         let turned = first.tangent.cross(&first.stripe);

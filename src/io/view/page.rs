@@ -15,7 +15,7 @@ use super::{Film, FilmRod, Frame, Plot, Quantity, STRANDS};
 
 const STYLE: &str = include_str!("../../../assets/view/style.css");
 const BODY: &str = include_str!("../../../assets/view/body.html");
-/// In the order in which each needs those before it.
+/// Scripts in the order of their dependencies.
 const SCRIPTS: [&str; 5] = [
     include_str!("../../../assets/view/film.js"),
     include_str!("../../../assets/view/shaders.js"),
@@ -23,12 +23,12 @@ const SCRIPTS: [&str; 5] = [
     include_str!("../../../assets/view/panel.js"),
     include_str!("../../../assets/view/main.js"),
 ];
-/// Colours of a palette that are handed to the page.
+/// Number of colours of a palette in the page.
 const COLORS: usize = 17;
 
 impl Film {
-    /// The film as a page for the browser: one file that needs nothing else and no network. Positions are stored in single
-    /// precision about the middle of the last frame. The same film gives the same bytes.
+    /// The film as a page for the browser: a single file that needs no network. Positions are stored in single
+    /// precision about the middle of the last frame. Equal films give equal bytes.
     ///
     /// # Errors
     /// [`InputError`] naming the field if a count, radius or number cannot be used.
@@ -62,7 +62,7 @@ impl Film {
         std::fs::write(path, self.page()?).map_err(refuse)
     }
 
-    /// Everything but the nodes.
+    /// All data except the nodes.
     fn head(&self) -> Value {
         let (center, axes, extent) = self.stage();
         let rows: [[f64; 3]; 3] = axes.transpose().into();
@@ -125,7 +125,7 @@ fn numbers(frame: &Frame, center: Vec3) -> Vec<u8> {
     frame.rods.iter().flat_map(of_rod).collect()
 }
 
-/// Text with the characters HTML reserves replaced.
+/// Text with reserved characters of HTML escaped.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

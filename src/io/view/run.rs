@@ -1,4 +1,4 @@
-//! The film of a run, from the files it has left.
+//! The film of a finished run, from its files.
 
 use std::path::{Path, PathBuf};
 
@@ -12,31 +12,31 @@ use crate::math::Vec3;
 use crate::observe::report::Observation;
 use crate::scene::Units;
 
-use super::{Film, FilmRod, Frame, FrameRod, Plot, Table};
+use super::{Film, FilmRod, FilmTable, Frame, FrameRod, Plot};
 
-/// Nodes of a page, all frames together: of 36 bytes each, 4/3 of that as text, they make 29 MB.
+/// Largest number of nodes of a page, all frames together: at 36 bytes each, and 4/3 of that as text, 29 MB.
 pub const MAX_NODES: usize = 600_000;
-/// Frames that are kept before nodes are left out.
+/// Fewest frames that are kept before nodes are left out.
 const MIN_FRAMES: usize = 12;
-/// Distance from the line drawn, in radii, up to which nodes are left out first: it cannot be seen. Doubled until few enough
-/// are left.
+/// First tolerance for nodes that are left out, in radii from the drawn line: invisible. It is doubled until few enough
+/// nodes are left.
 const TOLERANCE: f64 = 0.01;
 
-/// What is read of `summary.json`.
+/// The part of `summary.json` for a film.
 #[derive(Deserialize)]
-struct Summary {
+struct FilmSummary {
     title: String,
     units: Units,
     rods: Vec<RodHead>,
     steps: Vec<Observation>,
 }
 
-/// The film of the run in the folder `dir`: of all steps that have a VTK file there, with the numbers of `summary.json`.
+/// The film of the run in the folder `dir`: all steps with a VTK file, and the numbers of `summary.json`.
 ///
-/// More than `max_nodes` nodes (all frames together) are made fewer: every other step is left out until 12 are left,
-/// the last always among them; then nodes that lie within a hundredth of the radius of the line drawn through the others, or a
-/// multiple of that, in powers of two, until few enough are left. The film's note says so; no stripe is drawn then, for
-/// it may turn by more than half a turn between nodes.
+/// More than `max_nodes` nodes (all frames together) are reduced. First every other step is left out until 12 are left,
+/// the last one always included. Then nodes within a tolerance of the line through the others are left out: a hundredth
+/// of the radius, doubled until few enough nodes are left. The film's note states this. No stripe is drawn then,
+/// because it may rotate by more than half a turn between nodes.
 ///
 /// # Errors
 /// [`InputError::File`] or [`InputError::Parse`] if a file is missing or damaged (a run under way has no summary yet),
@@ -45,12 +45,12 @@ pub fn of_run(dir: &Path, max_nodes: usize) -> Result<Film, InputError> {
     let path = dir.join(SUMMARY);
     let text =
         std::fs::read_to_string(&path).map_err(|e| InputError::File { path: path.clone(), reason: e.to_string() })?;
-    let Summary { title, units, rods, steps } = serde_json::from_str(&text)
+    let FilmSummary { title, units, rods, steps } = serde_json::from_str(&text)
         .map_err(|e| InputError::Parse { file: path.display().to_string(), reason: e.to_string() })?;
     film(dir, &Parts { title: &title, units: &units, rods: &rods, steps: &steps }, max_nodes)
 }
 
-/// Writes `view.html` into the folder of a run, as the run itself has: [`Film::page`] of [`of_run`] with at most
+/// Writes `view.html` into the folder of a run, as the run itself does: [`Film::page`] of [`of_run`] with at most
 /// [`MAX_NODES`] nodes. Returns its path.
 ///
 /// # Errors
@@ -61,7 +61,7 @@ pub fn write_page(dir: &Path) -> Result<PathBuf, InputError> {
     Ok(path)
 }
 
-/// What is known of a run besides its VTK files.
+/// Data of a run other than its VTK files.
 pub(in crate::io) struct Parts<'a> {
     pub title: &'a str,
     pub units: &'a Units,
@@ -69,7 +69,7 @@ pub(in crate::io) struct Parts<'a> {
     pub steps: &'a [Observation],
 }
 
-/// [`of_run`] where the summary is at hand.
+/// [`of_run`] with a given summary.
 pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<Film, InputError> {
     let files = step_files(dir, run.steps.len())?;
     let Some((_, first)) = files.first() else {
@@ -99,7 +99,7 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
     Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), frames, table, plots, note })
 }
 
-/// Steps that have a VTK file, in order; of steps that the summary does not know there is none of this run.
+/// Steps with a VTK file, in order. Files of steps that are not in the summary are of another run and skipped.
 fn step_files(dir: &Path, num_steps: usize) -> Result<Vec<(usize, PathBuf)>, InputError> {
     let refuse = |e: std::io::Error| InputError::File { path: dir.to_owned(), reason: e.to_string() };
     let mut files = Vec::new();
@@ -112,7 +112,8 @@ fn step_files(dir: &Path, num_steps: usize) -> Result<Vec<(usize, PathBuf)>, Inp
     Ok(files)
 }
 
-/// Of how many steps one is shown: a power of two that leaves at most `affordable`, but 12 in any case.
+/// Number of steps from one shown step to the next: a power of two that leaves at most `affordable` steps, but at least
+/// 12.
 fn stride(steps: usize, affordable: usize) -> usize {
     let enough = affordable.max(MIN_FRAMES);
     let mut stride = 1;
@@ -122,7 +123,7 @@ fn stride(steps: usize, affordable: usize) -> usize {
     stride
 }
 
-/// Rods in the scene's order; those without points are not in the file.
+/// Rods in the scene's order; rods without points are not in the file.
 fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
     let mut rods = vec![VtkData::default(); count];
     data.into_iter().for_each(|rod| {
@@ -133,7 +134,7 @@ fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
     rods
 }
 
-/// A rod with at most `share` of its nodes, and the distance from the line drawn within which nodes were left out.
+/// A rod with at most the fraction `share` of its nodes, and the tolerance for nodes that were left out.
 fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
     let num = data.points.len();
     // `within` keeps the ends of its blocks in any case
@@ -172,7 +173,7 @@ fn forces(step: &Observation) -> Vec<[Vec3; 2]> {
     step.sites.iter().flat_map(of).collect()
 }
 
-/// What was left out, in words.
+/// Note on reduced steps and nodes.
 fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Units) -> String {
     let mut notes = Vec::new();
     if frames.len() < steps {
@@ -190,8 +191,8 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
     notes.join(" ")
 }
 
-/// The columns that are looked at, and their plots.
-fn table(steps: &[Observation], units: &Units) -> (Table, Vec<Plot>) {
+/// The columns shown, and their plots.
+fn table(steps: &[Observation], units: &Units) -> (FilmTable, Vec<Plot>) {
     let energy = format!("{} {}", units.force, units.length);
     let (turns, none) = ("turns".to_owned(), String::new());
     let linked = steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0);
@@ -225,5 +226,5 @@ fn table(steps: &[Observation], units: &Units) -> (Table, Vec<Plot>) {
     }
     plots.iter_mut().for_each(|plot| plot.y.retain(|&y| rows.iter().any(|row| row[y] != 0.0)));
     plots.retain(|plot| !plot.y.is_empty());
-    (Table { columns: columns.into_iter().map(|(name, unit)| (name.to_owned(), unit)).collect(), rows }, plots)
+    (FilmTable { columns: columns.into_iter().map(|(name, unit)| (name.to_owned(), unit)).collect(), rows }, plots)
 }

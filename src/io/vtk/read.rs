@@ -18,11 +18,11 @@ pub struct VtkData {
     pub vectors: BTreeMap<String, Vec<Vec3>>,
 }
 
-/// The rods of a `.vtp` file. Of the format it knows as much as [`write_vtp`](super::write_vtp) writes.
+/// The rods of a `.vtp` file. Only the subset of the format that [`write_vtp`](super::write_vtp) writes is read.
 ///
 /// # Errors
-/// [`InputError::File`] if the file cannot be read, [`InputError::Parse`] if it is none that this crate has written, or
-/// cut off.
+/// [`InputError::File`] if the file cannot be read, [`InputError::Parse`] if this crate has not written it, or it is
+/// cut short.
 pub fn read_vtp(path: &Path) -> Result<Vec<VtkData>, InputError> {
     let refuse = |e: std::io::Error| InputError::File { path: path.to_owned(), reason: e.to_string() };
     let bytes = std::fs::read(path).map_err(refuse)?;
@@ -33,14 +33,14 @@ pub fn read_vtp(path: &Path) -> Result<Vec<VtkData>, InputError> {
 }
 
 /// An array of the appended block: section, name, components, bytes.
-struct Array<'a> {
+struct AppendedArray<'a> {
     section: &'a str,
     name: String,
     components: usize,
     bytes: &'a [u8],
 }
 
-impl Array<'_> {
+impl AppendedArray<'_> {
     fn numbers<T>(&self, number: impl Fn([u8; 8]) -> T) -> Vec<T> {
         self.bytes.chunks_exact(8).filter_map(|b| b.try_into().ok()).map(number).collect()
     }
@@ -86,7 +86,7 @@ fn parse(file: &[u8]) -> Option<Vec<VtkData>> {
 }
 
 /// All arrays of a file.
-fn arrays(file: &[u8]) -> Option<Vec<Array<'_>>> {
+fn arrays(file: &[u8]) -> Option<Vec<AppendedArray<'_>>> {
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let start = file.windows(mark.len()).position(|w| w == mark)? + mark.len();
     let (head, block) = (std::str::from_utf8(&file[..start]).ok()?, &file[start..]);
@@ -100,7 +100,7 @@ fn arrays(file: &[u8]) -> Option<Vec<Array<'_>>> {
         let count = u64::from_le_bytes(block.get(offset..offset.checked_add(8)?)?.try_into().ok()?);
         let bytes = block.get(offset + 8..)?.get(..usize::try_from(count).ok()?)?;
         let components = attribute(tag, "NumberOfComponents").map_or(Some(1), |n| n.parse().ok())?;
-        arrays.push(Array { section, name: unescaped(attribute(tag, "Name")?), components, bytes });
+        arrays.push(AppendedArray { section, name: unescaped(attribute(tag, "Name")?), components, bytes });
     }
     Some(arrays)
 }
@@ -111,7 +111,7 @@ fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     rest.split_once('"').map(|(value, _)| value)
 }
 
-/// Text with what stands for the characters XML reserves replaced.
+/// Text with the escapes of XML replaced.
 fn unescaped(text: &str) -> String {
     text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&")
 }

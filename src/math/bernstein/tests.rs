@@ -35,7 +35,7 @@ fn simple_roots_to_machine_precision_at_any_scale() {
     }
 }
 
-/// A change of sign is followed to the root that makes it, not to one just beyond the end, where the secant starts.
+/// A change of sign leads to its own root, not to one just beyond the end, where the secant starts.
 #[test]
 fn a_root_beyond_the_end_is_not_mistaken_for_the_one_inside() {
     for beyond in [1.0 + 1e-16, 1.0 + 1e-15, 1.0 + 1e-13, 1.0 + 1e-9] {
@@ -50,17 +50,17 @@ fn ends_and_midpoint_are_exact() {
     roots(&from_roots(&[0.0, 0.5, 1.0], 1.0), &mut out);
     assert_eq!(out.as_slice(), &[0.0, 0.5, 1.0]);
     let crossings: Vec<_> = out.iter().map(|r| r.crossing).collect();
-    assert_eq!(crossings, [Crossing::Rising, Crossing::Falling, Crossing::Rising]);
+    assert_eq!(crossings, [SignChange::Rising, SignChange::Falling, SignChange::Rising]);
 }
 
 #[test]
 fn multiple_roots_are_one() {
     let mut out = Roots::new();
     for (r, crossing) in [
-        (&[0.3, 0.3][..], Crossing::Touching),
-        (&[0.3, 0.3, 0.3], Crossing::Rising),
-        (&[0.5, 0.5], Crossing::Touching),
-        (&[0.3, 0.3 + 1e-12], Crossing::Touching),
+        (&[0.3, 0.3][..], SignChange::Touching),
+        (&[0.3, 0.3, 0.3], SignChange::Rising),
+        (&[0.5, 0.5], SignChange::Touching),
+        (&[0.3, 0.3 + 1e-12], SignChange::Touching),
     ] {
         roots(&from_roots(r, 1.0), &mut out);
         assert!(out.as_slice().len() <= 1, "{r:?} {out:?}");

@@ -3,11 +3,12 @@
 //! Seen along n, the ribbon that points towards the eye has the link Σ ±1 over the self-crossings of the projection,
 //! hence `Wr = Σ ±1 − Tw(n)` where Tw(n) is the twist of the constant field n about the polygon (Fuller 1978; Agarwal,
 //! Edelsbrunner & Wang 2004). Crossings are found with a uniform grid, so the cost is that of the edges plus the pairs
-//! that share a cell. Anything too close to call makes the next viewing direction be tried.
+//! that share a cell. A crossing too close to call discards the viewing direction; the next one is tried.
 
 use std::ops::Range;
 
 use super::twist_with_seam;
+use crate::math::direction::any_normal;
 use crate::math::{Vec3, parallel};
 
 /// Viewing directions without any relation to the axes, tried in turn.
@@ -20,7 +21,7 @@ const DIRECTIONS: [[f64; 3]; 4] = [
 
 /// Relative size below which the sign of a product of coordinate differences is not trusted.
 const CLEAR: f64 = 1e-13;
-/// Edges, and cells with several of them, per parallel piece of work.
+/// Edges, and cells with several of them, per parallel task.
 const EDGES: usize = 4096;
 const CELLS: usize = 256;
 
@@ -67,8 +68,8 @@ pub(super) struct Crossing {
     pub sign: i64,
 }
 
-/// All crossings of a closed polygon of extent about 1 along the viewing direction in which they are fewest of those that
-/// show them clearly.
+/// All crossings of a closed polygon of extent about 1, seen along the viewing direction with the fewest crossings
+/// among those that show all of them clearly.
 pub(super) fn list(points: &[Vec3]) -> Option<Vec<Crossing>> {
     let along = |d: &[f64; 3]| {
         let edges = project(points, Vec3::from(*d).normalize());
@@ -103,7 +104,7 @@ type Edge = [Vec3; 2];
 
 /// Edges of a closed polygon in coordinates whose third axis is `n`.
 fn project(points: &[Vec3], n: Vec3) -> Vec<Edge> {
-    let x = super::any_normal(n);
+    let x = any_normal(n);
     let y = n.cross(&x);
     let seen: Vec<Vec3> = points.iter().map(|p| Vec3::new(x.dot(p), y.dot(p), n.dot(p))).collect();
     (0..seen.len()).map(|i| [seen[i], seen[(i + 1) % seen.len()]]).collect()
@@ -127,7 +128,7 @@ fn count(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option
         for (k, &(key, i)) in cell.iter().enumerate() {
             for &(_, j) in &cell[k + 1..] {
                 let (a, b) = (&edges[i as usize], &edges[j as usize]);
-                // A pair that shares several cells is looked at in one of them only.
+                // A pair that shares several cells is tested in one of them only.
                 if wanted(i as usize, j as usize) && grid.first_shared(a, b) == key {
                     sum += crossing(a, b)?;
                 }
@@ -182,7 +183,7 @@ impl Grid {
     }
 }
 
-/// One number per cell; columns and rows stay far below 2³² for up to 2³⁰ edges.
+/// One number per cell. Columns and rows stay far below 2³² for up to 2³⁰ edges.
 fn key([column, row]: [u64; 2]) -> u64 {
     column << 32 | row
 }

@@ -1,9 +1,9 @@
-//! Which knot a closed polygon is, as far as two values of its Alexander polynomial tell (Alexander 1928).
+//! Knot types of closed polygons, identified by two values of the Alexander polynomial (Alexander 1928).
 //!
-//! The picture's crossings cut the polygon into as many arcs, each from an underpass to the next. A crossing at which arc
-//! `o` passes over and arcs `i`, `j` come in and go out below has the row (1 − t) o − i + t j, with i and j exchanged for
-//! a left-handed one. Any minor of the matrix with one row and one column less is Δ(t) but for a factor ±tᵏ, which has
-//! no size on the unit circle.
+//! The crossings of a projection cut the polygon into as many arcs, each from an underpass to the next. At a crossing
+//! arc `o` passes over arcs `i` (incoming) and `j` (outgoing): its row is (1 − t) o − i + t j, with i and j exchanged
+//! for a left-handed crossing. Any minor of the matrix with one row and one column less is Δ(t) up to a factor ±tᵏ,
+//! whose modulus is 1 on the unit circle.
 
 use nalgebra::{Complex, DMatrix};
 
@@ -11,12 +11,12 @@ use super::crossings::{self, Crossing};
 use super::{all_finite, extent, normalised, without_repeats};
 use crate::math::Vec3;
 
-/// More crossings than these are not worked out: time grows with their cube, and is a tenth of a second here.
+/// Most crossings of a projection that is evaluated. Time grows with their cube: a tenth of a second here.
 const MOST_CROSSINGS: usize = 400;
-/// Distance from a whole number at which a value counts as it.
+/// Largest distance of a value from the whole number that it counts as.
 const TOL_WHOLE: f64 = 1e-3;
 
-/// Sizes of the Alexander polynomial Δ of a knot.
+/// Moduli of the Alexander polynomial Δ of a knot at two points of the unit circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alexander {
     /// |Δ(−1)|: the knot's determinant.

@@ -1,8 +1,9 @@
-//! Writhe of smooth closed curves, far more accurately than that of the polygon through the same samples.
+//! Writhe of smooth closed curves, far more accurate than that of the polygon through the same samples.
 
-use super::{any_normal, signed_angle, writhe};
+use super::{signed_angle, writhe};
 use crate::math::Vec3;
 use crate::math::chebyshev::{ChebyshevRule, DEGREE};
+use crate::math::direction::any_normal;
 use std::f64::consts::TAU;
 
 /// Writhe (turns) of a smooth closed curve, from `8·panels` samples.
@@ -14,8 +15,8 @@ use std::f64::consts::TAU;
 /// Method: writhe is minus the holonomy of the tangent along the curve modulo 1 (Fuller 1978, `Wr = Lk − Tw` with a
 /// parallel frame, Tw = 0), an ordinary integral which degree-8 panels resolve; the integer comes from the exact writhe
 /// of the polygon through the samples. So the error is that of the quadrature: on a (2,3) torus knot 2e-7 with 10
-/// panels, 2e-8 with 20, 2e-11 with 40 and 1e-12 with 60. The polygon's own writhe must be within ½ of the curve's,
-/// which any sampling that resolves the curve's shape gives. Returns NaN if a tangent is zero or NaN.
+/// panels, 2e-8 with 20, 2e-11 with 40 and 1e-12 with 60. The polygon's own writhe must be within ½ of the curve's; any
+/// sampling that resolves the shape satisfies this. Returns NaN if a tangent is zero or NaN.
 pub fn writhe_smooth(sample: &dyn Fn(f64) -> (Vec3, Vec3), panels: usize) -> f64 {
     let panels = panels.max(1);
     let rule = ChebyshevRule::new();

@@ -1,4 +1,4 @@
-//! Finds the zones near a place on a strand without looking at all of them.
+//! Search for the zones near a point of a strand, by buckets.
 
 use std::collections::BTreeMap;
 
@@ -6,8 +6,8 @@ use super::{SiteZone, class};
 use crate::contact::arc::ascending;
 use crate::contact::curve::CurveSet;
 
-/// Zones by strand and partner strand, in buckets of arc length: as many as there are zones, so that zones, which
-/// hardly overlap each other on their own strand, fill a few of them each.
+/// Zones by strand and partner strand, in buckets of arc length. There are as many buckets as zones; zones hardly
+/// overlap on their own strand, so each fills a few buckets.
 pub(super) struct ByPlace {
     classes: BTreeMap<(usize, usize), Buckets>,
 }
@@ -19,7 +19,7 @@ struct Buckets {
 }
 
 impl ByPlace {
-    /// Of sorted zones.
+    /// Buckets of sorted zones.
     pub fn new(set: &CurveSet, zones: &[SiteZone]) -> Self {
         let mut classes = BTreeMap::new();
         let mut first = 0;
@@ -40,7 +40,7 @@ impl ByPlace {
         Self { classes }
     }
 
-    /// All zones of strand `a` against strand `b` that come within `pad` of `arc` on `a` (and some more), ascending.
+    /// All zones of strand `a` against strand `b` within `pad` of `arc` on `a` (and some beyond), ascending.
     pub fn near(&self, (a, b): (usize, usize), arc: [f64; 2], pad: f64) -> Vec<usize> {
         let Some(buckets) = self.classes.get(&(a, b)) else { return Vec::new() };
         let mut found: Vec<usize> =
@@ -56,7 +56,7 @@ impl Buckets {
     fn range(&self, arc: [f64; 2], pad: f64) -> impl Iterator<Item = usize> + use<> {
         let count = self.lists.len() as i64;
         let [from, to] = ascending(arc);
-        // a hair more than asked for: a place on the border of two buckets lies in both
+        // slightly enlarged: a point on the border of two buckets lies in both
         let pad = pad + 1e-9 * self.size;
         let (low, high) = (((from - pad) / self.size).floor() as i64, ((to + pad) / self.size).floor() as i64);
         let (low, high) = match self.closed {

@@ -1,26 +1,28 @@
-//! One site of the fragments of a line.
+//! Merges the fragments of a line into one site.
 //!
-//! A law whose layer is half as long as nodes are apart lets pressure vanish between nodes, so a line shows as a fragment a
-//! node. Contacts of two strands that are nearer to each other on both than such a mesh can tell are one site.
+//! Under a law with a contact layer of half the node spacing the pressure may vanish between nodes, and a line breaks
+//! up into one fragment per node. Contacts of two strands that are closer to each other on both than such a mesh
+//! resolves are one site.
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
 
 use super::{Layer, SiteZone};
 
-/// Distance of two contacts on either strand, in layers (B/κ)^¼, up to which they are fragments of one: that of
-/// neighbouring nodes where the mesh gives the law its stiffness.
+/// Largest distance of two fragments of one contact on either strand, in layers (B/κ)^¼: the node spacing if the mesh
+/// sets the stiffness of the law.
 const NEAR: f64 = 2.0;
 
-/// Largest ratio of the mean pressures of two fragments of one line. Between the point at the end of a twisted ring's line
-/// and the line, where exact strands do not touch, a mesh has fragments of a tenth of the point's pressure.
+/// Largest ratio of the mean pressures of two fragments of one line. On a mesh there are fragments between the line of
+/// a twisted ring and the point at its end, where exact strands do not touch; their pressure is a tenth of that of the
+/// point.
 const ALIKE: f64 = 4.0;
 
-/// Indices of zones, true for those that see the contact the other way round than the first.
+/// Indices of zones, true for those that see the contact from the other strand than the first.
 type Members = Vec<(usize, bool)>;
 
 /// A contact seen from one of its strands.
-struct Side {
+struct ContactView {
     group: usize,
     flipped: bool,
     curves: [usize; 2],
@@ -30,21 +32,23 @@ struct Side {
     pressure: f64,
 }
 
-/// Whether two contacts press about as hard as each other.
-fn is_alike(x: &Side, y: &Side) -> bool {
+/// Whether two contacts have similar mean pressures.
+fn is_alike(x: &ContactView, y: &ContactView) -> bool {
     x.pressure.max(y.pressure) <= ALIKE * x.pressure.min(y.pressure)
 }
 
-/// Groups of zones with the fragments of each line in one.
+/// Groups of zones with the fragments of each line merged.
 pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, layer: &Layer) -> Vec<Members> {
-    let mut sides: Vec<Side> =
+    let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
     sides.sort_by(|x, y| x.curves.cmp(&y.curves).then(x.arcs[0][0].total_cmp(&y.arcs[0][0])));
     let mut next: Vec<Members> = vec![Vec::new(); groups.len()];
     for class in sides.chunk_by(|x, y| x.curves == y.curves) {
         let curves = class[0].curves;
         let reach = NEAR * layer.width(curves[0], curves[1]);
-        let is_near = |x: &Side, y: &Side, k: usize| arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach;
+        let is_near = |x: &ContactView, y: &ContactView, k: usize| {
+            arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach
+        };
         for (i, side) in class.iter().enumerate() {
             let after = (1..class.len()).map(|offset| &class[(i + offset) % class.len()]);
             for other in after
@@ -83,7 +87,7 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
 }
 
 /// A group from its first strand and, where both are of one curve, from its second.
-fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<Side> {
+fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<ContactView> {
     let first = &zones[members[0].0];
     let curves = [first.curve_a, first.curve_b];
     let hull = |k: usize| {
@@ -97,9 +101,9 @@ fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> 
     let force: f64 = members.iter().map(|&(zone, _)| zones[zone].load.force).sum();
     let length = 0.5 * (arcs[0][1] - arcs[0][0] + arcs[1][1] - arcs[1][0]);
     let pressure = if length > 0.0 { force / length } else { 0.0 };
-    let mut sides = vec![Side { group, flipped: false, curves, arcs, pressure }];
+    let mut sides = vec![ContactView { group, flipped: false, curves, arcs, pressure }];
     if curves[0] == curves[1] {
-        sides.push(Side { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], pressure });
+        sides.push(ContactView { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], pressure });
     }
     sides
 }

@@ -1,8 +1,8 @@
-//! Contact along lines: the pressure of each site that is a line, as a curve over arc length.
+//! Contact along lines: the pressure of each line site as a function of arc length.
 //!
-//! The law spreads pressure over a width (B/κ)^¼; what varies faster along the line is the mesh. So each piece of a zone
-//! gives its force to the samples within that width, in parts that add up to it: the curve is smooth, and its integral is
-//! the force of the site to rounding.
+//! The contact law spreads pressure over a width (B/κ)^¼; faster variations along a line are due to the mesh. So the
+//! force of each piece of a zone is distributed over the samples within that width, with weights of sum 1: the curve is
+//! smooth, and its integral is the force of the site to rounding.
 
 use crate::contact::arc::near;
 use crate::contact::chain::chains;
@@ -12,11 +12,11 @@ use crate::observe::report::{LineSample, SiteKind};
 
 use super::{Layer, SiteZone, contacts, order, piece, site, zone};
 
-/// Samples of the law's width.
+/// Samples per width of the contact law.
 const A_WIDTH: f64 = 2.0;
 /// Most samples of a line.
 const MOST_SAMPLES: usize = 2000;
-/// Widths beyond which a piece gives nothing.
+/// Cut-off distance of a piece, in widths.
 const REACH: f64 = 4.0;
 
 /// A piece of a zone: arc lengths on strands a and b, half a force, the smallest gap.
@@ -77,11 +77,11 @@ pub(in crate::observe) fn lines(
     samples
 }
 
-/// How far a place is along from the start of an interval that it lies in or near.
+/// Arc length of a point from the start of an interval that it lies in or near.
 fn along(place: f64, start: f64, period: Option<f64>) -> f64 {
     let ahead = near(place, start, period) - start;
     match period {
-        // nearer to the start from behind than from the front: it is far along
+        // a point well before the start lies near the end
         Some(period) if ahead < -0.01 * period => ahead + period,
         _ => ahead,
     }
@@ -126,7 +126,7 @@ pub(super) fn smoothed(mut sources: Vec<Source>, length: f64, width: f64) -> Vec
 mod tests {
     use super::*;
 
-    /// A sawtooth of the mesh goes, the resultant stays, also at the ends.
+    /// Smoothing removes a sawtooth of the mesh and keeps the resultant, also at the ends.
     #[test]
     fn pressure_is_smoothed_and_its_resultant_kept() {
         let source = |k: usize| Source {

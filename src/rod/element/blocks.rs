@@ -1,4 +1,4 @@
-//! From derivatives at integration points to those by the unknowns of nodes.
+//! Derivatives with respect to nodal unknowns, from those at integration points.
 
 use super::ElementTangent;
 use super::kinematics::inner;
@@ -14,7 +14,8 @@ pub(super) struct ShapeAt {
     pub(super) num_nodes: usize,
 }
 
-/// Adds a gradient by y = (r', z, z') at a point to those by positions and quaternions of the nodes.
+/// Adds a gradient with respect to y = (r', z, z') at a point to the gradient with respect to nodal positions and
+/// quaternions.
 pub(super) fn add_nodal_gradient<const R: usize, const Z: usize, const N: usize>(
     grad: &[f64; N],
     &ShapeAt { n, d, weight, num_nodes }: &ShapeAt,
@@ -32,7 +33,7 @@ pub(super) fn add_nodal_gradient<const R: usize, const Z: usize, const N: usize>
     }
 }
 
-/// ∂²E/∂(r, q)² by pairs of nodes, and ∂E/∂q of the stresses that its geometric part is made with.
+/// ∂²E/∂(r, q)² by pairs of nodes, and ∂E/∂q of the stresses in its geometric part.
 pub(super) struct NodeBlocks<const R: usize, const Z: usize> {
     rr: [[[[f64; R]; R]; 4]; 4],
     rq: [[[[f64; Z]; R]; 4]; 4],
@@ -52,7 +53,7 @@ impl<const R: usize, const Z: usize> Default for NodeBlocks<R, Z> {
 }
 
 impl<const R: usize, const Z: usize> NodeBlocks<R, Z> {
-    /// Adds the second derivative by y at a point.
+    /// Adds the second derivative with respect to y at a point.
     #[inline]
     pub(super) fn add<const N: usize>(&mut self, h: &[[f64; N]; N], &ShapeAt { n, d, weight, num_nodes }: &ShapeAt) {
         for a in 0..num_nodes {
@@ -87,7 +88,7 @@ impl<const R: usize, const Z: usize> NodeBlocks<R, Z> {
         }
     }
 
-    /// Turns the blocks of nodes a ≤ c into those in (δr, θ).
+    /// Transforms the blocks of nodes a ≤ c to the unknowns (δr, θ).
     pub(super) fn write<const T: usize>(
         &self,
         tangent: &mut ElementTangent,

@@ -1,8 +1,8 @@
 //! Strains as quadratic forms over |z|², in space and in a plane.
 //!
-//! In space r' has three components, z is a quaternion and there are six strains. Where all frames of an element are
-//! turned from one by angles about the normal of a plane, z = w q with one constant q and complex w = c + is, which
-//! leaves r' = x + iy, w and w' to tell
+//! In space r' has three components, z is a quaternion and there are six strains. In a plane all frames of an element
+//! are one constant frame rotated about the normal: z = w q with a constant q and a complex w = c + is. With r' = x +
+//! iy,
 //!
 //! ```text
 //! V = w̄² r' / |w|²  (extension, shear)        K = 2 Im(w̄ w') / |w|²
@@ -11,26 +11,26 @@
 use super::{InterpolatedPoint, Kinematics};
 use crate::math::quaternion::{Q, dot, mul, mul_e1, mul_e2, mul_e3, mul_pure, pure_mul};
 
-/// Nodes that have their frames in the plane to rounding: 1 − |w|² at most, a quarter of the square of the tilt.
+/// Largest 1 − |w|², a quarter of the squared tilt, of a node whose frame is in the plane to rounding.
 const TOL_TILT: f64 = 1e-14;
 
 /// Nodal input of one element: positions and sign-aligned quaternions (four components, or two in a plane); entries
 /// beyond order + 1 are ignored.
 #[derive(Debug, Clone, Copy)]
-pub struct Nodes<const R: usize, const Z: usize> {
+pub struct NodeValues<const R: usize, const Z: usize> {
     /// Positions \[L\].
     pub r: [[f64; R]; 4],
     /// Quaternions, each in the hemisphere of its predecessor.
     pub q: [[f64; Z]; 4],
 }
 
-impl<const R: usize, const Z: usize> Default for Nodes<R, Z> {
+impl<const R: usize, const Z: usize> Default for NodeValues<R, Z> {
     fn default() -> Self {
         Self { r: [[0.0; R]; 4], q: [[0.0; Z]; 4] }
     }
 }
 
-impl<const R: usize, const Z: usize> Nodes<R, Z> {
+impl<const R: usize, const Z: usize> NodeValues<R, Z> {
     /// Flips quaternions so that neighbours have a non-negative inner product.
     pub fn align_signs(&mut self, num_nodes: usize) {
         for a in 1..num_nodes {
@@ -168,17 +168,18 @@ impl Kinematics<2, 2, 3, 6, 1> for InPlane {
     }
 }
 
-/// The x-y plane as one rod lies in it: the frame whose tangent is along x, from which its frames are turned about z.
+/// The x-y plane of one rod: the reference frame with its tangent along x; the rod's frames are this one rotated about
+/// z.
 #[derive(Debug, Clone, Copy)]
-pub struct Plane {
-    /// That frame, and half a turn further: the real and the imaginary unit.
+pub struct RodPlane {
+    /// The reference frame, and the same rotated by half a turn: the real and the imaginary unit.
     units: [Q; 2],
-    /// Components of y and of z on d1 and d2 of that frame.
+    /// Components of the axes y and z along d1 and d2 of the reference frame.
     across: [f64; 2],
     normal: [f64; 2],
 }
 
-impl Plane {
+impl RodPlane {
     /// The plane of a rod with the given frame, whose tangent is normal to z.
     pub fn new(frame: &Q) -> Self {
         let conj = [frame[0], -frame[1], -frame[2], -frame[3]];
@@ -190,9 +191,9 @@ impl Plane {
         Self { units: [start, pure_mul(&[0.0, 0.0, 1.0], &start)], across: [d1[2], d2[2]], normal: [d1[3], d2[3]] }
     }
 
-    /// The nodes in the plane, unless one's frame is tilted or spun out of it.
-    pub(super) fn nodes(&self, nodes: &Nodes<3, 4>, num_nodes: usize) -> Option<Nodes<2, 2>> {
-        let mut flat = Nodes::default();
+    /// The nodes in the plane; `None` if a frame is rotated out of it.
+    pub(super) fn nodes(&self, nodes: &NodeValues<3, 4>, num_nodes: usize) -> Option<NodeValues<2, 2>> {
+        let mut flat = NodeValues::default();
         for a in 0..num_nodes {
             flat.r[a] = [nodes.r[a][0], nodes.r[a][1]];
             flat.q[a] = self.units.map(|unit| dot(&unit, &nodes.q[a]));
@@ -211,12 +212,12 @@ impl Plane {
         [material[2], weighted(0, self.across), weighted(3, self.normal)]
     }
 
-    /// The part in the plane of six strains or stresses.
+    /// The components in the plane of six strains or stresses.
     pub(super) fn part(&self, six: &[f64; 6]) -> [f64; 3] {
         [six[2], inner(&self.across, &[six[0], six[1]]), inner(&self.normal, &[six[3], six[4]])]
     }
 
-    /// Strains or stresses in the plane as six.
+    /// The six components of strains or stresses in the plane.
     pub(super) fn six(&self, [n, t, m]: &[f64; 3]) -> [f64; 6] {
         [self.across[0] * t, self.across[1] * t, *n, self.normal[0] * m, self.normal[1] * m, 0.0]
     }

@@ -7,9 +7,9 @@ use crate::rod::Section;
 /// The material matrix C of an element, in the order of [`Strain`].
 #[derive(Debug, Clone, Copy)]
 pub enum Material<'a> {
-    /// A diagonal one, the same everywhere.
+    /// A uniform diagonal matrix.
     Diagonal(&'a Strain),
-    /// A full symmetric one for each integration point.
+    /// A full symmetric matrix for each integration point.
     Full(&'a [[Strain; 6]; 3]),
 }
 
@@ -24,7 +24,7 @@ impl Material<'_> {
     }
 }
 
-/// Products with the material matrix. Diagonal matrices have their own: most rods have these.
+/// Products with the material matrix, separately for diagonal matrices, because most rods have these.
 pub(super) trait MaterialLaw<const S: usize> {
     /// C ε at integration point `g`.
     fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];

@@ -1,4 +1,4 @@
-//! Plectonemes: a closed rod whose two halves wind about each other.
+//! Plectonemes: closed rods whose two halves wind about each other.
 
 mod axis;
 mod energy;
@@ -16,18 +16,17 @@ use strand::{HalfLoop, LOOP_HEIGHT, LOOP_WIDTH, StrandPoint, integrals};
 
 pub use energy::superhelix_angle;
 
-/// Smallest end loops, relative to the distance between the strands: smaller ones would be bent beyond what the rod's
-/// own thickness allows.
+/// Smallest size of end loops over the distance between the strands, because smaller loops would be bent more tightly
+/// than the thickness of the rod allows.
 const MIN_LOOP: f64 = 2.0;
 
-/// Panels per turn of the superhelix where its axis is curved.
+/// Panels per turn of a superhelix with a curved axis.
 const PANELS_PER_TURN: f64 = 4.0;
 
-/// Relative error of the length at which the helix on a curved axis is taken as fitted.
+/// Relative tolerance of the length when a helix is fitted to a curved axis.
 const TOL_LENGTH: f64 = 1e-12;
 
-/// A closed rod wound up on itself: a double helix of two strands that run in opposite directions, closed at both ends
-/// by a loop.
+/// A closed rod wound about itself: a double helix of two antiparallel strands, closed by a loop at both ends.
 ///
 /// With R = `distance`/2 the strands are helices of radius R at the angle α to the axis, opposite to each other, so
 /// their distance is 2R everywhere (|α| ≤ 45°; steeper strands would come closer than 2R obliquely). The loops are
@@ -71,25 +70,26 @@ pub enum Axis {
         /// Direction (need not be unit).
         direction: Vec3,
     },
-    /// The middle part of an open curve, so that a long plectoneme can be coiled up. The superhelix winds relative to
-    /// twist-free frames of that curve, which hardly changes its writhe; the distance of the strands is that of the
-    /// straight one, and the length of the helix is fitted to the rod's.
+    /// The middle part of an open curve, for long plectonemes that are coiled. The superhelix winds relative to
+    /// twist-free frames of that curve, which hardly changes its writhe. The distance of the strands is that of the
+    /// straight plectoneme, and the length of the helix is fitted to that of the rod.
     ///
-    /// Placing it refuses axes that are too short, that bend too tightly, or that come too close to themselves (two
+    /// [`Shape::place`] refuses axes that are too short, bend too tightly, or come too close to themselves (two
     /// plectonemes side by side need 2.13 `distance` between their axes, more at the loops).
     Along(Box<Shape>),
 }
 
 impl Default for Axis {
-    /// Along x, about the origin.
+    /// A straight axis along x, centred at the origin.
     fn default() -> Self {
         Self::Straight { center: Vec3::zeros(), direction: Vec3::x() }
     }
 }
 
 impl Plectoneme {
-    /// A plectoneme at a given angle α (rad, positive right-handed), its loops of the size that they would have in a
-    /// long plectoneme at rest at that angle, but together no longer than half the rod (or the smallest there are).
+    /// A plectoneme at a given angle α (rad, positive right-handed), with loops of the size of those of a long
+    /// plectoneme in equilibrium at that angle, but together no longer than half the rod (or the smallest loops
+    /// possible).
     ///
     /// # Errors
     /// Sizes that are not positive, an angle that is 0 or beyond ±π/4, a rod too short for two loops.
@@ -99,8 +99,8 @@ impl Plectoneme {
         energy::of_angle(length, distance, angle)
     }
 
-    /// A plectoneme with a given number of turns of the helix (positive right-handed), with the loops of least bending
-    /// energy in all.
+    /// A plectoneme with a given number of turns of the helix (positive right-handed), with the loops of least total
+    /// bending energy.
     ///
     /// # Errors
     /// Sizes that are not positive, a number of turns that is 0 or more than the rod is long enough for.
@@ -134,7 +134,7 @@ impl Plectoneme {
         energy::of_link(length, distance, twisting / bending, excess_link)
     }
 
-    /// The same about another axis.
+    /// The same plectoneme about another axis.
     #[must_use]
     pub fn about(self, axis: Axis) -> Self {
         Self { axis, ..self }
@@ -233,8 +233,8 @@ impl Plectoneme {
     }
 }
 
-/// The closed curve, parameter 0..6: half a loop, helix, half loop to the other apex and all the way back on the other
-/// side.
+/// The closed curve, parameter 0..6: half a loop, helix, half a loop to the other apex, and back along the other
+/// strand.
 struct WoundStrands<'a> {
     half_loop: HalfLoop,
     /// Length of the helix along the axis.
@@ -256,7 +256,7 @@ impl WoundStrands<'_> {
         breaks
     }
 
-    /// The strand at u, derivatives by u; x is negative on the way back.
+    /// The strand at u and its derivatives by u; x is negative on the returning strand.
     fn strand(&self, u: f64) -> StrandPoint {
         let section = (u.max(0.0) as usize).min(5);
         let (v, side) = (u - section as f64, if section < 3 { 1.0 } else { -1.0 });

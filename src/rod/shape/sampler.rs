@@ -9,10 +9,10 @@ use super::{Placement, frame, normal_to};
 /// Relative accuracy of the arc length of one panel.
 const ACCURACY: f64 = 1e-13;
 
-/// Halvings of one panel before its quadrature is taken as it is.
+/// Largest number of halvings of one panel.
 const MAX_DEPTH: usize = 24;
 
-/// Panels or nodes per parallel piece of work.
+/// Panels or nodes per parallel task.
 const GRAIN: usize = 32;
 
 /// A curve by its parameter: position and derivative, smooth between the breaks of its panels.
@@ -58,7 +58,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
         self.arcs[self.arcs.len() - 1]
     }
 
-    /// Parameter at an arc length: Newton inside the panel, kept in a shrinking bracket.
+    /// Parameter at an arc length: Newton's method inside the panel, in a shrinking bracket.
     fn parameter_at(&self, arc: f64) -> f64 {
         let last = self.breaks.len() - 2;
         let panel = self.arcs.partition_point(|&a| a <= arc).saturating_sub(1).min(last);
@@ -82,7 +82,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
         u
     }
 
-    /// Transport between two parameters, panel by panel: the parameter's speed may jump between them.
+    /// Transport between two parameters, panel by panel, because the speed of the parameter may jump between panels.
     fn carry(&self, rule: &ChebyshevRule, from: f64, to: f64) -> Carry {
         let first = self.breaks.partition_point(|&b| b <= from);
         let last = self.breaks.partition_point(|&b| b < to).max(first);
@@ -115,7 +115,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
             frames.push(frame(&d1, &carry.to));
         }
         let positions = parallel::map(num_nodes, GRAIN, &|node| self.curve.at(parameters[node])[0]);
-        Placement { length, positions, frames }
+        Placement { length, positions, frames, closed }
     }
 }
 
@@ -133,11 +133,12 @@ fn refine<C: Parametrised>(curve: &C, from: f64, to: f64, depth: usize, panels: 
     }
 }
 
-/// Transport without twist from one tangent to another along a curve: the smallest rotation, then a turn about the new
+/// Parallel transport from one tangent to another along a curve: the smallest rotation, then a rotation about the new
 /// tangent.
 ///
-/// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; its
-/// integral is turned back. t is interpolated at degree 8, on pieces over which it turns by less than ½ rad.
+/// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; a
+/// rotation by its integral removes it. t is interpolated at degree 8, on pieces over which it rotates by less than ½
+/// rad.
 #[derive(Clone, Copy)]
 struct Carry {
     rotation: Quat,
@@ -169,7 +170,7 @@ impl Carry {
         carried * cos + self.to.cross(&carried) * sin
     }
 
-    /// Both in one: the smallest rotation between the outer tangents and the rest of the turn.
+    /// The composition: the smallest rotation between the outer tangents and the remaining rotation.
     fn then(&self, next: &Self, start: Vec3) -> Self {
         let probe = normal_to(&start, &Vec3::z(), &Vec3::x());
         let rotation = Quat::rotation_between(&start, &next.to).unwrap_or_else(Quat::identity);

@@ -16,7 +16,7 @@ const GAUSS: [(f64, f64); 4] = [
 /// Relative accuracy of arc lengths and (absolute, rad) of transport angles over one spline piece.
 const ACCURACY: f64 = 1e-14;
 
-/// Halvings of one piece before its quadrature is taken as it is (a piece of 2⁻³⁰ is beyond any smooth curve).
+/// Largest number of halvings of one piece; no smooth curve needs pieces of 2⁻³⁰.
 const MAX_DEPTH: usize = 30;
 
 /// One cubic r(u) = c0 + c1 u + c2 u² + c3 u³, 0 ≤ u ≤ `span`.
@@ -46,7 +46,7 @@ impl SplinePiece {
         integrate(&speed, from, to, ACCURACY * self.span, MAX_DEPTH)
     }
 
-    /// Parameter at arc length `arc` (0 ≤ arc ≤ `total`) from the start: Newton, kept inside a shrinking bracket.
+    /// Parameter at arc length `arc` (0 ≤ arc ≤ `total`) from the start: Newton's method inside a shrinking bracket.
     fn parameter_at(&self, arc: f64, total: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.span);
         let mut u = self.span * arc / total;
@@ -66,11 +66,11 @@ impl SplinePiece {
         u
     }
 
-    /// Transports `d1` from `from` to `to` without twist and returns it with the tangent there.
+    /// Parallel transport of `d1` from `from` to `to`; returns it with the tangent there.
     ///
-    /// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; its
-    /// integral is turned back. Exact up to quadrature; steps are short enough that t0·t stays above ½. None over a
-    /// cusp, where no step is short enough.
+    /// The smallest rotation from the tangent t0 to t(u) carries a frame with twist −(t0 × t)·t′/(1 + t0·t) per u; a
+    /// rotation by its integral removes it. Exact up to quadrature; steps are short enough that t0·t stays above ½.
+    /// `None` over a cusp, where no step is short enough.
     fn transport(&self, d1: Vec3, from: f64, to: f64, depth: usize) -> Option<Vec3> {
         let tangent_0 = self.derivative(from).normalize();
         let tangent_1 = self.derivative(to).normalize();
@@ -123,7 +123,7 @@ impl Spline {
         let (mut piece, mut from, mut start) = (0, 0.0, 0.0);
         let tangent = self.pieces[0].derivative(0.0).normalize();
         let mut d1 = normal_to(&tangent, &Vec3::z(), &Vec3::x());
-        let mut placement = Placement { length, positions: Vec::new(), frames: Vec::new() };
+        let mut placement = Placement { length, positions: Vec::new(), frames: Vec::new(), closed: self.closed };
         for node in 0..num_nodes {
             let arc = length * (node as f64 / num_segments as f64);
             while arc > start + lengths[piece] && piece + 1 < self.pieces.len() {
@@ -159,7 +159,7 @@ fn cusp(piece: usize) -> InputError {
     InputError::Inconsistent { field: "shape.points".into(), reason }
 }
 
-/// Points farther apart have distances whose squares overflow.
+/// Largest distance of points, because squares of larger ones overflow.
 const FARTHEST: f64 = 1e150;
 
 fn check_points(points: &[Vec3], closed: bool) -> Result<(), InputError> {
@@ -245,7 +245,7 @@ fn integrate(f: &dyn Fn(f64) -> f64, from: f64, to: f64, tolerance: f64, depth: 
     let middle = 0.5 * (from + to);
     let whole = gauss(f, from, to);
     let halves = gauss(f, from, middle) + gauss(f, middle, to);
-    // what is no number agrees with nothing
+    // NaN ends the subdivision
     if depth == 0 || !halves.is_finite() || (whole - halves).abs() <= tolerance {
         return halves;
     }

@@ -34,14 +34,14 @@ pub struct TorusKnot {
 }
 
 impl TorusKnot {
-    /// The knot with tube half as wide as the torus, about the origin and the z axis.
+    /// The knot of aspect ½ about the origin and the z axis.
     pub fn new(length: f64, windings: [i32; 2]) -> Self {
         Self { length, windings, aspect: 0.5, phase: 0.0, center: Vec3::zeros(), normal: Vec3::z() }
     }
 
-    /// The components of the torus link (p, q), each of length `length`: as many as the greatest common divisor of p
-    /// and q says, laid evenly on one torus. Any two of them have the linking number pq/d² (d that divisor), so (2, 2)
-    /// is the Hopf link of number 1, and (2, −2) that of −1.
+    /// The components of the torus link (p, q), each of length `length`: gcd(p, q) of them, equally spaced on one
+    /// torus. Any two of them have the linking number pq/d² (d that divisor), so (2, 2) is the Hopf link of number 1,
+    /// and (2, −2) that of −1.
     ///
     /// # Errors
     /// p < 1 or q = 0.

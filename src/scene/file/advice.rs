@@ -1,4 +1,4 @@
-//! What is allowed in a scene, but hardly meant, or beyond what its mesh carries.
+//! Warnings about legal scenes that are unlikely to be intended, or that exceed their mesh.
 
 use std::f64::consts::TAU;
 
@@ -7,26 +7,25 @@ use crate::scene::{Ramp, Scene};
 
 use super::memory;
 
-/// Largest natural twist from node to node, turns: at 80° results are off by 1 %, and the error falls with the sixth
-/// power.
+/// Largest natural twist from node to node, turns. At 80° the error is 1 %; it falls with the sixth power.
 const MOST_NATURAL: f64 = 1.0 / 12.0;
-/// Fewest nodes a turn of link: a turn of a plectoneme is bent all the way round.
+/// Fewest nodes per turn of link, because each turn of a plectoneme bends the rod by a whole turn.
 const FEWEST_A_TURN: f64 = 12.0;
-/// Contact radius over length below which it is likely in another unit: DNA of E. coli's length has 2e-6.
+/// Contact radius over length below which its unit is probably wrong: DNA of E. coli's length has 2e-6.
 const THINNEST: f64 = 1e-7;
-/// Excess link this near to the natural link, over it, is likely to be the link.
+/// Relative difference of excess link and natural link below which the excess link is probably the whole link.
 const ALIKE: f64 = 0.25;
-/// Nodes a contact diameter that lines of contact need.
+/// Nodes per contact diameter that lines of contact need.
 const NODES_A_DIAMETER: f64 = 3.0;
-/// Newton iterations of an ordinary step, and time of one for a node in contact, s, on one core: plasmids take 10 to 40,
-/// and 25 µs.
+/// Newton iterations of an ordinary step, and the time of one for a node in contact, s, on one core: measured on
+/// plasmids, 10 to 40 and 25 µs.
 const ITERATIONS_A_STEP: f64 = 20.0;
 const SECONDS_A_NODE: f64 = 25e-6;
 const MIB: f64 = (1u64 << 20) as f64;
 
 impl Scene {
-    /// What is allowed but hardly meant: a radius in another unit than the length, link that the mesh does not carry,
-    /// natural twist that turns too far from node to node, excess link that looks like the whole link.
+    /// Warnings: a radius probably in another unit than the length, link that the mesh cannot resolve, too much natural
+    /// twist from node to node, excess link that is probably the whole link.
     pub fn warnings(&self) -> Vec<String> {
         let rods = self.model.rods.iter().enumerate();
         rods.flat_map(|(index, rod)| {
@@ -42,7 +41,7 @@ impl Scene {
         })
     }
 
-    /// What a run is about to take, in words: mesh by rod, memory, time.
+    /// Expected cost of a run, as text: mesh by rod, memory, time.
     pub fn expectations(&self) -> Vec<String> {
         let unit = &self.units.length;
         let mesh = |rod: &Rod| {
@@ -79,7 +78,7 @@ impl Scene {
         self.model.rods.iter().map(mesh).chain([all]).collect()
     }
 
-    /// Least and largest excess link of a rod, turns, at the start and after stages.
+    /// Smallest and largest excess link of a rod, turns, at the start and after stages.
     fn links(&self, index: usize, rod: &Rod) -> [f64; 2] {
         let ramps = self.stages.iter().flat_map(|stage| &stage.ramps);
         let targets = ramps.filter_map(|ramp| match ramp {

@@ -14,18 +14,19 @@ use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLo
 
 use super::FollowChoice;
 use super::dna::{Dna, electrostatics};
+use super::mesh::Unmeshed;
 use super::section::section;
 use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
-use super::values::{At, Names, NaturalText};
-use super::{frames, memory, mesh, poses, state};
+use super::values::{At, NaturalText, RodNames};
+use super::{frames, memory, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
 
-/// Names the only rod of a scene if it has no name; refuses rods that cannot be told from each other.
+/// Names the only rod of a scene if it has no name; refuses several rods without distinct names.
 pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
     if let [only] = rods {
         if only.name.is_empty() {
@@ -105,7 +106,7 @@ pub(super) fn stages(
     Ok(stages)
 }
 
-/// Stages after others, which may have ramped the loads; the link of relaxed DNA by rod, turns.
+/// Stages that follow others, which may have ramped the loads. `relaxed_links`: link of relaxed DNA by rod, turns.
 pub(super) fn further_stages(
     text: &[StageText],
     model: &Model,
@@ -129,7 +130,7 @@ pub(super) fn further_stages(
     Ok(stages)
 }
 
-/// How the last stage is followed, if it is.
+/// Path following of the last stage, if any.
 pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
     let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
     let field = format!("stages[{place}].follow");
@@ -238,7 +239,7 @@ fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, Inpu
     Ok(ramps)
 }
 
-/// A rod of a scene, after others of so many `nodes`.
+/// A rod of a scene; the rods before it have `nodes` nodes.
 fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
@@ -251,19 +252,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
-    let natural = match (&text.natural, helix) {
-        (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
-        (_, Some(_)) => {
-            return Err(InputError::inconsistent(
-                format!("{path}.natural"),
-                "the sequence gives the natural strains: remove it",
-            ));
-        }
-        (NaturalText::Straight, None) => Natural::Straight,
-        (NaturalText::AsShaped, None) => Natural::AsShaped,
-        (NaturalText::Uniform(k), None) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
-        (NaturalText::Table(file), None) => Natural::Varying(read_natural(&base_dir.join(file))?),
-    };
+    let natural = natural(&path, text, helix, base_dir)?;
     let check_memory = |elements: usize| {
         let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
         memory::check(format!("{path}.elements"), elements, nodes, scene.planar)
@@ -281,7 +270,9 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         let elements = match (text.elements, scene.fidelity) {
             (Some(elements), _) => elements,
             (None, Some(fidelity)) => {
-                mesh::elements(fidelity, scene, text, &shape, &section, &natural, dna.as_ref()).map_err(inside)?
+                let (section, natural, dna) = (&section, &natural, dna.as_ref());
+                let unmeshed = Unmeshed { scene, rod: text, shape: &shape, section, natural, dna };
+                unmeshed.elements(fidelity).map_err(inside)?
             }
             (None, None) => {
                 let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
@@ -294,28 +285,50 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     if let Some(stiffness) = stiffness {
         rod = rod.with_stiffness(stiffness)?;
     }
-    rod = match (excess_link, text.link, text.twist) {
-        (None, None, None) => rod,
-        (Some(turns), None, None) => rod.with_excess_link(turns)?,
-        (None, Some(link), None) => {
-            let turns = link - rod.natural_link();
-            rod.with_excess_link(turns)?
-        }
-        (None, None, Some(turns)) => rod.with_twist(turns)?,
-        _ => return Err(InputError::inconsistent(path, LINK_TWICE)),
-    };
+    rod = with_link(&path, text, excess_link, rod)?;
     if let Some(dna) = &dna {
         dna.check_length(rod.length).map_err(inside)?;
     }
     if text.roll != 0.0 {
         let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
         rod.frames.iter_mut().for_each(|frame| *frame *= turn);
-        // the shape's curvature keeps its direction in space, one that is given keeps it in the section
+        // the shape's curvature keeps its direction in space, a given curvature keeps it in the section
         if let (NaturalText::AsShaped, Natural::Uniform { kappa }) = (&text.natural, &mut rod.natural) {
             *kappa = (turn.inverse() * Vec3::from(*kappa)).into();
         }
     }
     Ok(rod)
+}
+
+/// The stress-free state: that of the scene, or of its sequence.
+fn natural(path: &str, text: &RodText, helix: Option<Helix>, base_dir: &Path) -> Result<Natural, InputError> {
+    Ok(match (&text.natural, helix) {
+        (NaturalText::Straight, Some(helix)) => Natural::Varying(helix.natural),
+        (_, Some(_)) => {
+            return Err(InputError::inconsistent(
+                format!("{path}.natural"),
+                "the sequence gives the natural strains: remove it",
+            ));
+        }
+        (NaturalText::Straight, None) => Natural::Straight,
+        (NaturalText::AsShaped, None) => Natural::AsShaped,
+        (NaturalText::Uniform(k), None) => Natural::Uniform { kappa: [k.curvature[0], k.curvature[1], k.twist] },
+        (NaturalText::Table(file), None) => Natural::Varying(read_natural(&base_dir.join(file))?),
+    })
+}
+
+/// The rod with its link or twist at the start.
+fn with_link(path: &str, text: &RodText, excess_link: Option<f64>, rod: Rod) -> Result<Rod, InputError> {
+    match (excess_link, text.link, text.twist) {
+        (None, None, None) => Ok(rod),
+        (Some(turns), None, None) => rod.with_excess_link(turns),
+        (None, Some(link), None) => {
+            let turns = link - rod.natural_link();
+            rod.with_excess_link(turns)
+        }
+        (None, None, Some(turns)) => rod.with_twist(turns),
+        _ => Err(InputError::inconsistent(path, LINK_TWICE)),
+    }
 }
 
 fn section_or_dna(
@@ -341,7 +354,7 @@ fn section_or_dna(
     }
 }
 
-/// Excess link at the start, turns, as far as it is given.
+/// Excess link at the start, turns, if given.
 fn excess_link(path: &str, text: &RodText, dna: Option<&Dna>) -> Result<Option<f64>, InputError> {
     match (text.excess_link, text.sigma, dna) {
         (excess_link, None, _) => Ok(excess_link),
@@ -358,7 +371,7 @@ const LINK_TWICE: &str = "excess_link, sigma, link and twist say one thing: give
 const NEEDS_DNA: &str =
     "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 
-/// The molecule that a sequence and a table of steps describe.
+/// The molecule of a sequence and a table of steps.
 fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, InputError> {
     let sequence = match (&text.fasta, &text.letters) {
         (Some(file), None) => Sequence::read_fasta(&base_dir.join(file))?,
@@ -422,8 +435,8 @@ fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, Inpu
     }
 }
 
-/// The node `at` of each rod that is named; the only rod needs no name.
-fn nodes(rods: &[Rod], field: &str, names: &Names, at: At) -> Result<Vec<NodeRef>, InputError> {
+/// The node `at` of each named rod; the only rod needs no name.
+fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
     if names.0.is_empty() {
         return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);
     }

@@ -1,4 +1,4 @@
-//! The one text of all scene files that ask for the same numbers.
+//! Canonical text of a scene: equal for scene files with equal results.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,21 +9,21 @@ use crate::error::InputError;
 
 use super::set;
 
-/// A scene reduced to what decides its numbers: values replaced, keys in order, no comments, title, outputs and threads
-/// left out.
+/// A scene reduced to the settings that determine its results: values replaced, keys in order, without comments, title,
+/// outputs and threads.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Canonical {
-    /// The text: one scene has one, however its file is laid out.
+    /// The text, independent of the layout of the file.
     pub text: String,
-    /// Every text value in it, in order: the files that the scene names are among them.
+    /// All string values, in order; they include the files that the scene names.
     pub words: Vec<String>,
 }
 
 impl Canonical {
-    /// Of a scene as read from its text, with values replaced as `--set` does. The scene itself is not checked.
+    /// Canonical text of a scene's table, with values replaced as by `--set`. The scene itself is not checked.
     ///
     /// # Errors
-    /// A key that leads nowhere.
+    /// A key that does not exist.
     pub fn new(scene: &Table, set: &[String]) -> Result<Self, InputError> {
         let mut table = scene.clone();
         set.iter().try_for_each(|assignment| set::apply(&mut table, assignment))?;
@@ -64,7 +64,7 @@ impl Canonical {
                 let _ = write!(self.text, "{word:?}");
                 self.words.push(word.clone());
             }
-            // every bit of a number, and whether it is a whole one
+            // all bits of a number; integers and reals differ
             Value::Float(number) => {
                 let _ = write!(self.text, "{number:?}");
             }

@@ -1,4 +1,4 @@
-//! DNA in the words of those who work with it: base pairs, salt, supercoiling density.
+//! DNA by base pairs, salt and supercoiling density.
 
 use crate::dna::salt::debye_length_nm;
 use crate::dna::{self, BENDING_PERSISTENCE, HELICAL_REPEAT, RISE, STRETCH_MODULUS, TWIST_PERSISTENCE_LOW};
@@ -8,12 +8,12 @@ use crate::scene::{Electrostatics, Units};
 
 use super::text::{DnaText, ElectrostaticsText, SceneText};
 
-/// Salt of a scene that says nothing of it, mmol/l: physiological.
+/// Default salt concentration, mmol/l: physiological.
 const SALT: f64 = 150.0;
-/// Relative difference of two lengths of one molecule that counts as rounding of a rise or of points.
+/// Largest relative difference of two lengths of one molecule: rounding of a rise or of points.
 const TOL_LENGTH: f64 = 0.01;
 
-/// A molecule: nm and pN.
+/// A molecule, in nm and pN.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Dna {
     pub section: Section,
@@ -24,7 +24,7 @@ pub(super) struct Dna {
 }
 
 impl Dna {
-    /// `charged` if strands repel each other beyond their contact diameter.
+    /// `charged`: whether strands repel each other beyond their contact diameter.
     pub(super) fn new(text: &DnaText, charged: bool) -> Result<Self, InputError> {
         if text.base_pairs == 0 {
             return Err(InputError::Count { field: "dna.base_pairs".into(), value: 0, allowed: "at least 1" });
@@ -49,7 +49,7 @@ impl Dna {
         Ok(Self { section, length: base_pairs * rise, relaxed_link: base_pairs / repeat })
     }
 
-    /// Refuses a shape that is not as long as the molecule.
+    /// Refuses a shape whose length differs from that of the molecule.
     pub(super) fn check_length(&self, length: f64) -> Result<(), InputError> {
         if (length / self.length - 1.0).abs() <= TOL_LENGTH {
             return Ok(());
@@ -60,13 +60,13 @@ impl Dna {
     }
 }
 
-/// Salt \[mmol/l\] as the tables are in, mol/l.
+/// Converts salt \[mmol/l\] to the unit of the tables, mol/l.
 fn molar(field: &str, salt: f64, otherwise: &'static str) -> Result<f64, InputError> {
     InputError::check(field, salt, (10.0..=1000.0).contains(&salt), otherwise)?;
     Ok((salt / 1000.0).clamp(0.01, 1.0))
 }
 
-/// Charges of all rods, in pN and nm where salt tells them.
+/// Charges of all rods; those by salt are in pN and nm.
 pub(super) fn electrostatics(text: ElectrostaticsText) -> Result<Electrostatics, InputError> {
     const FIELD: &str = "contact.electrostatics";
     match (text.salt, text.strength, text.debye_length) {
@@ -103,7 +103,7 @@ fn diameter(text: &DnaText, charged: bool) -> Result<f64, InputError> {
     }
 }
 
-/// The units of a scene: nm and pN where there is DNA in it.
+/// The units of a scene; nm and pN if it has DNA.
 pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
     let dna = text.rods.iter().any(|rod| rod.dna.is_some());
     if dna && text.units == Units::default() {

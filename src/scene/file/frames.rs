@@ -1,17 +1,17 @@
-//! A rod that starts from the base pairs of a file: nodes with their frames.
+//! A rod whose nodes and frames are the base pairs of a file.
 
 use std::path::Path;
 
 use crate::dna::HELICAL_REPEAT;
 use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
-use crate::rod::{Natural, Rod, Section, within};
+use crate::rod::{Natural, Placement, Rod, Section, within};
 
 use super::text::RodText;
 use super::values::NaturalText;
 
-/// The rod of a file of base pairs; on other elements than a node a pair, where the scene says how many. `length` \[nm\] where
-/// sequence or dna tell it, else that from pair to pair.
+/// The rod of a file of base pairs: one node per pair, or the number of elements of the scene. `length` \[nm\] is that
+/// of the sequence or of `dna`; `None`: the sum of distances between pairs.
 pub(super) fn rod(
     text: &RodText,
     path: &Path,
@@ -21,7 +21,7 @@ pub(super) fn rod(
 ) -> Result<Rod, InputError> {
     let mut pairs = BasePairs::read(path, text.closed)?;
     let count = pairs.positions.len();
-    // a rod that is straight and untwisted at rest models the axis
+    // a naturally straight and untwisted rod models the axis
     let axis = text.sequence.is_none() && matches!(text.natural, NaturalText::Straight);
     let repeat = text.dna.as_ref().and_then(|dna| dna.helical_repeat).unwrap_or(HELICAL_REPEAT);
     if axis {
@@ -32,7 +32,8 @@ pub(super) fn rod(
     let length = length.unwrap_or_else(way);
     let field = format!("rods.{}", text.name);
     let from = |order: usize, positions, frames| {
-        Rod::from_nodes(&text.name, length, positions, frames, text.closed, section, order, natural.clone())
+        let nodes = Placement { length, positions, frames, closed: text.closed };
+        Rod::from_nodes(&text.name, nodes, section, order, natural.clone())
     };
     let wanted = text.elements.map(|elements| elements.saturating_mul(text.order));
     let (positions, frames) = (pairs.positions, pairs.frames);

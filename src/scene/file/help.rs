@@ -1,4 +1,4 @@
-//! The keys of a scene file as text, from the table that the documentation of [`Scene`](super::Scene) shows.
+//! The keys of a scene file as text, from the table in the documentation of [`Scene`](super::Scene).
 
 use std::fmt::Write as _;
 
@@ -6,31 +6,31 @@ use crate::error::InputError;
 
 use super::LIKE;
 
-/// The keys of a scene file: Markdown tables, a heading of its own for each table of a scene.
+/// The keys of a scene file: Markdown tables, one heading for each table of a scene.
 pub const REFERENCE: &str = include_str!("../reference.md");
 
-/// Columns of a terminal that lines are broken for.
+/// Largest width of a line, in columns.
 const WIDTH: usize = 100;
 
 /// A key of a scene file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Key {
-    /// The table it stands in, as `rods.shape`; `scene` for the outermost.
+    /// The table of the key, as `rods.shape`; `scene` for the outermost.
     pub table: String,
     /// The key itself.
     pub name: String,
-    /// What it holds, with its unit.
+    /// Type and unit of the value.
     pub value: String,
-    /// What is allowed; may be empty.
+    /// Legal values; may be empty.
     pub allowed: String,
-    /// Where it is not given; empty: it must be, or depends on others.
+    /// Default; empty if the key is required or its default depends on others.
     pub default: String,
-    /// What it means.
+    /// Meaning.
     pub meaning: String,
 }
 
 impl Key {
-    /// With its table, as `rods.shape.length`.
+    /// The key with its table, as `rods.shape.length`.
     pub fn path(&self) -> String {
         if self.table == "scene" { self.name.clone() } else { format!("{}.{}", self.table, self.name) }
     }
@@ -52,10 +52,10 @@ pub fn keys() -> Vec<Key> {
     all
 }
 
-/// What there is to say of a key (`excess_link`, `rods.excess_link`), of a table (`rods.dna`) or, without a key, of all.
+/// Help on a key (`excess_link`, `rods.excess_link`), a table (`rods.dna`) or, without a key, on all keys.
 ///
 /// # Errors
-/// [`InputError::Name`] if there is no such key, with the one that was probably meant.
+/// [`InputError::Name`] if there is no such key, with the most similar one.
 pub fn help(key: Option<&str>) -> Result<String, InputError> {
     let all = keys();
     let Some(wanted) = key else { return Ok(listing(&all)) };
@@ -67,7 +67,7 @@ pub fn help(key: Option<&str>) -> Result<String, InputError> {
         return Ok(listing(&found));
     }
     let likeness = |key: &Key| strsim::jaro(wanted, &key.name).max(strsim::jaro(wanted, &key.path()));
-    // of equals the first
+    // the first of equals
     let likest = all.iter().rev().map(|key| (likeness(key), key.path())).max_by(|a, b| a.0.total_cmp(&b.0));
     let allowed = match likest {
         Some((likeness, path)) if likeness > LIKE => format!("a key of a scene: did you mean {path}?"),
@@ -93,7 +93,7 @@ fn listing(keys: &[Key]) -> String {
     text
 }
 
-/// Adds text in lines that are indented as far as the first is.
+/// Adds wrapped text, indented by the width of `head`.
 fn push_wrapped(text: &mut String, head: &str, words: &str) {
     let (mut line, mut width) = (head.to_owned(), head.chars().count());
     let indent = width;

@@ -1,18 +1,18 @@
-//! Whether there is memory enough for a scene, before any is taken: running out of it ends a program without a word.
+//! Memory check before a run, because a program that runs out of memory is ended without a message.
 
 use crate::error::InputError;
 
-/// Least memory that a node takes in a run, bytes: in space, in the plane. Rings of 12000 nodes at a single step take
-/// 7500 to 10000 and 4000 to 5000; contact and long runs take more.
+/// Smallest memory of a node in a run, bytes, in space and in the plane. Rings of 12000 nodes use 7500 to 10000 and
+/// 4000 to 5000 in a single step; contact and long runs use more.
 const BYTES_A_NODE: [f64; 2] = [7000.0, 4000.0];
 const GIB: f64 = (1u64 << 30) as f64;
 
-/// Least memory of a run, bytes.
+/// Smallest memory of a run, bytes.
 pub(super) fn least(nodes: usize, planar: bool) -> f64 {
     nodes as f64 * BYTES_A_NODE[usize::from(planar)]
 }
 
-/// Refuses a rod with which the scene, of so many nodes up to it, takes more memory than there is.
+/// Refuses a rod with which the scene needs more memory than available; `nodes` counts those of the rods before it.
 pub(super) fn check(field: String, elements: usize, nodes: usize, planar: bool) -> Result<(), InputError> {
     let needed = least(nodes, planar);
     match available() {
@@ -28,8 +28,8 @@ pub(super) fn check(field: String, elements: usize, nodes: usize, planar: bool) 
     }
 }
 
-/// Memory that this process may still take, bytes, as far as the system tells: what is free, and what limits leave
-/// (containers, `ulimit -v`). Linux tells; where nothing does, there is no limit.
+/// Memory available to this process, bytes: free memory, and the rest of limits (containers, `ulimit -v`). Known on
+/// Linux; `None` elsewhere.
 fn available() -> Option<f64> {
     let number = |path: &str, name: &str, unit: f64| {
         let text = std::fs::read_to_string(path).ok()?;

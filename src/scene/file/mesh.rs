@@ -1,4 +1,4 @@
-//! How many elements a rod of a scene gets whose number is not given: see [`Fidelity::elements`].
+//! Default number of elements of a rod of a scene: see [`Fidelity::elements`].
 
 use std::f64::consts::TAU;
 
@@ -9,62 +9,75 @@ use crate::scene::Fidelity;
 
 use super::dna::Dna;
 use super::text::{LawText, RampText, RodText, SceneText};
-use super::values::{List, Names};
+use super::values::{List, RodNames};
 
-/// Turns that a rod may be put through by moved supports: where its ends are brought together it bends through about
-/// one.
+/// Turns of bending by moved supports, about one because a rod whose ends are brought together forms a loop.
 const MOVED: f64 = 1.0;
-/// Samples that suffice to measure the turning of any start shape worth running.
+/// Largest number of samples for the turning of a start shape, enough for any shape that can be run.
 const FINEST: usize = 1 << 20;
 
-/// Length of a rod \[L\] and turns of bending and twist that the scene puts it through, as far as they can be told
-/// beforehand.
-fn turns(
-    scene: &SceneText,
-    rod: &RodText,
-    shape: &Shape,
-    section: &Section,
-    natural: &Natural,
-    dna: Option<&Dna>,
-) -> Result<(f64, f64), InputError> {
-    let (length, tangent_turns) = measure(shape, rod.closed)?;
-    let by_nature = natural.turning(length) * length / TAU;
-    let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
-    let is_among = |names: &Names| names.0.is_empty() || names.0.contains(&rod.name);
-    let stages = || scene.stages.iter().map(|stage| &stage.ramp);
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-    let natural = natural.mean_twist(length) * length / TAU;
-    let beyond = stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
-    let in_all = stages().flat_map(|r| &r.link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
-    let density = stages().flat_map(|r| &r.sigma.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.sigma);
-    let beyond = beyond.chain(density.map(|sigma| sigma * dna.map_or(0.0, |dna| dna.relaxed_link)));
-    let link = largest(&mut beyond.chain(rod.excess_link).chain(in_all.chain(rod.link).map(|link| link - natural)));
-    let wound = if rod.closed { 1.0 + link } else { 0.0 };
-    let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
-    let extra_turns = || stages().flat_map(|r| &r.pose.0).filter(|r| is_among(&r.rod)).filter_map(|r| r.extra_turns);
-    let rotation = largest(&mut rotations().map(|r| r.turns).chain(extra_turns()).chain(rod.twist));
-    let is_displaced = |r: &RampText| r.displacement.0.iter().any(|r| is_among(&r.rod));
-    let is_posed = |r: &RampText| r.pose.0.iter().any(|r| is_among(&r.rod));
-    let is_moved = stages().any(|r| is_displaced(r) || is_posed(r));
-    let moved = if is_moved { MOVED } else { 0.0 };
-    let factor = largest(&mut stages().filter_map(|r| r.load));
-    let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
-    let together = joined(scene, &rod.name);
-    let is_felt = |name: &Option<String>| name.as_deref().is_none_or(|name| together.contains(&name));
-    let loads = || scene.loads.iter().filter(|load| is_felt(&load.rod));
-    let force: f64 = loads().map(|load| size(load.force)).sum();
-    let line_loads = || scene.line_loads.iter().filter(|load| is_felt(&load.rod));
-    let spread: f64 = line_loads().map(|load| size(load.moment)).sum();
-    let moment = loads().map(|load| size(load.moment)).sum::<f64>() + spread * length;
-    let line: f64 = line_loads().map(|load| size(load.force)).sum();
-    let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
-    // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
-    let bending = section.smaller_bending();
-    let loaded = (force / bending).sqrt() + ((line + pressure) / bending).cbrt() + moment / bending;
-    Ok((length, tangent_turns.max(by_nature).max(wound) + rotation + moved + loaded * length / TAU))
+/// A rod whose number of elements is not given.
+pub(super) struct Unmeshed<'a> {
+    pub scene: &'a SceneText,
+    pub rod: &'a RodText,
+    pub shape: &'a Shape,
+    pub section: &'a Section,
+    pub natural: &'a Natural,
+    pub dna: Option<&'a Dna>,
 }
 
-/// Names of a rod and of all that joints connect it to, whose loads it feels.
+impl Unmeshed<'_> {
+    /// Number of elements of the rod, with as many nodes as the cubic ones of the preset.
+    pub(super) fn elements(&self, fidelity: Fidelity) -> Result<usize, InputError> {
+        let (length, turns) = self.turns()?;
+        let touches = !matches!(self.scene.contact.law, LawText::None);
+        let cubic = fidelity.elements(length, turns, if touches { self.section.contact_radius } else { 0.0 });
+        Ok(cubic.saturating_mul(Fidelity::ORDER).div_ceil(self.rod.order.max(1)))
+    }
+
+    /// Length of a rod \[L\] and an estimate of its turns of bending and twist in the scene.
+    fn turns(&self) -> Result<(f64, f64), InputError> {
+        let Self { scene, rod, natural, .. } = *self;
+        let (length, tangent_turns) = measure(self.shape, rod.closed)?;
+        let by_nature = natural.turning(length) * length / TAU;
+        let is_this = |name: &Option<String>| name.as_ref().is_none_or(|name| *name == rod.name);
+        let is_among = |names: &RodNames| names.0.is_empty() || names.0.contains(&rod.name);
+        let stages = || scene.stages.iter().map(|stage| &stage.ramp);
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+        let natural = natural.mean_twist(length) * length / TAU;
+        let beyond = stages().flat_map(|r| &r.excess_link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+        let in_all = stages().flat_map(|r| &r.link.0).filter(|r| is_this(&r.rod)).map(|r| r.to);
+        let density = stages().flat_map(|r| &r.sigma.0).filter(|r| is_this(&r.rod)).map(|r| r.to).chain(rod.sigma);
+        let beyond = beyond.chain(density.map(|sigma| sigma * self.dna.map_or(0.0, |dna| dna.relaxed_link)));
+        let link = largest(&mut beyond.chain(rod.excess_link).chain(in_all.chain(rod.link).map(|link| link - natural)));
+        let wound = if rod.closed { 1.0 + link } else { 0.0 };
+        let rotations = || stages().flat_map(|r| &r.rotation.0).filter(|r| is_among(&r.rod));
+        let extra_turns =
+            || stages().flat_map(|r| &r.pose.0).filter(|r| is_among(&r.rod)).filter_map(|r| r.extra_turns);
+        let rotation = largest(&mut rotations().map(|r| r.turns).chain(extra_turns()).chain(rod.twist));
+        let is_displaced = |r: &RampText| r.displacement.0.iter().any(|r| is_among(&r.rod));
+        let is_posed = |r: &RampText| r.pose.0.iter().any(|r| is_among(&r.rod));
+        let is_moved = stages().any(|r| is_displaced(r) || is_posed(r));
+        let moved = if is_moved { MOVED } else { 0.0 };
+        let factor = largest(&mut stages().filter_map(|r| r.load));
+        let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
+        let together = joined(scene, &rod.name);
+        let is_felt = |name: &Option<String>| name.as_deref().is_none_or(|name| together.contains(&name));
+        let loads = || scene.loads.iter().filter(|load| is_felt(&load.rod));
+        let force: f64 = loads().map(|load| size(load.force)).sum();
+        let line_loads = || scene.line_loads.iter().filter(|load| is_felt(&load.rod));
+        let spread: f64 = line_loads().map(|load| size(load.moment)).sum();
+        let moment = loads().map(|load| size(load.moment)).sum::<f64>() + spread * length;
+        let line: f64 = line_loads().map(|load| size(load.force)).sum();
+        let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
+        // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
+        let bending = self.section.smaller_bending();
+        let loaded = (force / bending).sqrt() + ((line + pressure) / bending).cbrt() + moment / bending;
+        Ok((length, tangent_turns.max(by_nature).max(wound) + rotation + moved + loaded * length / TAU))
+    }
+}
+
+/// Names of a rod and of all rods that joints connect it to, because their loads act on it.
 fn joined<'a>(scene: &'a SceneText, rod: &'a str) -> Vec<&'a str> {
     let mut found = vec![rod];
     let mut next = 0;
@@ -81,7 +94,7 @@ fn joined<'a>(scene: &'a SceneText, rod: &'a str) -> Vec<&'a str> {
     found
 }
 
-/// Length of a shape \[L\] and the turns its tangent goes through.
+/// Length of a shape \[L\] and the total turning of its tangent, turns.
 fn measure(shape: &Shape, closed: bool) -> Result<(f64, f64), InputError> {
     Ok(match shape {
         Shape::Line { length, .. } => (*length, 0.0),
@@ -110,20 +123,4 @@ fn sampled(shape: &Shape, closed: bool, samples: usize) -> Result<(f64, f64), In
     let closing = if closed { tangents.first() } else { None };
     let after = tangents.iter().skip(1).chain(closing);
     Ok((placed.length, tangents.iter().zip(after).map(|(a, b)| a.angle(b)).sum::<f64>() / TAU))
-}
-
-/// Number of elements of order `order` for a rod, with as many nodes as the cubic ones of the preset.
-pub(super) fn elements(
-    fidelity: Fidelity,
-    scene: &SceneText,
-    rod: &RodText,
-    shape: &Shape,
-    section: &Section,
-    natural: &Natural,
-    dna: Option<&Dna>,
-) -> Result<usize, InputError> {
-    let (length, turns) = turns(scene, rod, shape, section, natural, dna)?;
-    let touches = !matches!(scene.contact.law, LawText::None);
-    let cubic = fidelity.elements(length, turns, if touches { section.contact_radius } else { 0.0 });
-    Ok(cubic.saturating_mul(Fidelity::ORDER).div_ceil(rod.order.max(1)))
 }

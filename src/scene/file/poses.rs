@@ -11,7 +11,7 @@ use crate::scene::{Model, NodeRef, Pose, PosePath};
 use super::text::{PathText, PoseText};
 use super::values::List;
 
-/// A quaternion or a matrix may be off a rotation by this: numbers copied with seven digits are.
+/// Largest deviation of a quaternion or matrix from a rotation, because numbers may be given with seven digits.
 const TOL_ROTATION: f64 = 1e-6;
 
 const ONE_ROTATION: &str = "give one of quaternion, axis_angle, matrix";
@@ -33,7 +33,7 @@ pub(super) fn pose(field: &str, text: &PoseText, model: &Model, node: NodeRef) -
     Ok(Pose { position, frame, path, turns: text.extra_turns, half_turn })
 }
 
-/// The rotation, and the side on which it is half a turn.
+/// The rotation, and the axis that selects between two half turns.
 fn rotation(field: &str, text: &PoseText) -> Result<(Option<Quat>, Vec3), InputError> {
     let none = Vec3::zeros();
     match (text.quaternion, text.axis_angle, text.matrix) {

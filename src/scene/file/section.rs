@@ -15,7 +15,7 @@ const SECTION_WAYS: &str = "a section is given either by bending, twisting, stre
 
 const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
 
-/// The section, and the full stiffness if that is given.
+/// The section, and the full stiffness if given.
 pub(super) fn section(
     text: &SectionText,
     contact: bool,
@@ -45,7 +45,7 @@ pub(super) fn section(
         if stiff || geometric {
             return Err(InputError::inconsistent("section", format!("keys of several kinds: {SECTION_WAYS}")));
         }
-        // replaced by the mean over the rod, whose length is not known here
+        // the mean over the rod replaces it later; the length is not known here
         let section = Section::of_diagonal(&along.at(0.0), radius);
         return section.check("section").map(|()| (section, Some(along)));
     }
@@ -57,7 +57,7 @@ pub(super) fn section(
     }
 }
 
-/// The full stiffness, where a table or a matrix is given.
+/// The full stiffness, if a table or a matrix is given.
 fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<Stiffness>>, InputError> {
     match (&text.table, text.stiffness) {
         (None, None) => Ok(None),

@@ -1,10 +1,10 @@
-//! Values of a scene replaced by `KEY=VALUE`.
+//! Replacement of values of a scene by `KEY=VALUE`.
 
 use toml::{Table, Value};
 
 use crate::error::InputError;
 
-/// Replaces or adds one value; what it means is judged when the scene is read from the table.
+/// Replaces or adds one value; it is checked when the scene is read from the table.
 pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputError> {
     let refuse = |reason: &str| InputError::inconsistent(format!("set {assignment}"), reason);
     let (key, value) = assignment.split_once('=').ok_or_else(|| refuse("must be KEY=VALUE"))?;
@@ -28,7 +28,7 @@ pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputErro
     Ok(())
 }
 
-/// A value as TOML has it, or else a word.
+/// A TOML value; anything else is a string.
 pub(crate) fn value_of(text: &str) -> Value {
     let read = toml::from_str::<Table>(&format!("value = {text}")).ok();
     read.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())

@@ -12,15 +12,15 @@ use crate::scene::{Import, read_points_with};
 use super::text::ShapeText;
 use super::values::List;
 
-/// A last point within this of the first, relative to the mean distance of points, is the first again.
+/// Largest distance of a repeated first point at the end, over the mean distance of points.
 const TOL_CLOSING: f64 = 1e-3;
 
-/// What decides how a plectoneme is wound, besides its own keys.
+/// Data for plectonemes beyond their own keys.
 pub(super) struct Wound<'a> {
     pub section: &'a Section,
     pub excess_link: Option<f64>,
     pub closed: bool,
-    /// Length of shapes that do not say theirs \[L\].
+    /// Length of shapes that do not give one \[L\].
     pub length: Option<f64>,
 }
 
@@ -90,7 +90,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
     })
 }
 
-/// Takes away the last point where it is the first again: a closed spline goes on from the last to the first.
+/// Removes a last point that repeats the first, because a closed spline continues from the last to the first.
 fn drop_closing_point(points: &mut Vec<Vec3>) {
     let way: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     if let [first, .., last] = points[..]
@@ -118,7 +118,7 @@ fn plectoneme(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<Shape,
         (Some(turns), None, _) => Plectoneme::of_turns(length, distance, turns)?,
         (None, Some(angle), _) => Plectoneme::of_angle(length, distance, TAU * angle)?,
         (None, None, Some(excess_link)) => {
-            // A section stiffer one way is bent both ways alike where it twists quickly: the harmonic mean.
+            // A twisted anisotropic section bends about both axes alike: the harmonic mean.
             let [b1, b2] = wound.section.bending;
             let (bending, twisting) = (2.0 / (1.0 / b1 + 1.0 / b2), wound.section.twisting);
             Plectoneme::of_link(length, distance, bending, twisting, excess_link)?

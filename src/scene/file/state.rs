@@ -1,4 +1,4 @@
-//! A rod that starts from the final state of a run: nodes with their frames.
+//! A rod whose nodes and frames are the final state of a run.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, Unit};
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::rod::{Natural, Rod, Section, within};
+use crate::rod::{Natural, Placement, Rod, Section, within};
 use crate::scene::points::named_columns;
 use crate::text::read_regular;
 
@@ -15,10 +15,10 @@ use super::text::RodText;
 /// Columns of a final state that are read; quaternions scalar part first.
 const COLUMNS: [&str; 9] = ["rod", "arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];
 
-/// A quaternion may be off unit length by this.
+/// Largest deviation of a quaternion from unit length.
 const TOL_UNIT: f64 = 1e-6;
 
-/// The rod of a file of final states; on other elements than it had, where the scene says how many.
+/// The rod of a file of final states, on its own elements or on the number of the scene.
 pub(super) fn rod(
     text: &RodText,
     path: &Path,
@@ -43,7 +43,8 @@ pub(super) fn rod(
     let length = rows[rows.len() - 1][1] / (rows.len() - 1) as f64 * segments as f64;
     let path = format!("rods.{}", text.name);
     let from = |order: usize, positions: Vec<Vec3>, frames: Vec<Quat>| {
-        Rod::from_nodes(&text.name, length, positions, frames, text.closed, section, order, natural.clone())
+        let nodes = Placement { length, positions, frames, closed: text.closed };
+        Rod::from_nodes(&text.name, nodes, section, order, natural.clone())
     };
     let wanted = text.elements.map(|elements| elements.saturating_mul(text.order));
     if wanted.is_none_or(|wanted| wanted == segments) {

@@ -3,9 +3,9 @@
 /// A commented scene that runs as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Template {
-    /// One word.
+    /// Name, one word.
     pub name: &'static str,
-    /// A line on it.
+    /// Description, one line.
     pub about: &'static str,
     /// The scene file.
     pub text: &'static str,

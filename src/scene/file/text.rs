@@ -1,5 +1,4 @@
-//! The scene file as it is written: one struct a table, every unknown key refused. Meaning is given in the parent
-//! module.
+//! The text of a scene file: one struct per table; unknown keys are refused. The parent module gives the meaning.
 
 use std::path::PathBuf;
 
@@ -8,7 +7,7 @@ use serde::Deserialize;
 use crate::dna::salt::Charge;
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, Axes, List, Names, NaturalText, OneOrMany, Pair, some_table, table, tables};
+use super::values::{At, FixedAxes, List, NaturalText, OneOrMany, Pair, RodNames, some_table, table, tables};
 use super::{FollowChoice, OutputChoice, PictureChoice, SolverChoice};
 
 #[derive(Deserialize)]
@@ -223,12 +222,12 @@ pub(super) struct SectionText {
 #[serde(deny_unknown_fields)]
 pub(super) struct SupportText {
     #[serde(default)]
-    pub rod: Names,
+    pub rod: RodNames,
     pub at: At,
     #[serde(default)]
-    pub position: Axes,
+    pub position: FixedAxes,
     #[serde(default)]
-    pub rotation: Axes,
+    pub rotation: FixedAxes,
 }
 
 #[derive(Deserialize)]
@@ -376,7 +375,7 @@ pub(super) struct ScalarText {
 #[serde(deny_unknown_fields)]
 pub(super) struct RotationText {
     #[serde(default)]
-    pub rod: Names,
+    pub rod: RodNames,
     pub at: At,
     pub axis: List<f64, 3>,
     pub through: Option<List<f64, 3>>,
@@ -387,7 +386,7 @@ pub(super) struct RotationText {
 #[serde(deny_unknown_fields)]
 pub(super) struct DisplacementText {
     #[serde(default)]
-    pub rod: Names,
+    pub rod: RodNames,
     pub at: At,
     pub to: List<f64, 3>,
 }
@@ -396,7 +395,7 @@ pub(super) struct DisplacementText {
 #[serde(deny_unknown_fields)]
 pub(super) struct PoseText {
     #[serde(default)]
-    pub rod: Names,
+    pub rod: RodNames,
     pub at: At,
     pub position: Option<List<f64, 3>>,
     pub quaternion: Option<List<f64, 4>>,

@@ -1,5 +1,5 @@
-//! Values that may be written in more than one way. Hand-written visitors instead of untagged enums: they say what was
-//! expected, and where.
+//! Values that may be written in more than one way. Visitors by hand instead of untagged enums, because their errors
+//! name the expected value and its position.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-/// A list of exactly so many values: one that is longer is a slip, not a shorter one.
+/// A list of exactly `N` values; a longer list is an error, too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct List<T, const N: usize>(pub [T; N]);
 
@@ -40,7 +40,7 @@ pub(super) enum At {
 
 /// Fixed components: `true`, `false`, or a list of `"x"`, `"y"`, `"z"`.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Axes(pub [bool; 3]);
+pub(super) struct FixedAxes(pub [bool; 3]);
 
 /// The stress-free state: `"straight"`, `"as-shaped"`, `{ curvature = [k1, k2], twist = k3 }`, or `{ table = file }`.
 #[derive(Debug, Clone, Default)]
@@ -84,7 +84,7 @@ impl<T> Default for OneOrMany<T> {
 
 /// Rods: a name or a list of names; empty where none is given.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Names(pub Vec<String>);
+pub(super) struct RodNames(pub Vec<String>);
 
 struct ListVisitor<T, const N: usize>(PhantomData<T>);
 
@@ -167,23 +167,23 @@ impl<'de> Visitor<'de> for AtVisitor {
 struct AxesVisitor;
 
 impl<'de> Visitor<'de> for AxesVisitor {
-    type Value = Axes;
+    type Value = FixedAxes;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("true, false, or a list of \"x\", \"y\", \"z\"")
     }
 
-    fn visit_bool<E: Error>(self, value: bool) -> Result<Axes, E> {
-        Ok(Axes([value; 3]))
+    fn visit_bool<E: Error>(self, value: bool) -> Result<FixedAxes, E> {
+        Ok(FixedAxes([value; 3]))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Axes, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<FixedAxes, A::Error> {
         let mut axes = [false; 3];
         while let Some(name) = seq.next_element::<String>()? {
             let index = ["x", "y", "z"].iter().position(|axis| *axis == name);
             axes[index.ok_or_else(|| A::Error::invalid_value(Unexpected::Str(&name), &self))?] = true;
         }
-        Ok(Axes(axes))
+        Ok(FixedAxes(axes))
     }
 }
 
@@ -235,8 +235,8 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ManyVisitor<T> {
     }
 }
 
-/// A table, and nothing else: serde's derived readers would also take a list, its values in the order of the keys.
-struct Table<T>(T);
+/// A table only, because serde's derived readers would also accept a list with its values in the order of the keys.
+struct TableOnly<T>(T);
 
 struct TableVisitor<T>(PhantomData<T>);
 
@@ -263,7 +263,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for TablesVisitor<T> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
         let mut tables = Vec::new();
-        while let Some(Table(table)) = seq.next_element()? {
+        while let Some(TableOnly(table)) = seq.next_element()? {
             tables.push(table);
         }
         Ok(tables)
@@ -275,7 +275,7 @@ pub(super) fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer
     deserializer.deserialize_any(TableVisitor(PhantomData))
 }
 
-/// Reads a table into a struct where the key is there.
+/// Reads an optional table into a struct.
 pub(super) fn some_table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
@@ -290,19 +290,19 @@ pub(super) fn tables<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserialize
 struct NamesVisitor;
 
 impl<'de> Visitor<'de> for NamesVisitor {
-    type Value = Names;
+    type Value = RodNames;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("the name of a rod or a list of names")
     }
 
-    fn visit_str<E: Error>(self, value: &str) -> Result<Names, E> {
-        Ok(Names(vec![value.to_owned()]))
+    fn visit_str<E: Error>(self, value: &str) -> Result<RodNames, E> {
+        Ok(RodNames(vec![value.to_owned()]))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Names, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<RodNames, A::Error> {
         let names = Vec::deserialize(SeqAccessDeserializer::new(seq))?;
-        if names.is_empty() { Err(A::Error::invalid_length(0, &self)) } else { Ok(Names(names)) }
+        if names.is_empty() { Err(A::Error::invalid_length(0, &self)) } else { Ok(RodNames(names)) }
     }
 }
 
@@ -312,9 +312,9 @@ impl<'de, T: Deserialize<'de> + Default + Copy, const N: usize> Deserialize<'de>
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Table<T> {
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for TableOnly<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        table(deserializer).map(Table)
+        table(deserializer).map(TableOnly)
     }
 }
 
@@ -330,7 +330,7 @@ impl<'de> Deserialize<'de> for At {
     }
 }
 
-impl<'de> Deserialize<'de> for Axes {
+impl<'de> Deserialize<'de> for FixedAxes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(AxesVisitor)
     }
@@ -342,7 +342,7 @@ impl<'de> Deserialize<'de> for NaturalText {
     }
 }
 
-impl<'de> Deserialize<'de> for Names {
+impl<'de> Deserialize<'de> for RodNames {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(NamesVisitor)
     }

@@ -1,4 +1,4 @@
-//! What a model and its stages must satisfy to be a well-posed problem.
+//! Conditions for a model and its stages to be a well-posed problem.
 
 use crate::error::InputError;
 use crate::math::Vec3;
@@ -6,7 +6,7 @@ use crate::rod::{Rod, RodNumber};
 
 use super::{ContactLaw, Electrostatics, Model, NodeRef, Pose, Ramp, Stage};
 
-/// What to do where a rod is to be carried by others, which touch it on one side only and may part from it.
+/// Advice for a rod that only contact supports.
 const CARRIED_BY_CONTACT: &str = " (contact, which may part, does not count as one: where a rod is to rest on others, support \
     as many of its nodes as this takes in the direction in which they carry it, too, and move these by displacements \
     until their reactions vanish)";
@@ -16,19 +16,19 @@ const TOL_RANK: f64 = 1e-9;
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
-/// Steps of a stage: many more of them would be lost in rounding of the fraction done, and never arrive.
+/// Largest number of steps of a stage, because smaller fractions would be lost in rounding.
 const MOST_STEPS: usize = 1_000_000_000;
-/// Turns about an axis through a point, which are gone through in a dozen steps each, beyond any scene.
+/// Largest rotation about an axis through a point, turns; each takes a dozen steps.
 const MOST_ROUND: f64 = 1e5;
-/// Debye lengths over contact radii: below, strands touch before they feel each other, and quadrature points are many;
-/// above, all pairs are within range.
+/// Range of Debye lengths over contact radii. Below it strands touch before they repel each other and quadrature points
+/// are many; above it all pairs are within range.
 const LEAST_DEBYE: f64 = 0.01;
 const MOST_DEBYE: f64 = 100.0;
-/// Joined nodes may be this far apart, relative to the length of the longer rod.
+/// Largest distance of joined nodes, over the length of the longer rod.
 const TOL_JOINT: f64 = 1e-9;
 
 impl Model {
-    /// Refuses a model that is not a well-posed problem, naming the field, what was found and what is allowed.
+    /// Refuses a model that is not a well-posed problem; the error names the field, its value and the legal range.
     ///
     /// # Errors
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
@@ -81,7 +81,7 @@ impl Model {
     /// otherwise free to move as a rigid body; a load factor without loads; pressure on anything but a closed rod of a
     /// planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
-        // ramps are judged by what supports and rods allow, which must be sound for that
+        // the checks of ramps assume a sound model
         self.check()?;
         let mut model = std::borrow::Cow::Borrowed(self);
         for (i, stage) in stages.iter().enumerate() {
@@ -113,7 +113,7 @@ impl Model {
         Ok(())
     }
 
-    /// Changes the supports as a stage does, and refuses rods that it leaves free.
+    /// Changes the supports as a stage does, and refuses rods that it leaves free to move.
     fn check_supports_changed(&mut self, stage: &str, ramps: &[Ramp]) -> Result<(), InputError> {
         for ramp in ramps {
             let (Ramp::Hold(support) | Ramp::Release(support)) = ramp else { continue };
@@ -254,7 +254,7 @@ impl Model {
         self.require(ok, field, node.rod, reason)
     }
 
-    /// Refuses to move a node along axes in which no support fixes it, or out of the plane.
+    /// Refuses a motion of a node along axes in which no support fixes it, or out of the plane.
     fn check_position_held(&self, field: &str, node: NodeRef, what: &str, moved: [bool; 3]) -> Result<(), InputError> {
         let fixed = self.fixed(node).0;
         let held = (0..3).all(|k| !moved[k] || fixed[k]) && !(self.planar && moved[2]);
@@ -404,7 +404,7 @@ impl Model {
         Ok(())
     }
 
-    /// What could carry `rod` off if nothing held it: dead loads, or, for an open rod, other rods in contact.
+    /// Causes of a rigid motion of an unsupported `rod`: dead loads, or, for an open rod, other rods in contact.
     fn pushed_by(&self, rod: usize) -> Option<String> {
         let node_load =
             |load: &super::NodeLoad| load.node.rod == rod && (load.force, load.moment) != Default::default();
@@ -433,10 +433,10 @@ impl Model {
         Err(InputError::inconsistent(format!("rods.{}", self.rods[rod].name), reason))
     }
 
-    /// A rigid motion of `rod` that no support stops, in words.
+    /// A rigid motion of `rod` that no support prevents, as text.
     ///
-    /// A velocity v of the first node and a spin ω (times the length ℓ, to be of one unit with v) move a node at
-    /// distance d from it by v + ω × d. The supports stop every rigid motion when their rows have rank 6.
+    /// A velocity v of the first node and an angular velocity ω (times the length ℓ, for the unit of v) move a node at
+    /// distance d from it by v + ω × d. The supports prevent every rigid motion if their rows have rank 6.
     fn free_rigid_motion(&self, rod: usize) -> Option<String> {
         let (origin, length) = (self.rods[rod].positions[0], self.rods[rod].length);
         let axes = [Vec3::x(), Vec3::y(), Vec3::z()];

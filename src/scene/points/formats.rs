@@ -3,11 +3,11 @@
 use crate::math::Vec3;
 
 use super::finite;
-use crate::text::npy::Array;
+use crate::text::npy::NpyArray;
 
 /// Points of an array of shape (points, 3), or of the first rows of (points, 4, 3).
 pub(super) fn npy(bytes: &[u8]) -> Result<Vec<Vec3>, String> {
-    let Array { shape, values } = Array::parse(bytes)?;
+    let NpyArray { shape, values } = NpyArray::parse(bytes)?;
     let stride = match shape[..] {
         [_, 3] => 3,
         [_, 4, 3] => 12,

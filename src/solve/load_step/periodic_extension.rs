@@ -28,7 +28,7 @@ use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::quaternion::spin;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::rod::{Natural, Rod};
+use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
 use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::step_report::{Status, StepReport};
@@ -275,7 +275,8 @@ impl Solver {
     fn rod_of_state(&self, state: &State, rod: &Rod) -> Result<Rod, InputError> {
         let length = rod.length * state.positions.len() as f64 / rod.num_nodes() as f64;
         let (positions, frames) = (state.positions.clone(), state.frames.clone());
-        Rod::from_nodes(&rod.name, length, positions, frames, true, rod.section, rod.order, rod.natural.clone())
+        let nodes = Placement { length, positions, frames, closed: true };
+        Rod::from_nodes(&rod.name, nodes, rod.section, rod.order, rod.natural.clone())
     }
 
     fn solver_of(&self, state: &State, rod: &Rod) -> Result<Self, InputError> {

@@ -6,7 +6,7 @@ use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::math::parallel::in_pool;
 use crate::math::quaternion::exp;
-use crate::scene::model::{Way, unit};
+use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{ContactLaw, Model, Pose, Ramp, Stage};
 use crate::solve::Options;
 use crate::solve::load_step::predictor::{History, lifted};
@@ -363,10 +363,10 @@ impl Solver {
     }
 
     /// The way from where a node is to a pose.
-    fn way_left(&self, node: usize, pose: &Pose) -> Way {
+    fn way_left(&self, node: usize, pose: &Pose) -> RemainingPath {
         let state = &self.engine.state;
         let turned = self.moved.turned.get(&node).copied().unwrap_or(0.0);
-        pose.way(&state.positions[node], &state.remainders[node], &state.frames[node], turned)
+        pose.remaining_path(&state.positions[node], &state.remainders[node], &state.frames[node], turned)
     }
 
     /// Turns by which the ramps will carry a node round an axis or to a pose, at most.

@@ -222,7 +222,7 @@ pub(crate) fn smallest_gaps(
     let alone = set.curves.len() == 1;
     let mut partners = vec![if alone { Partner::None } else { Partner::Several }; num_nodes];
     side.offsets.entries.iter().for_each(|e| partners[e.node as usize] = Partner::Several);
-    let counted = |seen: &Seen| !seen.zone.piece.branch.is_counted_off();
+    let counted = |seen: &Seen| !seen.zone.piece.branch.is_subtracted();
     for seen in seen(side, residual, &window).filter(counted) {
         seen.by_nodes(side, |node| {
             let partner = &mut partners[node];

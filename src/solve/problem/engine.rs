@@ -11,7 +11,7 @@ use crate::math::parallel::{Pool, in_pool};
 use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::ShapeTable;
 use crate::math::{Quat, Vec3};
-use crate::rod::element::{ElementNodes, ElementProperties, Material, Plane, Strain, raw_strains, stiffness};
+use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::problem::contact_field::ContactField;
@@ -50,7 +50,7 @@ pub struct Engine {
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
     pub(crate) reference: Vec<Reference>,
     /// Per rod: the plane as its elements know it, if they are computed in it.
-    pub(crate) planes: Vec<Option<Plane>>,
+    pub(crate) planes: Vec<Option<RodPlane>>,
     /// Per node: components of position and rotation that no support holds. Where one holds rotation about one axis
     /// ([`Swivel`]) these are all.
     pub(crate) free: Vec<[bool; 6]>,
@@ -447,10 +447,10 @@ fn materials(model: &Model) -> Vec<Stiffnesses> {
     model.rods.iter().map(of_rod).collect()
 }
 
-fn planes(model: &Model) -> Vec<Option<Plane>> {
+fn planes(model: &Model) -> Vec<Option<RodPlane>> {
     let plane = |rod: &Rod| {
         let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * rod.section.smaller_bending();
-        (model.planar && !slender && rod.stiffness.is_none()).then(|| Plane::new(&to_array(&rod.frames[0])))
+        (model.planar && !slender && rod.stiffness.is_none()).then(|| RodPlane::new(&to_array(&rod.frames[0])))
     };
     model.rods.iter().map(plane).collect()
 }

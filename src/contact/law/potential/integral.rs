@@ -14,12 +14,13 @@ use crate::math::{Mat3, Vec3};
 const POINTS_PER_PIECE: usize = 5;
 /// Both ends of a piece and the points of its rule.
 const MAX_PLACES: usize = POINTS_PER_PIECE + 2;
-/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well: polylines have many.
+/// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well, and the number of
+/// these. Polylines have many short pieces.
 const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
-/// Parts that a piece through a fold is divided into: there and back on the slave.
+/// Parts that a piece through a fold is divided into, because it runs forth and back on the slave.
 const PARTS_OF_FOLD: f64 = 4.0;
 
-/// Where one ordered pair is in contact.
+/// The integral over the contact of one ordered pair.
 pub(super) struct PairIntegral<'a> {
     pub(super) slave: usize,
     pub(super) master: usize,
@@ -28,8 +29,8 @@ pub(super) struct PairIntegral<'a> {
     pub(super) project: &'a Projector<'a>,
 }
 
-/// The projection at a parameter of a branch, from a guess of the other parameter; and the rate of the slave's parameter
-/// with it, negative where the branch is counted off.
+/// The projection at a parameter t of a branch, from a guess of the other parameter, and du/dt, u the slave's
+/// parameter; negative where the branch is subtracted.
 pub(super) type Projector<'a> = dyn Fn(f64, f64, &Branch) -> (Projection, f64) + 'a;
 
 impl PairIntegral<'_> {
@@ -61,24 +62,25 @@ impl PairIntegral<'_> {
             let mut half_push = Vec3::zeros();
             let kind = piece.branch.kind;
             self.pair_law.integrate(piece, |t, guess, weight| {
-                let (touch, rate) = (self.project)(t, guess, &piece.branch);
+                let (projection, rate) = (self.project)(t, guess, &piece.branch);
                 let weight = weight * rate;
                 let force =
-                    weight * add_point(&mut term, stiffness.as_deref_mut(), kind, &touch, weight, self.pair_law);
-                // farthest points, counted off, are followed by no one
+                    weight * self.pair_law.add_point(&mut term, stiffness.as_deref_mut(), kind, &projection, weight);
+                // farthest points, which are subtracted, are not needed later
                 if request.tangent && weight > 0.0 {
-                    let (law, carried) = self.pair_law.response(touch.u, touch.distance);
+                    let (law, carried) = self.pair_law.response(projection.u, projection.distance);
                     let known = carried > 0.0 && law.stiffness.is_finite();
-                    let point = QuadraturePoint { u: touch.u, v: touch.v, kind, stiffness: weight * law.stiffness };
+                    let point =
+                        QuadraturePoint { u: projection.u, v: projection.v, kind, stiffness: weight * law.stiffness };
                     term.points.extend(known.then_some(point));
                 }
                 moments[0] += force;
-                moments[1] += force * touch.u;
-                moments[2] += force * touch.u * touch.u;
-                if touch.distance > 0.0 {
-                    half_push += touch.normal * force;
+                moments[1] += force * projection.u;
+                moments[2] += force * projection.u * projection.u;
+                if projection.distance > 0.0 {
+                    half_push += projection.normal * force;
                 }
-                if kind == FootKind::Fold { touch.u } else { touch.v }
+                if kind == FootKind::Fold { projection.u } else { projection.v }
             });
             if request.zones {
                 let [half_force, first, second] = moments;
@@ -92,9 +94,9 @@ impl PairIntegral<'_> {
 }
 
 impl PairLaw<'_> {
-    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece, t the
-    /// parameter it is followed by. `add` returns the other parameter; long pieces are divided so that each part is shorter than the
-    /// contact distance. Guesses are interpolated between the ends of the piece and the parameters returned.
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece with the
+    /// parameter t. `add` returns the other parameter. Long pieces are divided into parts shorter than the contact
+    /// distance. Guesses interpolate between the ends of the piece and the parameters returned.
     fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let [t, other] = piece.along();
         let width = t[1] - t[0];
@@ -116,6 +118,45 @@ impl PairLaw<'_> {
             }
         }
     }
+
+    /// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
+    fn add_point(
+        &self,
+        term: &mut PairTerm,
+        stiffness: Option<&mut PairStiffness>,
+        kind: FootKind,
+        projection: &Projection,
+        weight: f64,
+    ) -> f64 {
+        let Projection { u, v, distance, normal, tangent: db, curvature: ddb } = *projection;
+        let (law, carried) = self.response(u, distance);
+        if carried == 0.0 || without_limit(&law, weight) {
+            return 0.0;
+        }
+        term.energy += weight * law.energy;
+        // Where the centrelines cross, the force has no direction.
+        if distance == 0.0 {
+            return law.pressure;
+        }
+        let (wa, wb) = (cubic_weights(u), cubic_weights(v));
+        let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
+        let push = normal * (weight * law.pressure);
+        for m in 0..8 {
+            term.gradient[m] -= push * w[m];
+        }
+        let Some(stiffness) = stiffness else { return law.pressure };
+        let over_d = carried / distance;
+        stiffness.add_product(&w.map(|w| normal * w), weight * (law.stiffness + over_d));
+        stiffness.subtract_spread(&w, weight * over_d);
+        if matches!(kind, FootKind::Orthogonal | FootKind::Fold) {
+            let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
+            let slopes = cubic_slopes(v);
+            let along = db / -distance;
+            let motion_of_foot = |m: usize| if m < 4 { along * w[m] } else { along * w[m] - normal * slopes[m - 4] };
+            stiffness.add_product(&std::array::from_fn(motion_of_foot), weight * carried / d_vv);
+        }
+        law.pressure
+    }
 }
 
 impl PairForce {
@@ -124,18 +165,18 @@ impl PairForce {
         // ∫p n ds, and the same weighted by u and by v
         let (mut plain, mut at_u, mut at_v) = (Vec3::zeros(), Vec3::zeros(), Vec3::zeros());
         pair_law.integrate(piece, |u, _, weight| {
-            let (touch, sign) = lines.project(u, &piece.branch);
+            let (projection, sign) = lines.project(u, &piece.branch);
             let weight = weight * sign;
-            let (law, _) = pair_law.response(u, touch.distance);
+            let (law, _) = pair_law.response(u, projection.distance);
             if without_limit(&law, weight) {
-                return touch.v;
+                return projection.v;
             }
             self.energy += weight * law.energy;
-            let push = touch.normal * (weight * law.pressure);
+            let push = projection.normal * (weight * law.pressure);
             plain += push;
             at_u += push * u;
-            at_v += push * touch.v;
-            touch.v
+            at_v += push * projection.v;
+            projection.v
         });
         self.min_gap = self.min_gap.min(piece.nearest.distance - pair_law.contact_distance);
         let [own, other] = if swapped { [1, 0] } else { [0, 1] };
@@ -144,43 +185,4 @@ impl PairForce {
         self.force[other][0] -= plain - at_v;
         self.force[other][3] -= at_v;
     }
-}
-
-/// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
-fn add_point(
-    term: &mut PairTerm,
-    stiffness: Option<&mut PairStiffness>,
-    kind: FootKind,
-    touch: &Projection,
-    weight: f64,
-    pair_law: &PairLaw,
-) -> f64 {
-    let Projection { u, v, distance, normal, tangent: db, curvature: ddb } = *touch;
-    let (law, carried) = pair_law.response(u, distance);
-    if carried == 0.0 || without_limit(&law, weight) {
-        return 0.0;
-    }
-    term.energy += weight * law.energy;
-    // Where the centrelines cross, the force has no direction.
-    if distance == 0.0 {
-        return law.pressure;
-    }
-    let (wa, wb) = (cubic_weights(u), cubic_weights(v));
-    let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
-    let push = normal * (weight * law.pressure);
-    for m in 0..8 {
-        term.gradient[m] -= push * w[m];
-    }
-    let Some(stiffness) = stiffness else { return law.pressure };
-    let over_d = carried / distance;
-    stiffness.add_product(&w.map(|w| normal * w), weight * (law.stiffness + over_d));
-    stiffness.subtract_spread(&w, weight * over_d);
-    if matches!(kind, FootKind::Orthogonal | FootKind::Fold) {
-        let d_vv = db.norm_squared() / distance - normal.dot(&ddb);
-        let slopes = cubic_slopes(v);
-        let along = db / -distance;
-        let way = |m: usize| if m < 4 { along * w[m] } else { along * w[m] - normal * slopes[m - 4] };
-        stiffness.add_product(&std::array::from_fn(way), weight * carried / d_vv);
-    }
-    law.pressure
 }

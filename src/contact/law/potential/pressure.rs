@@ -1,4 +1,4 @@
-//! Pressures: the law, the offsets, and the law before where one has just been replaced.
+//! Pressures: the law, the offsets, and the former law after a change of law.
 
 use crate::contact::law::{Law, Response};
 
@@ -10,13 +10,13 @@ pub type Offsets<'a> = dyn Fn(usize, usize) -> [f64; 2] + Sync + 'a;
 pub(crate) struct Pressures<'a> {
     pub(crate) law: Law,
     pub(crate) offset: &'a Offsets<'a>,
-    /// The law that the present pressures come from, if it has just been replaced: they are kept, and the new law
-    /// is linearised about the overlap at which its pressure is the same. A Newton step then moves the strands there.
+    /// The former law and its offsets, right after a change of law. Its pressures are kept: the new law is linearised
+    /// about the overlap at which it has the same pressure. The next Newton step moves the strands to that overlap.
     pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
 }
 
 impl Pressures<'_> {
-    /// Where pressure ends, at both ends of a segment, from another one's centreline \[L\].
+    /// Distance from the master's centreline at which the pressure ends, at both ends of the slave \[L\].
     pub(super) fn reach(&self, slave: usize, master: usize, contact_distance: f64) -> [f64; 2] {
         let offset = self.before.map_or(self.offset, |(_, offset)| offset);
         offset(slave, master).map(|c| contact_distance + c)
@@ -27,19 +27,19 @@ impl Pressures<'_> {
 pub(super) struct PairLaw<'a> {
     pub(super) pressures: &'a Pressures<'a>,
     pub(super) contact_distance: f64,
-    /// Of the slave \[L\].
+    /// Reference length of the slave \[L\].
     pub(super) length: f64,
-    /// Where the pressure ends, at both ends of the slave: contact distance + offset \[L\].
+    /// Distance at which the pressure ends, at both ends of the slave: contact distance + offset \[L\].
     pub(super) reach: [f64; 2],
     pub(super) offset: [f64; 2],
-    /// Both are straight.
+    /// Whether both segments are straight.
     pub(super) straight: bool,
-    /// Length of the slave as it is, if that is known \[L\].
+    /// Present length of a straight slave \[L\].
     pub(super) span: f64,
 }
 
 impl PairLaw<'_> {
-    /// The response at a slave parameter and distance \[L\], and the pressure that the geometric stiffness belongs to.
+    /// The response at a slave parameter and distance \[L\], and the pressure of the geometric stiffness.
     pub(super) fn response(&self, u: f64, distance: f64) -> (Response, f64) {
         let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * u;
         let law = &self.pressures.law;
@@ -60,7 +60,8 @@ impl PairLaw<'_> {
     }
 }
 
-/// Infinite, and to be counted off: it is infinite already at the nearer points that a farthest one lies between.
+/// Whether an infinite response is to be subtracted. It is skipped, because it is infinite already at the nearest
+/// points on both sides.
 pub(super) fn without_limit(law: &Response, weight: f64) -> bool {
     weight < 0.0 && law.energy == f64::INFINITY
 }

@@ -1,4 +1,4 @@
-//! Closed curves that lie as a whole in the ball about a point of another strand.
+//! Closed curves that lie entirely within reach of a point of another strand.
 
 use super::ContactGeometry;
 use super::integral::Projector;
@@ -8,14 +8,14 @@ use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
-/// Distances that differ relatively by less are the same.
+/// Relative difference of distances that count as equal.
 const TIE: f64 = 1e-9;
-/// Points that differ by less of the reach are the same.
+/// Distance of points that count as one, over the reach.
 const SAME: f64 = 1e-6;
 
 impl ContactGeometry<'_> {
-    /// A closed curve that lies in the ball about a slave point as a whole is a strand there, though its nearest and
-    /// farthest points are as many: the farthest of all is not counted off.
+    /// A closed curve that lies entirely within reach of a slave point counts as one strand there, although it has as
+    /// many farthest points as nearest ones: the farthest of all is not subtracted.
     pub(super) fn keep_rings(
         &self,
         [slave, master]: [usize; 2],
@@ -23,7 +23,7 @@ impl ContactGeometry<'_> {
         project: &Projector,
         pieces: &mut Vec<BranchPiece>,
     ) {
-        let off = |piece: &BranchPiece| piece.branch.is_counted_off() || piece.branch.kind == FootKind::Fold;
+        let off = |piece: &BranchPiece| piece.branch.is_subtracted() || piece.branch.kind == FootKind::Fold;
         if !self.may_be_ring(slave, master) || !pieces.iter().any(off) {
             return;
         }
@@ -51,13 +51,13 @@ impl ContactGeometry<'_> {
         *pieces = kept;
     }
 
-    /// Whether the master's curve could lie in the ball about a point of the slave as a whole.
+    /// Whether the master's curve could lie entirely within reach of a point of the slave.
     pub(super) fn may_be_ring(&self, slave: usize, master: usize) -> bool {
         let curve = self.strands.curve_of(master);
         self.strands.curves[curve].closed && curve != self.strands.curve_of(slave)
     }
 
-    /// Segment and parameter of the point of a closed curve that is farthest from x, of equals the first; none if that
+    /// Segment and parameter of the point of a closed curve that is farthest from x (the first of equals); `None` if it
     /// is beyond the reach.
     fn farthest(&self, x: &Vec3, curve: usize, reach: f64) -> Option<(usize, f64)> {
         let strand = &self.strands.curves[curve];

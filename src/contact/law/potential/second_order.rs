@@ -1,10 +1,10 @@
-//! Change of gaps in a finite motion beyond its linear prediction.
+//! Change of gaps in a finite motion beyond the linear prediction.
 //!
-//! Strands that slide sideways by s come apart by s²/2d, and a line of contact turned about its axis opens: by little,
-//! but contact is stiff. The result is the distance from the constraint, whether contact holds there or not:
-//! differences of contact forces would say nothing once it is lost, and would push along the strands as their normals
-//! turn. Gaps are compared where the points in contact have gone: along either strand, by as much as the motion slides
-//! them (of two crossing lines a motion along them moves the point of contact, and no gap opens).
+//! A sideways slide of the strands by s opens the gap by s²/2d, and a rotation of a contact line about its axis opens
+//! it, too. These changes are small, but contact is stiff. The result is the distance from the constraint, whether
+//! contact persists or not. Differences of contact forces would not do: they vanish where contact is lost, and push
+//! along the strands as the normals rotate. Gaps are compared at the points of contact after the motion: these slide
+//! along either strand (a motion of two crossing lines along themselves moves the point of contact and opens no gap).
 
 use super::stiffness::Coordinates;
 use super::term::{ContactPair, QuadraturePoint};
@@ -13,17 +13,17 @@ use crate::contact::zones::FootKind;
 use crate::math::Vec3;
 use crate::math::bernstein::cubic_weights;
 
-/// Segments passed, and Newton steps for a foot, at most.
+/// Most segments passed, and most Newton steps, in the search for a foot.
 const MAX_STEPS: usize = 16;
-/// Parameters closer than this are the same foot: gaps are flat there.
+/// Distance of parameters that count as one foot, because gaps are stationary there.
 const SAME_FOOT: f64 = 1e-9;
-/// Square of the difference of unit tangents below which lines are taken for parallel.
+/// Squared difference of unit tangents below which lines count as parallel.
 const SAME_DIRECTION: f64 = 0.01;
 
 /// Σ W k e ∂gap/∂x, e = gap(moved) − gap − δgap, of a term with respect to the ends of `cubics` (slave and master where
-/// the term was evaluated): the gradient, six coordinates an end, of a law that went on linearly. `change` is the
-/// linear motion of the control points, slave's four and master's four \[L\]. Also the segments that the first and the
-/// last point in contact have gone to.
+/// the term was evaluated): the gradient, six coordinates an end, of a law continued linearly. `change` is the linear
+/// motion of the control points, slave's four and master's four \[L\]. Also returns the segments that the first and the
+/// last point of contact move to.
 pub(crate) fn second_order_of_gaps(
     term: &ContactPair,
     cubics: [&Cubic; 2],
@@ -52,8 +52,8 @@ pub(crate) fn second_order_of_gaps(
     (gradient, [first.unwrap_or(last), last])
 }
 
-/// How far the point of contact of two lines with these unit tangents moves along each \[L\] when the second moves by
-/// `by` against the first: exactly where they cross; of parallel ones half of what they slide.
+/// Shift of the point of contact of two lines with these unit tangents along each \[L\], when the second moves by `by`
+/// relative to the first. Exact for crossing lines; half the slide on each of parallel lines.
 fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
     let part = |way: Vec3| {
         let size_sq = way.norm_squared();
@@ -63,19 +63,19 @@ fn sliding(first: &Vec3, second: &Vec3, by: &Vec3) -> [f64; 2] {
     [difference + sum, difference - sum]
 }
 
-/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`second_order_of_gaps`]: the forces that the stiffness of contact along its normals
-/// has against a motion.
+/// Σ W k (∂gap·δx) ∂gap/∂x, otherwise like [`second_order_of_gaps`]: the forces of the normal stiffness of contact
+/// against a motion.
 pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change: &[Vec3; 8]) -> [f64; 24] {
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }
 
-/// A point in contact where its term was evaluated.
-struct Here {
+/// A point of contact and its linear motion, where its term was evaluated.
+struct PointMotion {
     distance: f64,
     normal: Vec3,
     /// Linear change of the distance at this slave point.
     linear: f64,
-    /// Linear motion of the foot against the slave point.
+    /// Linear motion of the foot relative to the slave point.
     approach: Vec3,
 }
 
@@ -84,7 +84,7 @@ fn sum_of_gaps(
     term: &ContactPair,
     [slave, master]: [&Cubic; 2],
     change: &[Vec3; 8],
-    mut e: impl FnMut(&QuadraturePoint, &Here) -> f64,
+    mut e: impl FnMut(&QuadraturePoint, &PointMotion) -> f64,
 ) -> [f64; 24] {
     let mut sum = [Vec3::zeros(); 8];
     for point in &term.points {
@@ -97,7 +97,7 @@ fn sum_of_gaps(
         let (wa, wb) = (cubic_weights(point.u), cubic_weights(point.v));
         let w: [f64; 8] = std::array::from_fn(|m| if m < 4 { wa[m] } else { -wb[m - 4] });
         let apart: Vec3 = w.iter().zip(change).map(|(w, change)| change * *w).sum();
-        let here = Here { distance, normal, linear: normal.dot(&apart), approach: -apart };
+        let here = PointMotion { distance, normal, linear: normal.dot(&apart), approach: -apart };
         let push = normal * (point.stiffness * e(point, &here));
         for (sum, w) in sum.iter_mut().zip(w) {
             *sum += push * w;
@@ -106,8 +106,8 @@ fn sum_of_gaps(
     Coordinates::ends(slave, master).pull(&sum)
 }
 
-/// Segment and parameter of a place that is told by a parameter beyond a segment's ends; beyond an end of the curve it
-/// stays with the last segment.
+/// Segment and parameter of a point whose parameter lies beyond a segment's ends; beyond an end of the curve the last
+/// segment is kept.
 fn place(set: &CurveSet, mut segment: usize, mut u: f64) -> (usize, f64) {
     for _ in 0..MAX_STEPS {
         let beyond = match u {
@@ -121,13 +121,13 @@ fn place(set: &CurveSet, mut segment: usize, mut u: f64) -> (usize, f64) {
     (segment, u.clamp(0.0, 1.0))
 }
 
-/// The foot of a point near parameter `v` of a segment; it may have gone over to a neighbour.
+/// The foot of a point near parameter `v` of a segment; it may lie on a neighbour.
 fn follow_foot(set: &CurveSet, point: &Vec3, segment: usize, v: f64) -> Vec3 {
     let (mut segment, mut v) = place(set, segment, v);
     for _ in 0..MAX_STEPS {
         let (foot, tangent, curvature) = set.segments[segment].derivatives(v);
         let (chord, speed_sq) = (point - foot, tangent.norm_squared());
-        // beyond the centre of curvature Newton would go the wrong way
+        // beyond the centre of curvature a Newton step would lead away from the foot
         let step = chord.dot(&tangent) / (speed_sq - chord.dot(&curvature)).max(0.2 * speed_sq);
         let before = (segment, v);
         (segment, v) = place(set, segment, v + step.clamp(-1.0, 1.0));

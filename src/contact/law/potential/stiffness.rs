@@ -1,5 +1,4 @@
-//! The second derivative of a pair's contact potential, summed over quadrature points in the coordinates that are
-//! wanted.
+//! The second derivative of a pair's contact potential, summed over quadrature points in the coordinates of the caller.
 //!
 //! At a point with pressure p, stiffness k and weight W, δd = g·δx and δv = −h·δx/d_vv to first order in the
 //! coordinates x, and
@@ -9,8 +8,8 @@
 //! ```
 //!
 //! Forces on the eight control points (slave's four, then the master's) are carried to the coordinates by the transpose
-//! of the map δx ↦ control points, so two vectors of 24 are all that a point adds; the last term is summed over w only
-//! and put in place at the end.
+//! of the map δx ↦ control points, so each point adds two vectors of 24 numbers. The last term is summed over w alone
+//! and added at the end.
 
 use super::Hessian;
 use crate::contact::curves::curve::Cubic;
@@ -21,8 +20,9 @@ use crate::math::{Mat3, Vec3};
 pub(in crate::contact) enum Coordinates {
     /// The control points themselves.
     Points,
-    /// Displacement and rotation vector of the four ends (slave's start and end, the master's): a handle, from an end
-    /// to the control point next to it, turns with the end. Start and end handle, slave and master \[L\].
+    /// Displacement and rotation vector of the four ends (slave's start and end, then the master's). A handle, the
+    /// vector from an end to the control point next to it, rotates with the end. Holds the handles at start and end of
+    /// slave and master \[L\].
     Ends([Vec3; 4]),
 }
 
@@ -30,7 +30,7 @@ pub(in crate::contact) enum Coordinates {
 /// in full.
 pub(crate) type PairTangent = [[f64; 24]; 24];
 
-/// Vectors kept before their products are added.
+/// Vectors collected before their products are added together.
 const PENDING: usize = 10;
 
 impl Coordinates {
@@ -119,7 +119,7 @@ impl PairStiffness {
         }
     }
 
-    /// Adds a second derivative by the control points: blocks m ≤ n, each symmetric.
+    /// Adds a second derivative with respect to the control points: blocks m ≤ n, each symmetric.
     pub(in crate::contact) fn add_hessian(&mut self, hessian: &Hessian) {
         let block = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m] };
         let mut add = |row: usize, col: usize, part: &Mat3| {
@@ -171,7 +171,8 @@ impl PairStiffness {
         }
     }
 
-    /// The sum; `gradient` is that of the potential by the control points, which turning handles curve.
+    /// The sum. `gradient` is that of the potential with respect to the control points; rotating handles add its
+    /// second-order part.
     pub(in crate::contact) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<PairTangent> {
         self.flush();
         match self.coordinates {
@@ -209,7 +210,7 @@ impl PairStiffness {
         }
     }
 
-    /// A handle under a force f turns by θ × h + ½θ × (θ × h) + …: ½(f hᵀ + h fᵀ) − f·h.
+    /// A handle h under a force f moves by θ × h + ½θ × (θ × h) + …, which gives ½(f hᵀ + h fᵀ) − (f·h) I.
     fn add_turning(&mut self, end: usize, handle: &Vec3, force: &Vec3) {
         let (first, dot) = (6 * end + 3, force.dot(handle));
         for i in 0..3 {

@@ -15,9 +15,9 @@ pub struct ZonePiece {
     pub(crate) piece: BranchPiece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
-    /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is counted off.
+    /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is subtracted.
     pub half_force: f64,
-    /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: where in the piece the force sits.
+    /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: first and second moment of the force.
     pub half_moments: [f64; 2],
     /// ½∫p n ds \[F\], n from the foot to the slave: this strand's half of the force on the slave.
     pub half_push: Vec3,
@@ -48,11 +48,11 @@ pub struct PairTerm {
     pub energy: f64,
     /// ∂U/∂(control points): slave's four, master's four \[F\].
     pub gradient: [Vec3; 8],
-    /// Symmetric Hessian \[F/L\]; empty unless asked for.
+    /// Symmetric Hessian \[F/L\]; `None` with [`Want::Gradient`].
     pub hessian: Option<Box<Hessian>>,
     /// Zones of this pair.
     pub zones: Vec<ZonePiece>,
-    /// Points in contact, if the solver asks for the tangent.
+    /// Points in contact, if the tangent is requested.
     pub(crate) points: Vec<QuadraturePoint>,
 }
 
@@ -67,10 +67,10 @@ impl PairTerm {
     }
 
     /// The Hessian with respect to the ends of two *straight* segments, in the order of [`PairTerm::point_gradient`]:
-    /// all 16 blocks \[F/L\]; zero if it was not asked for.
+    /// all 16 blocks \[F/L\]; zero with [`Want::Gradient`].
     #[must_use]
     pub fn point_hessian(&self) -> [[Mat3; 4]; 4] {
-        // Parts that the ends have in the control points of a straight segment.
+        // Weights of the ends in the control points of a straight segment.
         const PARTS: [[f64; 4]; 2] = [[1.0, 2.0 / 3.0, 1.0 / 3.0, 0.0], [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]];
         let mut sum = [[Mat3::zeros(); 4]; 4];
         let Some(hessian) = &self.hessian else { return sum };
@@ -110,9 +110,9 @@ pub struct ContactPair {
     pub slave: usize,
     /// Master segment.
     pub master: usize,
-    /// Zones of this pair; none unless asked for.
+    /// Zones of this pair; empty unless requested.
     pub zones: Box<[ZonePiece]>,
-    /// Points in contact; none unless the tangent was asked for.
+    /// Points in contact; empty unless the tangent was requested.
     pub(crate) points: Box<[QuadraturePoint]>,
 }
 
@@ -122,18 +122,18 @@ impl From<PairTerm> for ContactPair {
     }
 }
 
-/// A term with respect to the ends of both segments, of which the control points next to them are turning handles: six
-/// coordinates each (displacement, rotation vector), slave's start and end, master's start and end.
+/// A term with respect to the ends of both segments: six coordinates each (displacement, rotation vector), slave's
+/// start and end, master's start and end. The control points next to an end rotate with it.
 pub(crate) struct EndTerm {
     pub(crate) pair: ContactPair,
     /// Energy \[F·L\].
     pub(crate) energy: f64,
     pub(crate) gradient: [f64; 24],
-    /// Second derivative; none unless asked for.
+    /// Second derivative; `None` unless requested.
     pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
-/// Quantities to be computed besides energy and gradient.
+/// Quantities to be computed in addition to energy and gradient.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Request {
     pub(crate) tangent: bool,
@@ -143,11 +143,11 @@ pub(crate) struct Request {
 /// Energy and forces of one candidate pair on the control points of both segments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairForce {
-    /// Energy \[F·L\], both ways round.
+    /// Energy \[F·L\], with either segment as the slave.
     pub(crate) energy: f64,
     /// Smallest gap \[L\]; infinite if the pair is not in contact.
     pub(crate) min_gap: f64,
-    /// −∂U/∂(control points) of i and of j \[F\]; of a straight segment its two ends, in the first and last place.
+    /// −∂U/∂(control points) of i and of j \[F\]; a straight segment has its two ends as the first and last entry.
     pub(crate) force: [[Vec3; 4]; 2],
 }
 

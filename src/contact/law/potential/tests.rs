@@ -109,8 +109,7 @@ fn polylines(random: &mut Random, case: usize, away: f64) -> [Vec<Vec3>; 2] {
     [master, vec![middle - direction, middle + direction]]
 }
 
-/// What is computed in closed form for lines is what the general way finds for the same lines as cubics: pieces and
-/// terms.
+/// The closed form for lines agrees with the general method for the same lines as cubics: pieces and terms.
 #[test]
 fn lines_are_treated_as_the_cubics_that_they_are() {
     let mut random = Random(77);
@@ -168,7 +167,7 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
             assert!(seen, "case {case}: {ours:?}");
         }
     }
-    // Counted off are corners, by the segment after them.
+    // Corners are subtracted, by the segment after them.
     assert!([0, 1, 2, 4].into_iter().all(|k| found[k] > 250), "{found:?}");
 }
 
@@ -375,9 +374,9 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
     }
 }
 
-/// After a change of law the pressures stay, and what a Newton step sees is the new law about the overlap that has
-/// them: its energy's slope is its pressure, that one's slope its stiffness, and it starts from the old pressure if the
-/// way to go is nothing.
+/// After a change of law the pressures are unchanged, and a Newton step uses the new law about the overlap with these
+/// pressures: the slope of its energy is its pressure, the slope of the pressure its stiffness, and its pressure at the
+/// present overlap is the old one.
 #[test]
 fn a_new_law_is_linearised_about_the_old_pressure() {
     let laws =
@@ -402,7 +401,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
                 before.response(contact_distance + old[0] + (old[1] - old[0]) * u - distance, contact_distance);
             let (here, geometric) = pair_law.response(u, distance);
             assert_eq!(geometric, carried.pressure, "the pressures stay");
-            // The overlap of the new law with this pressure, and how the linearised law goes about it.
+            // The overlap of the new law with this pressure, and the linearised law about it.
             let overlap = law.overlap(carried.pressure, contact_distance);
             let there = law.response(overlap, contact_distance);
             let rest = contact_distance + new[0] + (new[1] - new[0]) * u - overlap;

@@ -1,4 +1,4 @@
-//! Bounds for one pair of cubic pieces; the mathematics is in the parent's head.
+//! Bounds for one pair of cubic pieces; the mathematics is in the parent's header.
 
 use crate::contact::curves::curve::Cubic;
 use crate::contact::projection::stationarity;
@@ -17,7 +17,7 @@ pub(super) struct PowerForm {
 
 /// Lower bound of the distance between two pieces \[L\], and where its model is smallest (piece parameters in \[0,
 /// 1\]).
-pub(super) struct Bound {
+pub(super) struct DistanceBound {
     pub(super) lower: f64,
     pub(super) at_place: f64,
     pub(super) u: f64,
@@ -74,7 +74,7 @@ impl PowerForm {
         let slope = derivative(&q);
         let (mut lo, mut hi) = (0.0, 1.0);
         let mut v = q[0] / (q[0] - q[5]);
-        // Any v serves the bound, so it need not converge.
+        // The bound holds for any v, so convergence is not required.
         for _ in 0..16 {
             let value = eval(&q, v);
             if value < 0.0 {
@@ -92,10 +92,10 @@ impl PowerForm {
         v
     }
 
-    /// The bound of the module's head with convexity `m` > 0.
-    pub(super) fn fourth_order(&self, m: f64) -> Bound {
+    /// The bound of the parent's header with convexity `m` > 0.
+    pub(super) fn fourth_order(&self, m: f64) -> DistanceBound {
         let mut v = [self.foot(&self.a.b[0]), self.foot(&self.a.b[3])];
-        // A foot that is at the end only up to rounding of the cut belongs to the clamped family.
+        // A foot that is at the end up to rounding of the cut counts as clamped.
         let middle = self.foot(&self.a.point(0.5));
         if middle == 0.0 || middle == 1.0 {
             v = [middle; 2];
@@ -124,7 +124,7 @@ impl PowerForm {
         // Coordinates are of order 1, so each component of w carries a few ulp of 1.
         let lower_sq = least - harmful * harmful / m - SAFETY * (size_sq + size_sq.sqrt());
         let place = v[0] + (v[1] - v[0]) * u;
-        Bound {
+        DistanceBound {
             lower: self.scale * lower_sq.max(0.0).sqrt(),
             at_place: self.scale * least.sqrt(),
             u,

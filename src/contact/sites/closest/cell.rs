@@ -25,7 +25,7 @@ const C5: [f64; 6] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
 
 /// {(u, v): u in `u`, v − v₀ − s (u − u₀) in `t`}, u₀ the middle of `u`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(super) struct CellParallelogram {
     /// The curves are exchanged: u is the parameter of the second.
     pub(super) flipped: bool,
     pub(super) u: [f64; 2],
@@ -34,7 +34,7 @@ pub(super) struct Cell {
     pub(super) t: [f64; 2],
 }
 
-impl Cell {
+impl CellParallelogram {
     pub(super) const WHOLE: Self = Self { flipped: false, u: [0.0, 1.0], v0: 0.5, slope: 0.0, t: [-0.5, 0.5] };
 
     pub(super) fn middle(&self) -> f64 {
@@ -109,7 +109,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 impl Bounds {
     /// `a` and `b` already in the order of the cell.
-    pub(super) fn new(a: &Cubic, b: &Cubic, cell: &Cell) -> Self {
+    pub(super) fn new(a: &Cubic, b: &Cubic, cell: &CellParallelogram) -> Self {
         let [du, dt] = cell.width();
         let pa = a.restrict(cell.u[0], cell.u[1]);
         let (first, along) = (cell.v(cell.u[0], cell.t[0]), cell.slope * du);
@@ -167,7 +167,7 @@ impl Bounds {
         [one_sign(&self.q), one_sign(&self.g)]
     }
 
-    /// |D_u| is everywhere below what can be told from 0 if the coordinates are uncertain by `noise`.
+    /// Whether |D_u| is everywhere within the error of coordinates that are uncertain by `noise`.
     pub(super) fn level(&self, noise: f64) -> bool {
         let limit = self.rounding + noise * self.speed;
         self.g.iter().flatten().all(|x| x.abs() <= limit)
@@ -286,7 +286,7 @@ mod tests {
             let mut cubic = || Cubic { b: std::array::from_fn(|_| Vec3::new(random(), random(), random())) };
             let (a, b) = (cubic(), cubic());
             let u = 0.5 * random();
-            let cell = Cell {
+            let cell = CellParallelogram {
                 u: [u, u + 0.01 + 0.5 * random().abs()],
                 v0: 0.5 + 0.3 * random(),
                 slope: random(),

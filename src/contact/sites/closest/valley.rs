@@ -1,7 +1,7 @@
-//! Valleys that cannot be decided: one minimum for each, by ordinary numerics.
+//! Undecided valleys: one minimum for each, by descent.
 
-use super::cell::{BORDER, Cell};
-use super::{Closest, Derivatives, MinimumSearch};
+use super::cell::{BORDER, CellParallelogram};
+use super::{Closest, DistanceDerivatives, MinimumSearch};
 use crate::contact::curves::curve::Cubic;
 use crate::math::Vec3;
 
@@ -16,7 +16,7 @@ struct Rectangle {
 }
 
 impl Rectangle {
-    fn of(&(cell, level): &(Cell, bool)) -> Self {
+    fn of(&(cell, level): &(CellParallelogram, bool)) -> Self {
         let on_segment = |r: [f64; 2]| [r[0].clamp(0.0, 1.0), r[1].clamp(0.0, 1.0)];
         // Where a slanting strip lies within v in [0, 1].
         let at = |v: f64| cell.middle() + (v - cell.v0) / cell.slope;
@@ -29,8 +29,8 @@ impl Rectangle {
 }
 
 impl MinimumSearch {
-    /// One minimum for each group of cells that hang together; with each cell whether it is level.
-    pub(super) fn valleys(&self, cells: &[(Cell, bool)], out: &mut Vec<Closest>) {
+    /// One minimum for each connected group of cells; each cell comes with whether it is level.
+    pub(super) fn valleys(&self, cells: &[(CellParallelogram, bool)], out: &mut Vec<Closest>) {
         let cells: Vec<Rectangle> = cells.iter().map(Rectangle::of).collect();
         let project = |x: [f64; 2], y: [f64; 2]| x[0] <= y[1] + BORDER && y[0] <= x[1] + BORDER;
         let mut done = vec![false; cells.len()];
@@ -63,8 +63,8 @@ fn hull(group: &[&Rectangle], get: fn(&Rectangle) -> [f64; 2]) -> [f64; 2] {
     group.iter().map(|&c| get(c)).fold([1.0, 0.0], |h: [f64; 2], r| [h[0].min(r[0]), h[1].max(r[1])])
 }
 
-/// A level valley that only touches the square's border with its end: its length is another pair's, or the end of a
-/// curve, which is looked at by itself.
+/// Whether a level valley only touches the square's border with its end. It then belongs to another pair, or to the end
+/// of a curve, which is treated separately.
 fn ends_here(group: &[&Rectangle]) -> bool {
     const POINT: f64 = 16.0 * BORDER;
     let (u, v) = (hull(group, |c| c.u), hull(group, |c| c.v));
@@ -73,7 +73,7 @@ fn ends_here(group: &[&Rectangle]) -> bool {
     small && ends && group.iter().all(|c| c.level)
 }
 
-/// The nearest level point of a group of boxes; of equally near ones the one nearest to the group's middle.
+/// The nearest level point of a group of boxes; among equally near points the one nearest to the group's middle.
 fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
     let MinimumSearch { a, b, reach, noise } = search;
     let (hu, hv) = (hull(group, |c| c.u), hull(group, |c| c.v));
@@ -81,7 +81,7 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
     let mut points: Vec<(f64, f64, f64)> = Vec::with_capacity(group.len() + 1);
     let starts = group.iter().map(|c| (0.5 * (c.u[0] + c.u[1]), 0.5 * (c.v[0] + c.v[1])));
     let mut offer = |(u, v): (f64, f64)| -> bool {
-        let at = Derivatives::new(a, b, u, v);
+        let at = DistanceDerivatives::new(a, b, u, v);
         let level = |d: &Vec3| at.w.dot(d).abs() <= LEVEL * at.w.norm() * d.norm() + 4.0 * f64::EPSILON * d.norm();
         let stationary = level(&at.da) && level(&at.db);
         let saddle = at.det() < -1e-9 * (at.uu * at.vv).abs() || at.uu < 0.0 || at.vv < 0.0;
@@ -93,8 +93,8 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
     for start in starts.chain([middle]) {
         let end = descend(a, b, start, hu, hv);
         if offer(end) {
-            // Down from the saddle, both ways along the direction it falls in.
-            let h = Derivatives::new(a, b, end.0, end.1);
+            // Descent from the saddle, both ways along its direction of negative curvature.
+            let h = DistanceDerivatives::new(a, b, end.0, end.1);
             let angle = 0.5 * (2.0 * h.uv).atan2(h.uu - h.vv) + std::f64::consts::FRAC_PI_2;
             let (sin, cos) = angle.sin_cos();
             let (du, dv) = (0.02 * cos, 0.02 * sin);
@@ -112,19 +112,19 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
 
 /// Newton step of D at (u, v); NaN if the second derivative is singular.
 fn step(a: &Cubic, b: &Cubic, u: f64, v: f64) -> (f64, f64) {
-    let h = Derivatives::new(a, b, u, v);
+    let h = DistanceDerivatives::new(a, b, u, v);
     let (gu, gv, det) = (h.gu, h.gv, h.det());
     (-(h.vv * gu - h.uv * gv) / det, -(h.uu * gv - h.uv * gu) / det)
 }
 
-/// Downhill inside a box of parameters: Newton where D is convex, else each parameter by itself; only steps that lower
-/// D are taken.
+/// Descent inside a box of parameters: Newton's method where D is convex, else one parameter at a time; only steps that
+/// lower D are taken.
 fn descend(a: &Cubic, b: &Cubic, start: (f64, f64), hu: [f64; 2], hv: [f64; 2]) -> (f64, f64) {
     let value = |u: f64, v: f64| (a.point(u) - b.point(v)).norm_squared();
     let (mut u, mut v) = start;
     let mut here = value(u, v);
     for _ in 0..60 {
-        let h = Derivatives::new(a, b, u, v);
+        let h = DistanceDerivatives::new(a, b, u, v);
         let (gu, gv) = (h.gu, h.gv);
         let convex = h.uu > 0.0 && h.vv > 0.0 && h.det() > 1e-12 * h.uu * h.vv;
         let single = (-gu / (h.uu.abs() + h.uv.abs()), -gv / (h.vv.abs() + h.uv.abs()));

@@ -1,4 +1,4 @@
-//! The short way against the general one.
+//! The method for facing pairs against the general one.
 
 use super::super::FootKind;
 use super::*;
@@ -18,7 +18,7 @@ fn strands(random: &mut Random, wild: f64, away: f64) -> (Cubic, Cubic) {
     (bent(offset + along * -0.5 + Vec3::x() * 0.5, along), master)
 }
 
-/// Pieces, where they are nearest and feet are those of the general way, whatever the bounds told; and they tell nearly
+/// Pieces, nearest points and feet are those of the general method, whatever the bounds show; and they show nearly
 /// always.
 #[test]
 fn what_faces_plainly_is_found_as_in_general() {

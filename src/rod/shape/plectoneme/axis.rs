@@ -1,4 +1,4 @@
-//! The axis about which a plectoneme is wound: straight, or the middle part of any open shape.
+//! Axes of plectonemes: straight, or the middle part of any open shape.
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -10,13 +10,14 @@ use crate::math::{Quat, Vec3};
 use super::super::{Shape, finite, frame, normal_to, unit};
 use super::Axis;
 
-/// Samples of a curved axis per distance between the strands: the interpolated axis bends as smoothly as the rod.
+/// Samples of a curved axis per distance between the strands, because the interpolated axis must be as smooth as the
+/// rod.
 const SAMPLES_PER_DISTANCE: f64 = 2.0;
 
 /// Most samples of a curved axis.
 const MAX_SAMPLES: f64 = 2e7;
 
-/// The axis at one place: position, derivative by arc length z, frame, and the rate K at which the frame turns (in its
+/// The axis at one point: position, derivative by arc length z, frame, and the rate of rotation K of the frame (in its
 /// own axes).
 pub(super) struct AxisPoint {
     pub position: Vec3,
@@ -25,7 +26,7 @@ pub(super) struct AxisPoint {
     pub rate: Vec3,
 }
 
-/// An axis by its arc length z, 0 in the middle.
+/// An axis as a function of its arc length z, 0 in the middle.
 pub(super) enum AxisCurve {
     Straight {
         center: Vec3,
@@ -120,8 +121,8 @@ impl AxisCurve {
 
     /// Refuses an axis on whose part −`end`..`end` a plectoneme of the outer radius `reach(z)` would run into itself.
     ///
-    /// Parts further along the axis than a quarter circle of that size must be further apart than both reaches (and a
-    /// fourteenth of a strand more, for the axis is looked at in places one `step` apart).
+    /// Points of the axis that are more than a quarter circle of that size apart along it must be farther apart than
+    /// both reaches (plus a fourteenth of a strand, because the axis is sampled every `step`).
     pub(super) fn check_clear(&self, end: f64, step: f64, reach: impl Fn(f64) -> f64) -> Result<(), InputError> {
         if matches!(self, Self::Straight { .. }) {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Which plectoneme has the least elastic energy.
+//! Plectonemes of least elastic energy.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -10,8 +10,7 @@ use super::{Axis, MIN_LOOP, Plectoneme, too_short};
 /// Relative accuracy of angles and loop sizes.
 const TOL: f64 = 1e-10;
 
-/// Largest share of the rod's length that the loops may take: where an angle is asked for, and where the energy
-/// decides.
+/// Largest fraction of the rod's length in the loops, for a given angle and for a given link.
 const MAX_SHARE: f64 = 0.5;
 const ALL_BUT_SOME: f64 = 0.999;
 
@@ -73,7 +72,8 @@ fn best_loops(
         let middle = 0.5 * (high + above);
         *(if fits(middle) { &mut high } else { &mut above }) = middle;
     }
-    // In the logarithm of the size: loops may be as small as the strands' distance in a rod a million times as long.
+    // In the logarithm of the size, because loops may be as small as the strands' distance in a rod a million times as
+    // long.
     let (size, least) = minimum(|log| cost(&of_size(log.exp().clamp(low, high))), low.ln(), high.ln(), TOL);
     Some((of_size(size.exp().clamp(low, high)), least))
 }
@@ -86,7 +86,7 @@ pub(super) fn of_angle(length: f64, distance: f64, angle: f64) -> Result<Plecton
     let cost = |p: &Plectoneme| p.bending() - TAU * moment * p.writhe().abs();
     let sizes = [length, distance, angle];
     let best = best_loops(sizes, MAX_SHARE, cost).or_else(|| {
-        // the smallest ones alone take more than that
+        // even the smallest loops are longer than that
         let loop_size = MIN_LOOP * distance;
         best_loops(sizes, ALL_BUT_SOME, |p| (p.loop_size - loop_size).abs())
     });
@@ -101,7 +101,7 @@ pub(super) fn of_turns(length: f64, distance: f64, turns: f64) -> Result<Plecton
         loop_size,
         axis: Axis::default(),
     };
-    // At a given size of the loops more turns take a larger angle.
+    // At a given size of the loops more turns require a larger angle.
     let falls_short = |loop_size: f64, angle: f64| {
         let plectoneme = with(loop_size, angle);
         plectoneme.helix_height() < 0.0 || plectoneme.turns().abs() < turns.abs()

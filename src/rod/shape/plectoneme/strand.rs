@@ -1,7 +1,7 @@
-//! One strand of a plectoneme between apex and apex, in cylindrical coordinates about its axis: closed forms.
+//! One strand of a plectoneme from apex to apex, in cylindrical coordinates about its axis, in closed form.
 
-/// Parameters of the planar end loop. Of all loops of this family (even and odd polynomials about the apex, curvature 0
-/// where they begin) these have the least ∫κ² for a given length.
+/// Parameters of the planar end loop: the least ∫κ² for a given length in the family of loops that are even and odd
+/// polynomials about the apex with zero curvature at the helix.
 const HEIGHT: [f64; 2] = [0.625, 0.36];
 const FULLNESS: f64 = 0.84;
 
@@ -10,7 +10,7 @@ pub(super) const LOOP_WIDTH: f64 = 0.2695;
 /// Height of the loop relative to its size.
 pub(super) const LOOP_HEIGHT: f64 = 1.25 * HEIGHT[0] + HEIGHT[1];
 
-/// A place of the strand: distance x from the axis, height z, angle φ about the axis, with first and second derivatives
+/// A point of the strand: distance x from the axis, height z, angle φ about the axis, with first and second derivatives
 /// by the parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StrandPoint {
@@ -19,11 +19,11 @@ pub(super) struct StrandPoint {
     pub phi: [f64; 3],
 }
 
-/// A half loop of size `size` above a double helix of radius `radius` whose angle turns by `rate` per height.
+/// A half loop of size `size` above a double helix of radius `radius` that rotates by `rate` per height.
 ///
-/// In its own plane the loop is x = R A(w) + S b(w), z = S c(w), w = 1 at the helix and 0 at the apex, A = (15w −
-/// 10w³ + 3w⁵)/8, b = w(1 + e w²) y³, c = γ1(y + y²/4) + γ3 y³, y = 1 − w². The plane turns about the axis at the
-/// helix's own rate at first; the rate decays to 0 at the apex as (5w³ − 3w⁵)/2. Position, tangent and curvature are
+/// In its own plane the loop is x = R A(w) + S b(w), z = S c(w), w = 1 at the helix and 0 at the apex, A = (15w − 10w³ +
+/// 3w⁵)/8, b = w(1 + e w²) y³, c = γ1(y + y²/4) + γ3 y³, y = 1 − w². The plane rotates about the axis, at the rate of
+/// the helix at w = 1; the rate decays to 0 at the apex as (5w³ − 3w⁵)/2. Position, tangent and curvature are
 /// continuous where helix and loop meet; at the apex the curve is smooth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HalfLoop {
@@ -33,7 +33,7 @@ pub(super) struct HalfLoop {
 }
 
 impl HalfLoop {
-    /// The place at the parameter v = 1 − w, 0 at the helix, 1 at the apex; z and φ from the end of the helix.
+    /// The point at the parameter v = 1 − w, 0 at the helix, 1 at the apex; z and φ from the end of the helix.
     pub(super) fn at(&self, v: f64) -> StrandPoint {
         let w = 1.0 - v;
         let (w2, y, y1) = (w * w, v * (2.0 - v), -2.0 * w); // y by differences: exact near the helix
@@ -58,7 +58,7 @@ impl HalfLoop {
 }
 
 impl StrandPoint {
-    /// First and second derivative in the axes that turn with the strand: outwards, around, along the (straight) axis.
+    /// First and second derivative in cylindrical axes: radial, azimuthal, along the (straight) axis.
     fn derivatives(&self) -> [[f64; 3]; 2] {
         let ([x, x1, x2], [_, z1, z2], [_, p1, p2]) = (self.x, self.z, self.phi);
         [[x1, x * p1, z1], [x2 - x * p1 * p1, 2.0 * x1 * p1 + x * p2, z2]]

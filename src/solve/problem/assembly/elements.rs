@@ -62,10 +62,8 @@ impl Engine {
     ) -> ElementOutput {
         let element = &self.elements[e];
         let nodes = self.element_nodes(state, element);
-        let mut out = ElementOutput::default();
         let reference = self.reference[element.rod].of(e);
-        evaluate(&self.body(e), &nodes, &reference, predicted, tangent, &mut out);
-        out
+        evaluate(&self.body(e), &nodes, &reference, predicted, tangent)
     }
 
     pub(in crate::solve) fn seam_axis(&self, state: &State, rod: usize) -> Vec3 {

@@ -25,8 +25,8 @@ fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
     std::array::from_fn(at)
 }
 
-/// The potential's second-order expansion by the control points, seen from the ends, has the gradient and the tangent
-/// that are told for them.
+/// The second-order expansion of the potential in the control points, as a function of the ends, has the gradient and
+/// tangent of the end coordinates.
 #[test]
 fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let set = crossing();
