@@ -2,7 +2,7 @@
 //! arrays, 3DNA's frames and step parameters.
 
 mod frames;
-mod oxdna;
+pub(super) mod oxdna;
 mod points;
 
 use std::f64::consts::TAU;
@@ -45,6 +45,8 @@ pub struct Nodes<'a> {
     pub order: usize,
     /// Closed rods: link Tw + Wr of the frames, turns; the frame at the end is the first turned by it.
     pub closed: Option<f64>,
+    /// Turns of the double helix that the frames leave out, where the rod says so itself; else 0.
+    pub turns_left_out: f64,
 }
 
 impl Nodes<'_> {
@@ -88,7 +90,8 @@ impl BasePairs {
     /// `count` base pairs evenly along a rod: of a closed one the first lies at s = 0, of an open one also the last at
     /// its end.
     ///
-    /// A rod whose frames carry the double helix, as that of a sequence, hands them on. Others model the axis alone: they
+    /// A rod whose frames carry the double helix, as that of a sequence, hands them on; one in blocks is given back the
+    /// turns that it left out. Others model the axis alone: they
     /// have less than half of a turn per [`HELICAL_REPEAT`] base pairs, and the helix is put in, evenly, with the whole
     /// number of turns in a closed molecule that is next to pairs / [`HELICAL_REPEAT`] + link of the frames.
     ///
@@ -108,6 +111,7 @@ impl BasePairs {
         let steps = if nodes.closed.is_some() { count } else { count - 1 };
         let natural = steps as f64 / HELICAL_REPEAT;
         let added = match nodes.closed {
+            _ if nodes.turns_left_out != 0.0 => nodes.turns_left_out,
             _ if nodes.twist() > 0.5 * natural => 0.0,
             Some(link) => (natural + link).round() - link,
             None => natural,

@@ -4,6 +4,7 @@
 //! those of B-DNA in physiological conditions; sources stand beside each.
 
 pub mod base_pairs;
+pub mod blocks;
 pub mod bound;
 pub(crate) mod pose;
 pub mod salt;
