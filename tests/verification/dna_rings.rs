@@ -9,7 +9,7 @@
 
 use crate::common;
 
-use common::{history, verify};
+use common::{history, observed, verify};
 use supercoil::dna::THERMAL_ENERGY;
 use supercoil::dna::sequence::{Helix, Sequence, Steps};
 use supercoil::internals::quadrature::gauss;
@@ -84,7 +84,7 @@ fn blocks_of_steps() {
         let mut solver = ring_of(helix, 18.0, elements);
         let report = solver.find_equilibrium();
         assert_eq!(report.status, Status::Converged, "{}", history(&report));
-        let energy: f64 = energies(&solver).iter().sum();
+        let energy = observed(&solver, &report).energies.total / THERMAL_ENERGY;
         println!("{elements} elements: {energy} kT, {} iterations", report.iterations);
         energy
     };

@@ -382,7 +382,10 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
     };
     let proteins = text.proteins.as_ref().map(|file| Bound::read(&base_dir.join(file))).transpose()?;
     let helix = sequence.helix_with(&steps, closed, &proteins.unwrap_or_default())?;
-    text.block.map_or(Ok(helix.clone()), |steps| helix.in_blocks(steps))
+    match text.block {
+        None => Ok(helix),
+        Some(steps) => helix.in_blocks(steps),
+    }
 }
 
 fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Result<Contact, InputError> {
