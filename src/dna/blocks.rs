@@ -200,7 +200,7 @@ mod tests {
                     assert!(turn.angle() < 1e-11 && shift.norm() < 1e-11, "{size} {k}: {turn} {shift}");
                 }
             }
-            assert!((axis.frame).angle_to(&pair.frame) < 1e-11, "{size}");
+            assert!(axis.frame.angle_to(&pair.frame) < 1e-11, "{size}");
             assert!((coarse.turns - fine.turns).abs() < 0.1, "{size}: {} {}", coarse.turns, fine.turns);
         }
     }
@@ -249,6 +249,6 @@ mod tests {
         let held = Sequence::parse(LETTERS).unwrap().helix_with(&steps, false, &bound.unwrap()).unwrap();
         assert!(held.in_blocks(4).is_ok());
         let refused = held.in_blocks(27).unwrap_err().to_string();
-        assert!(refused.starts_with("sequence.block: base pairs 1 to 28 make a block that is turned by"), "{refused}");
+        assert!(refused.starts_with("sequence.block: base pairs 28 to 55 make a block that is turned by"), "{refused}");
     }
 }
