@@ -6,6 +6,8 @@
 //! lowers the energy by L (M3 κ)²/(2 GA) to first order. Of that, steps of 2π/n and a rod
 //! differ by about (π/n)²/3: tolerance (π/n)²/2. Mean tilt and roll energies are equal in a ring whose helix
 //! turns many times: bending energy is compared with their sum.
+//!
+//! Blocks of steps (`dna::blocks`) are compared with single steps on a mesh that resolves them.
 
 use crate::common;
 
