@@ -3,8 +3,9 @@
 //!
 //! `cargo bench --bench reduced_scenes`. One problem for all: a leaf spring of two cantilevers, the one pressed on the
 //! other by a load at its tip, or one of them alone; with and without out-of-plane unknowns, with contact in use, on
-//! where nothing is near, or off; straight or curved by nature; with a stiffness that couples strains. Each runs several times in turn on one thread and the
-//! least time of the processor is kept, so that other work on the machine disturbs all alike; only the ratios mean
+//! where nothing is near, or off; straight or curved by nature; with a stiffness that couples
+//! strains, the same all along or from a table by arc length, with natural strains and radii. Each runs several times in turn on one
+//! thread and the least time of the processor is kept, so that other work on the machine disturbs all alike; only the ratios mean
 //! something. Parts on the clock: detection, assembly, factor with its analysis, solves. `-- "planar, in contact"` runs
 //! the scenes of that name only, ten rounds: for a profiler.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
@@ -32,9 +33,22 @@ struct Case {
     rods: usize,
     contact: bool,
     natural: Natural,
-    /// A full stiffness, constant along the rod, instead of a diagonal one.
-    coupled: bool,
+    section: Given,
 }
+
+/// How the section is given.
+#[derive(Clone, Copy, PartialEq)]
+enum Given {
+    /// Six numbers.
+    Diagonal,
+    /// A full stiffness, constant along the rod.
+    Coupled,
+    /// A full stiffness, natural strains and contact radii in pieces: a table by arc length.
+    Table,
+}
+
+/// Pieces of a table.
+const PIECES: usize = 100;
 
 fn solver(case: &Case) -> Solver {
     let section = Section::isotropic(1.0, 0.8, 1e4, 1e4, RADIUS);
@@ -44,9 +58,17 @@ fn solver(case: &Case) -> Solver {
     };
     let mut stiffness = section.stiffness();
     (stiffness[(4, 5)], stiffness[(5, 4)]) = (0.3, 0.3);
-    let rod = |k: usize| match case.coupled {
-        true => rod(k).with_stiffness(Along::constant(stiffness)).unwrap(),
-        false => rod(k),
+    let ends: Vec<f64> = (1..=PIECES).map(|k| k as f64 / PIECES as f64).collect();
+    let rod = |k: usize| match case.section {
+        Given::Diagonal => rod(k),
+        Given::Coupled => rod(k).with_stiffness(Along::constant(stiffness)).unwrap(),
+        Given::Table => {
+            let stiffnesses = (0..PIECES).map(|k| stiffness * (1.0 + 0.1 * (k as f64).sin())).collect();
+            // equal ones: a strand that slides over steps asks for other iterations
+            let radii = vec![RADIUS; PIECES];
+            let rod = rod(k).with_stiffness(Along::pieces(ends.clone(), stiffnesses).unwrap()).unwrap();
+            rod.with_contact_radii(Along::pieces(ends.clone(), radii).unwrap()).unwrap()
+        }
     };
     let rods: Vec<Rod> = (0..case.rods).map(rod).collect();
     let tip = NodeRef { rod: case.rods - 1, node: rods[0].num_nodes() - 1 };
@@ -89,14 +111,25 @@ fn time(case: &Case) -> (f64, usize, Timings) {
 }
 
 fn main() {
-    let case =
-        |name, planar, rods, contact| Case { name, planar, rods, contact, natural: Natural::Straight, coupled: false };
+    let case = |name, planar, rods, contact| Case {
+        name,
+        planar,
+        rods,
+        contact,
+        natural: Natural::Straight,
+        section: Given::Diagonal,
+    };
+    let pieces = (1..=PIECES).map(|k| k as f64 / PIECES as f64).collect();
+    let strains = (0..PIECES).map(|k| [0.0, 0.0, 1.0, 0.01 * (k as f64).sin(), 0.0, 0.0].into()).collect();
+    let table = Natural::Varying(Along::pieces(pieces, strains).unwrap());
     let cases = [
         case("in space, in contact", false, 2, true),
         case("in space, contact on", false, 1, true),
         case("in space, no contact", false, 1, false),
         Case { natural: Natural::AsShaped, ..case("no contact, as shaped", false, 1, false) },
-        Case { coupled: true, ..case("no contact, coupled", false, 1, false) },
+        Case { section: Given::Coupled, ..case("no contact, coupled", false, 1, false) },
+        Case { section: Given::Table, natural: table.clone(), ..case("no contact, table", false, 1, false) },
+        Case { section: Given::Table, natural: table, ..case("in contact, table", false, 2, true) },
         case("planar, in contact", true, 2, true),
         case("planar, contact on", true, 1, true),
         case("planar, no contact", true, 1, false),

@@ -330,7 +330,7 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
 }
 
 fn export(what: &Export) -> Result<u8, InputError> {
-    let sequence = what.sequence.as_deref().map(Sequence::read_fasta).transpose()?;
+    let sequence = what.sequence.as_deref().map(Sequence::read).transpose()?;
     let count = sequence.as_ref().map(Sequence::num_bases).or(what.base_pairs);
     let pairs = base_pairs(&what.dir, what.rod.as_deref(), count)?;
     let mut written = Vec::new();

@@ -2,7 +2,7 @@
 //! step parameters.
 
 mod frames;
-mod oxdna;
+pub(super) mod oxdna;
 mod points;
 
 use std::f64::consts::TAU;
@@ -45,6 +45,8 @@ pub struct Nodes<'a> {
     pub order: usize,
     /// Closed rods: link Tw + Wr of the frames, turns; the frame at the end is the first one rotated by it.
     pub closed: Option<f64>,
+    /// Turns of the double helix that the frames leave out, where the rod says so itself; else 0.
+    pub turns_left_out: f64,
 }
 
 impl Nodes<'_> {
@@ -87,10 +89,10 @@ impl Nodes<'_> {
 impl BasePairs {
     /// `count` equally spaced base pairs along a rod. The first lies at s = 0, the last of an open rod at its end.
     ///
-    /// A rod whose frames follow the double helix, such as that of a sequence, keeps its frames. Other rods model the
-    /// axis alone: their frames have less than half a turn per [`HELICAL_REPEAT`] base pairs. Then the helix is added
-    /// uniformly; a closed molecule gets the whole number of turns nearest to pairs / [`HELICAL_REPEAT`] + link of the
-    /// frames.
+    /// A rod whose frames carry the double helix, as that of a sequence, hands them on; one in blocks is given back the
+    /// turns that it left out. Others model the axis alone: they
+    /// have less than half of a turn per [`HELICAL_REPEAT`] base pairs, and the helix is put in, evenly, with the whole
+    /// number of turns in a closed molecule that is next to pairs / [`HELICAL_REPEAT`] + link of the frames.
     ///
     /// # Errors
     /// Fewer than two base pairs; a number of nodes that does not fit the order.
@@ -108,6 +110,7 @@ impl BasePairs {
         let steps = if nodes.closed.is_some() { count } else { count - 1 };
         let natural = steps as f64 / HELICAL_REPEAT;
         let added = match nodes.closed {
+            _ if nodes.turns_left_out != 0.0 => nodes.turns_left_out,
             _ if nodes.twist() > 0.5 * natural => 0.0,
             Some(link) => (natural + link).round() - link,
             None => natural,

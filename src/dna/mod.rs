@@ -4,6 +4,7 @@
 //! B-DNA in physiological conditions, each with its source.
 
 pub mod base_pairs;
+pub mod blocks;
 pub mod bound;
 pub(crate) mod pose;
 pub mod salt;

@@ -45,7 +45,12 @@ pub(crate) fn parameters(turn: &Quat, shift: &Vec3) -> [f64; 6] {
 
 /// Strains that are constant over a length `spacing` (nm) and lead from one base pair to another with these parameters.
 pub(crate) fn strains(parameters: &[f64; 6], spacing: f64) -> NaturalStrains {
-    let (turn, shift) = pose(parameters);
+    strains_between(&pose(parameters), spacing)
+}
+
+/// Strains that are constant over a length `spacing` (nm) and lead from one frame to another, which is turned and shifted (nm)
+/// so as seen from the first: by less than half a turn.
+pub(crate) fn strains_between((turn, shift): &(Quat, Vec3), spacing: f64) -> NaturalStrains {
     let rotation = turn.scaled_axis();
     let (angle, cross) = (rotation.norm(), rotation.cross_matrix());
     // mean of exp(u θ×), u from 0 to 1
@@ -56,7 +61,7 @@ pub(crate) fn strains(parameters: &[f64; 6], spacing: f64) -> NaturalStrains {
         Mat3::identity() + cross * ((1.0 - cos) / angle.powi(2)) + cross * cross * ((angle - sin) / angle.powi(3))
     };
     // a rotation of less than a turn leaves the mean invertible
-    let along = mean.try_inverse().map_or(shift, |inverse| inverse * shift) / spacing;
+    let along = mean.try_inverse().map_or(*shift, |inverse| inverse * shift) / spacing;
     let kappa = rotation / spacing;
     [along.x, along.y, along.z, kappa.x, kappa.y, kappa.z].into()
 }

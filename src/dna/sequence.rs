@@ -17,6 +17,7 @@
 use std::path::Path;
 
 use crate::dna::THERMAL_ENERGY;
+use crate::dna::base_pairs::oxdna::read_strand;
 use crate::dna::bound::Bound;
 use crate::dna::pose::{ANGSTROM, pose, strains};
 use crate::error::InputError;
@@ -142,8 +143,8 @@ impl Steps {
     }
 }
 
-/// Index of a base among [`BASES`], in which complements are mirrored.
-fn base(letter: char) -> Option<usize> {
+/// Index of a base among [`BASES`]; complements are mirrored.
+pub(super) fn base(letter: char) -> Option<usize> {
     BASES.iter().position(|known| letter.eq_ignore_ascii_case(known))
 }
 
@@ -162,6 +163,10 @@ pub struct Helix {
     pub length: f64,
     /// Natural twist ∫ K3 ds/2π, turns: the link of a relaxed ring.
     pub turns: f64,
+    /// Number of steps, all of one length.
+    pub num_steps: usize,
+    /// Turns of the double helix that the frames leave out, a whole number: 0 unless [in blocks](Helix::in_blocks).
+    pub turns_left_out: f64,
 }
 
 impl Sequence {
@@ -193,14 +198,20 @@ impl Sequence {
         Ok(Self(bases))
     }
 
-    /// Reads a FASTA file of one sequence: lines that begin with `>` or `;` are its name or comments.
+    /// Reads a FASTA file of one sequence (lines that begin with `>` or `;` are its name or comments), or the topology of
+    /// two complementary strands that oxDNA has (its first line begins with a number): the first strand.
     ///
     /// # Errors
-    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] for a second sequence and for other letters,
-    /// with their line.
-    pub fn read_fasta(path: &Path) -> Result<Self, InputError> {
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] for a second sequence, for strands that are no
+    /// complements, and for letters that are no bases, with their line.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
         let text = read_regular(path)?;
         let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
+        if text.starts_with(|c: char| c.is_ascii_digit()) {
+            return read_strand(&text)
+                .and_then(|letters| Self::parse(&letters).map_err(|e| e.to_string()))
+                .map_err(refuse);
+        }
         let mut letters = String::new();
         for (number, line) in (1..).zip(text.lines()) {
             if line.starts_with('>') && !letters.is_empty() {
@@ -259,7 +270,7 @@ impl Sequence {
         proteins.hold((&mut natural, &mut stiffness), spacing, self.0.len())?;
         let turns = natural.iter().map(|strains| strains[5]).sum::<f64>() * spacing / std::f64::consts::TAU;
         let (natural, stiffness) = (Along::pieces(ends.clone(), natural)?, Along::pieces(ends, stiffness)?);
-        Ok(Helix { natural, stiffness, length, turns })
+        Ok(Helix { natural, stiffness, length, turns, num_steps: count, turns_left_out: 0.0 })
     }
 }
 

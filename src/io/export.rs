@@ -23,6 +23,8 @@ struct MeshOfRod {
     length: f64,
     closed: bool,
     order: usize,
+    #[serde(default)]
+    turns_left_out: f64,
 }
 
 #[derive(serde::Deserialize)]
@@ -70,6 +72,7 @@ pub fn base_pairs(dir: &Path, rod: Option<&str>, count: Option<usize>) -> Result
     };
     let by_length = (head.length / RISE).round() as usize + usize::from(!head.closed);
     let (positions, frames) = (&state.positions, &state.frames);
-    let nodes = Nodes { positions, frames, order: head.order, closed: head.closed.then_some(link) };
+    let (closed, turns_left_out) = (head.closed.then_some(link), head.turns_left_out);
+    let nodes = Nodes { positions, frames, order: head.order, closed, turns_left_out };
     BasePairs::along(&nodes, count.unwrap_or(by_length))
 }

@@ -49,6 +49,13 @@ pub(super) struct RodHead {
     elements: usize,
     order: usize,
     nodes: usize,
+    /// Turns of the double helix that the frames leave out, if any.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    turns_left_out: f64,
+}
+
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 impl RodHead {
@@ -175,6 +182,7 @@ impl Record {
             elements: rod.num_elements,
             order: rod.order,
             nodes: rod.num_nodes(),
+            turns_left_out: rod.turns_left_out,
         };
         let thermal = scene.thermal().map(|(_, unit)| unit);
         Ok(Self {

@@ -162,8 +162,7 @@ pub fn estimate_error(solver: &Solver) -> Result<ErrorEstimate, InputError> {
         }
         comparison
     });
-    let radius = |rod: &crate::rod::Rod| rod.section.contact_radius;
-    let radii = solver.engine().model().rods.iter().map(radius).filter(|r| *r > 0.0);
+    let radii = solver.engine().model().rods.iter().map(crate::rod::Rod::least_contact_radius).filter(|r| *r > 0.0);
     let min_radius = radii.fold(f64::INFINITY, f64::min);
     Ok(ErrorEstimate {
         mesh,

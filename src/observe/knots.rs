@@ -44,7 +44,8 @@ pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
             close(&mut points);
         }
         let found = alexander(&points)?;
-        let ropelength = gap.filter(|_| rods[rod].closed && rods.len() == 1).map(|gap| ropelength(engine, rod, gap));
+        let is_one_tube = rods[rod].closed && rods[rod].contact_radii.is_none() && rods.len() == 1;
+        let ropelength = gap.filter(|_| is_one_tube).map(|gap| ropelength(engine, rod, gap));
         let name = found.name().to_owned();
         Some(Knot { rod, name, determinant: found.determinant.round(), at_third: found.at_third.round(), ropelength })
     };

@@ -39,9 +39,8 @@ pub fn start_overlaps(model: &Model) -> Result<Vec<StartOverlap>, RunError> {
     let mut engine = Engine::new(model.clone(), None).map_err(RunError::Input)?;
     let state = engine.state().clone();
     engine.update_contact(&state)?;
-    let radius = |rod: usize| engine.model().rods[rod].section.contact_radius;
     let overlap = |rods: [usize; 2], arcs: [[f64; 2]; 2], gap: f64| {
-        let radii = rods.map(radius);
+        let radii = [0, 1].map(|k| engine.model().rods[rods[k]].contact_radius_at(arcs[k][0]));
         let contact_distance = radii[0] + radii[1];
         let distance = (contact_distance + gap).max(0.0);
         let names = rods.map(|rod| engine.model().rods[rod].name.clone());

@@ -113,8 +113,10 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
         let prescribed = engine.state().seams[rod] / TAU;
         let excess_link = prescribed - rods[rod].natural_link();
         let (points, d1) = engine.centerline(rod, POINTS_PER_SEGMENT);
-        let link = link_numbers(&points, &d1, prescribed).link;
+        let left_out = rods[rod].turns_left_out;
+        let link = link_numbers(&points, &d1, prescribed).link + left_out;
         let (twist, excess_twist) = engine.twist(rod);
+        let twist = twist + left_out;
         let seam_moment = residual.seam_moments[rod];
         RodLink { rod, excess_link, link, twist, excess_twist, writhe: link - twist, seam_moment }
     };
@@ -189,9 +191,9 @@ fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>
     };
     let rods = &engine.model().rods;
     let too_tight = side.rods.iter().filter_map(|&rod| {
-        let (name, radius) = (&rods[rod].name, rods[rod].section.contact_radius);
+        let name = &rods[rod].name;
         let [curvature, arc] = engine.largest_curvature(rod);
-        let tightness = curvature * radius;
+        let tightness = curvature * rods[rod].contact_radius_at(arc);
         (tightness > 1.0).then(|| {
             format!(
                 "rod \"{name}\" is bent {tightness:.2} times as tightly as its contact radius allows, at arc {arc:.4}: it \

@@ -174,6 +174,17 @@ fn mean<T: Averaged>(ends: &[f64], values: &[T], from: f64, to: f64) -> T {
     if first == last { values[first] } else { (first + 1..=last).map(part).fold(part(first), |sum, next| sum + next) }
 }
 
+impl Along<f64> {
+    /// The smallest value of a table or a constant; of a function, that at 0.
+    #[cfg(feature = "scenes")]
+    pub(crate) fn least(&self) -> f64 {
+        match &*self.0 {
+            Kind::Pieces(_, values) | Kind::Points(_, values) => values.iter().copied().fold(f64::INFINITY, f64::min),
+            Kind::Constant(_) | Kind::Function(_) => self.at(0.0),
+        }
+    }
+}
+
 fn check_lists(name: &str, arcs: &[f64], num_values: usize, fewest: usize) -> Result<(), InputError> {
     if arcs.len() < fewest {
         let allowed = if fewest == 1 { "at least 1" } else { "at least 2" };

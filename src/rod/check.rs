@@ -43,6 +43,7 @@ impl Rod {
         self.check_length(&path)?;
         self.check_natural(&path)?;
         self.check_stiffness(&path)?;
+        self.check_contact_radii(&path)?;
         (0..self.num_segments()).try_for_each(|segment| self.check_segment(&path, segment))
     }
 
@@ -96,6 +97,14 @@ impl Rod {
         })
     }
 
+    pub(super) fn check_contact_radii(&self, path: &str) -> Result<(), InputError> {
+        let Some(along) = &self.contact_radii else { return Ok(()) };
+        let field = format!("{path}.contact_radii");
+        along.check(&field, self.length, (self.num_elements, &gauss(self.order)), |s, radius| {
+            InputError::positive(&format!("{field} at s = {s}"), *radius)
+        })
+    }
+
     fn check_counts(&self, path: &str) -> Result<(), InputError> {
         check_order(path, self.order)?;
         if self.num_elements == 0 {
@@ -133,7 +142,7 @@ impl Rod {
         }
         let (d3_a, d3_b) = (self.frames[a] * Vec3::z(), self.frames[b] * Vec3::z());
         let curvature = d3_a.cross(&d3_b).norm().atan2(d3_a.dot(&d3_b)) / spacing;
-        let radius = self.section.contact_radius;
+        let radius = self.contact_radius_of(segment);
         if radius * curvature >= 1.0 {
             return refuse(format!(
                 "a rod thicker than its own curvature allows: contact_radius = {radius}, curvature = {curvature:.6} \

@@ -104,8 +104,8 @@ impl Rod {
     ///
     /// # Errors
     /// A stiffness, length or contact radius that is not positive; the contact radius of a rod that takes no part in
-    /// contact; stiffnesses of a rod with a full stiffness; length and natural strains of rods whose natural strains
-    /// vary along them.
+    /// contact, or whose radius varies along it; stiffnesses of a rod with a full stiffness; length and natural strains of
+    /// rods whose natural strains, or radii, vary along them.
     pub fn check_number(&self, field: &str, which: RodNumber, to: f64) -> Result<(), InputError> {
         let refuse = |reason: &str| {
             let reason = format!("rod \"{}\" {reason}", self.name);
@@ -118,6 +118,11 @@ impl Rod {
         if !is_uniform && (which.is_natural() || which == RodNumber::Length) {
             return refuse(
                 "has natural strains that vary along it: ramps of natural strains and of length need uniform ones",
+            );
+        }
+        if self.contact_radii.is_some() && matches!(which, RodNumber::ContactRadius | RodNumber::Length) {
+            return refuse(
+                "has a contact radius that varies along it: ramps of radius and of length need a uniform one",
             );
         }
         if which == RodNumber::ContactRadius && self.section.contact_radius <= 0.0 {

@@ -24,6 +24,8 @@ pub struct Rod {
     pub section: Section,
     /// Full stiffness along the rod, instead of that of `section`: see [`Rod::with_stiffness`].
     pub stiffness: Option<Along<Stiffness>>,
+    /// Contact radius along the rod, instead of that of `section`: see [`Rod::with_contact_radii`].
+    pub contact_radii: Option<Along<f64>>,
     /// Order p of the elements (1, 2 or 3).
     pub order: usize,
     /// Number of elements.
@@ -50,6 +52,9 @@ pub struct Rod {
     pub twist_put_in: f64,
     /// Closed rods: link Tw + Wr of the original frames, turns; the natural link with [`Natural::AsShaped`].
     pub shape_link: f64,
+    /// Turns of the double helix that the frames leave out: whole turns of a rod that models DNA in blocks, see
+    /// [`Helix::in_blocks`](crate::dna::sequence::Helix::in_blocks). 0 for others.
+    pub turns_left_out: f64,
 }
 
 impl Rod {
@@ -105,6 +110,7 @@ impl Rod {
             name: name.to_owned(),
             section,
             stiffness: None,
+            contact_radii: None,
             order,
             num_elements: num_segments / order.max(1),
             closed,
@@ -115,6 +121,7 @@ impl Rod {
             start_excess_link: 0.0,
             twist_put_in: 0.0,
             shape_link: 0.0,
+            turns_left_out: 0.0,
         };
         rod.check()?;
         if closed {
@@ -148,6 +155,50 @@ impl Rod {
         rod.check_stiffness(&format!("rods.{}", rod.name))?;
         let mean = rod.stiffness.as_ref().map_or(rod.section.stiffness(), |along| along.mean(rod.length));
         Ok(Self { section: Section::of_diagonal(&mean, rod.section.contact_radius), ..rod })
+    }
+
+    /// The same rod with a contact radius that varies along it \[L\]. Contact has one radius a segment, the mean over it
+    /// (of points and functions, the value at its middle); the contact radius of `section` becomes the largest of these.
+    ///
+    /// ```
+    /// use supercoil::math::Vec3;
+    /// use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+    /// let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
+    /// let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.1);
+    /// let cone = Rod::new("cone", &line, false, section, 10, 1, Natural::Straight)?
+    ///     .with_contact_radii(Along::points(vec![0.0, 2.0], vec![0.1, 0.3])?)?;
+    /// assert!((cone.contact_radius_of(0) - 0.11).abs() < 1e-15);
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Radii that are not finite and positive, with their arc length; a table that does not end at the rod's end; a rod
+    /// thicker than its curvature allows.
+    pub fn with_contact_radii(self, radii: Along<f64>) -> Result<Self, InputError> {
+        let mut rod = Self { contact_radii: Some(radii), ..self };
+        rod.check_contact_radii(&format!("rods.{}", rod.name))?;
+        let largest = (0..rod.num_segments()).map(|segment| rod.contact_radius_of(segment)).fold(0.0, f64::max);
+        rod.section.contact_radius = largest;
+        rod.check().map(|()| rod)
+    }
+
+    /// Contact radius of a segment between neighbouring nodes \[L\].
+    pub fn contact_radius_of(&self, segment: usize) -> f64 {
+        let length = self.spacing();
+        let mean = |radii: &Along<f64>| radii.on_element(segment as f64 * length, length, &gauss(1))[0];
+        self.contact_radii.as_ref().map_or(self.section.contact_radius, mean)
+    }
+
+    /// Contact radius at arc length `s` \[L\]: that of its segment.
+    #[cfg(feature = "solver")]
+    pub(crate) fn contact_radius_at(&self, s: f64) -> f64 {
+        self.contact_radius_of(((s / self.spacing()) as usize).min(self.num_segments() - 1))
+    }
+
+    /// The smallest contact radius along the rod \[L\].
+    pub(crate) fn least_contact_radius(&self) -> f64 {
+        let all = || (0..self.num_segments()).map(|segment| self.contact_radius_of(segment));
+        self.contact_radii.as_ref().map_or(self.section.contact_radius, |_| all().fold(f64::INFINITY, f64::min))
     }
 
     /// Number of nodes.

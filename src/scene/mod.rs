@@ -21,5 +21,5 @@ pub use model::{
     Support,
 };
 pub use points::{Import, read_points, read_points_with};
-pub use tables::{read_natural, read_stiffness};
+pub use tables::{SectionTable, read_natural, read_section};
 pub use units::Units;

@@ -142,7 +142,7 @@ impl ContactLaw {
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
         let touching = || rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
         let smallest = |of: &dyn Fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
-        let radius = smallest(&|rod| rod.section.contact_radius);
+        let radius = smallest(&Rod::least_contact_radius);
         let bending = rods.iter().map(|rod| rod.section.smaller_bending()).fold(f64::INFINITY, f64::min);
         // powers of ratios do not overflow in any unit
         let carried = |rod: &Rod| {

@@ -15,6 +15,8 @@ const TOL_JOINT: f64 = 1e-9;
 
 /// Columns of arc lengths.
 const ARCS: [&str; 3] = ["s", "from", "to"];
+/// Column of the contact radius.
+const RADIUS: &str = "contact_radius";
 
 /// Reads natural strains along a rod: any of the columns `gamma1 gamma2 gamma3 kappa1 kappa2 kappa3`. Missing ones are
 /// 0, `gamma3` 1.
@@ -27,14 +29,24 @@ pub fn read_natural(path: &Path) -> Result<Along<NaturalStrains>, InputError> {
     read(path, parse_natural)
 }
 
-/// Reads stiffnesses along a rod: the columns `shearing1 shearing2 stretching bending1 bending2 twisting`, or
+/// What a table tells of the section along a rod.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionTable {
+    /// Stiffness, for [`Rod::with_stiffness`](crate::rod::Rod::with_stiffness).
+    pub stiffness: Along<Stiffness>,
+    /// Contact radius \[L\], if there is a column of it, for
+    /// [`Rod::with_contact_radii`](crate::rod::Rod::with_contact_radii).
+    pub contact_radii: Option<Along<f64>>,
+}
+
+/// Reads the section along a rod: the columns `shearing1 shearing2 stretching bending1 bending2 twisting`, or
 /// `shearing` and `bending` for both axes alike, and any couplings, each named by its two strains: `kappa2_kappa3`
-/// couples bending about d2 with twist, `gamma3_kappa3` stretch with twist.
+/// couples bending about d2 with twist, `gamma3_kappa3` stretch with twist. With `contact_radius` the rod is tapered.
 ///
 /// # Errors
-/// As [`read_natural`]; matrices that are not positive definite, with their line.
-pub fn read_stiffness(path: &Path) -> Result<Along<Stiffness>, InputError> {
-    read(path, parse_stiffness)
+/// As [`read_natural`]; matrices that are not positive definite and radii that are not positive, with their line.
+pub fn read_section(path: &Path) -> Result<SectionTable, InputError> {
+    read(path, parse_section)
 }
 
 fn read<T>(path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<T, InputError> {
@@ -75,10 +87,12 @@ fn entries(name: &str) -> Option<Vec<(usize, usize)>> {
     (i != j).then(|| vec![(i, j), (j, i)])
 }
 
-fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
+fn parse_section(text: &str) -> Result<SectionTable, String> {
     let table = NumberTable::parse(text)?;
     let names = STIFFNESSES.map(|(name, _)| name).join(", ");
-    let columns = table.columns(&ARCS, entries, &format!("{names}, or two strains such as kappa2_kappa3"))?;
+    let [s, from, to] = ARCS;
+    let columns =
+        table.columns(&[s, from, to, RADIUS], entries, &format!("{names}, or two strains such as kappa2_kappa3"))?;
     for (i, (name, _)) in STIFFNESSES.iter().enumerate().take(6) {
         match columns.iter().filter(|(_, entries)| entries.contains(&(i, i))).count() {
             1 => {}
@@ -91,13 +105,20 @@ fn parse_stiffness(text: &str) -> Result<Along<Stiffness>, String> {
             _ => return Err(format!("line {}: two columns give {name}", table.head)),
         }
     }
-    table.along(|_, row| {
+    let stiffness = table.along(|_, row| {
         let mut matrix = Stiffness::zeros();
         for (column, entries) in &columns {
             entries.iter().for_each(|&entry| matrix[entry] = row[*column]);
         }
         check_stiffness("the stiffness", &matrix).map_err(|error| error.to_string()).map(|()| matrix)
-    })
+    })?;
+    let radius = |column: usize| {
+        table.along(|_, row| match InputError::positive(RADIUS, row[column]) {
+            Ok(()) => Ok(row[column]),
+            Err(error) => Err(error.to_string()),
+        })
+    };
+    Ok(SectionTable { stiffness, contact_radii: table.column(RADIUS).map(radius).transpose()? })
 }
 
 impl NumberTable {
@@ -172,12 +193,16 @@ mod tests {
 
     #[test]
     fn stiffnesses_with_couplings() {
-        let found = parse_stiffness(
+        let found = parse_section(
             "from;to;bending;twisting;stretching;shearing1;shearing2;kappa2_kappa3\n0;1;2;3;10;11;12;-0.5",
         );
-        let matrix = found.unwrap().at(0.3);
+        let found = found.unwrap();
+        assert!(found.contact_radii.is_none());
+        let matrix = found.stiffness.at(0.3);
         assert_eq!(matrix.diagonal().as_slice(), [11.0, 12.0, 10.0, 2.0, 2.0, 3.0]);
         assert_eq!((matrix[(4, 5)], matrix[(5, 4)], matrix[(3, 5)]), (-0.5, -0.5, 0.0));
+        let cone = parse_section("s,bending,twisting,stretching,shearing,contact_radius\n0,2,3,9,9,.1\n2,2,3,9,9,.3\n");
+        assert!((cone.unwrap().contact_radii.unwrap().at(0.5) - 0.15).abs() < 1e-15);
     }
 
     #[test]
@@ -213,8 +238,12 @@ mod tests {
             ("from,to,bending,bending1\n0,1,2,2".to_owned(), "line 1: there is no column shearing1"),
             (format!("{},bending1\n", head.trim()), "line 1: two columns give bending1"),
             ("from,to,kappa2_kappa2\n".to_owned(), "line 1: unknown column \"kappa2_kappa2\""),
+            (
+                "s,bending,twisting,stretching,shearing,contact_radius\n0,2,3,9,9,.1\n2,2,3,9,9,0\n".to_owned(),
+                "line 3: contact_radius = 0: must be",
+            ),
         ] {
-            let found = parse_stiffness(&text).unwrap_err();
+            let found = parse_section(&text).unwrap_err();
             assert!(found.starts_with(reason), "{text:?}: {found}");
         }
     }

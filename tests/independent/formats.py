@@ -4,7 +4,7 @@
     python3 tests/independent/formats.py [--supercoil PROGRAM]
 
 makes a Python environment of its own in target/independent (needs the network the first time), runs a minicircle of 336 base
-pairs to an excess link of -3 and a trefoil, exports them, and prints found against expected. Exit code 1 if one differs.
+pairs to an excess link of -3, a trefoil and pUC19, exports them, and prints found against expected. Exit code 1 if one differs.
 """
 
 import argparse
@@ -156,6 +156,13 @@ def main(program):
     check("topoly: knot of the minicircle", str(knot(folder / "m.xyz")), "0_1")
     folder, _ = run(program, "trefoil", TREFOIL, 600)
     check("topoly: knot of the trefoil", str(knot(folder / "m.xyz")), "3_1")
+
+    plasmid = (ROOT / "examples" / "puc19_to_oxdna.toml").read_text()
+    folder, _ = run(program, "puc19_to_oxdna", plasmid, 2686)
+    bases = (folder / "bases.fasta").read_text().split()[1]
+    lk, _, _ = mdna.load(frames=np.load(folder / "m.npy"), sequence=bases, circular=True).get_linking_number()
+    check("mdna: link of pUC19", round(float(lk), 3), 240, 1e-2)
+    check("topoly: knot of pUC19", str(knot(folder / "m.xyz")), "0_1")
     sys.exit(1 if failures else 0)
 
 

@@ -58,7 +58,8 @@ fn what_is_exported_starts_another_run() {
     std::fs::create_dir_all(&dir).unwrap();
     let twisted = RING.replace("elements = 24", "elements = 24\nexcess_link = -2");
     let rod = &Scene::from_toml(&twisted, Path::new("")).unwrap().model.rods[0];
-    let nodes = Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(-2.0) };
+    let nodes =
+        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(-2.0), turns_left_out: 0.0 };
     let pairs = BasePairs::along(&nodes, 336).unwrap();
     BasePairs::write(&dir.join("ring.dat"), pairs.oxdna_configuration()).unwrap();
     BasePairs::write(&dir.join("ring.npy"), pairs.npy()).unwrap();

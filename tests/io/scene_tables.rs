@@ -51,6 +51,25 @@ fn tables_mean_what_they_say() {
 }
 
 #[test]
+fn a_section_table_with_radii_tapers_the_rod() {
+    let cone = "s,bending,twisting,stretching,shearing,contact_radius\n0,2,3,900,900,0.01\n4,2,3,900,900,0.03\n";
+    let folder = folder("cone", &[("cone.csv", cone)]);
+    let text = RING.replace("section = { SECTION, contact_radius = 0.01 }", "section = { table = \"cone.csv\" }");
+    let scene = Scene::from_toml(&text.replace("EXTRA", ""), &folder).unwrap();
+    let rod = &scene.model.rods[0];
+    // 72 segments, each with the radius at its middle
+    for (segment, radius) in [(0, 0.01 + 0.02 / 144.0), (35, 0.02 - 0.02 / 144.0), (71, 0.03 - 0.02 / 144.0)] {
+        assert!((rod.contact_radius_of(segment) - radius).abs() < 1e-15, "{segment}");
+    }
+    let refused = read(&folder, "table = \"cone.csv\"", "").map(|_| ()).unwrap_err();
+    assert!(refused.contains("section.contact_radius: the table has a column contact_radius"), "{refused}");
+    let ramped =
+        format!("{text}\n[[stages]]\nramp = {{ section = {{ contact_radius = 0.02 }} }}\n").replace("EXTRA", "");
+    let refused = Scene::from_toml(&ramped, &folder).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains("has a contact radius that varies along it"), "{refused}");
+}
+
+#[test]
 fn bad_tables_are_refused_with_file_line_and_value() {
     let bad = "from,to,bending,twisting,stretching,shearing,kappa1_kappa3\n0,4,2,3,900,900,2.5\n";
     let short = "from,to,kappa1\n0,3.5,0.1\n";

@@ -15,7 +15,7 @@ use common::{any_equilibrium, observed, root, runge_kutta, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Along, Natural, Rod, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, Solver, Status};
 
@@ -40,6 +40,32 @@ fn to(solver: &mut Solver, ramps: &[Ramp]) -> Observation {
     let report = solver.step_to(ramps).unwrap();
     assert_eq!(report.status, Status::Converged, "{ramps:?}: {}", common::history(&report));
     observed(solver, &report)
+}
+
+#[test]
+fn a_tapered_beam_is_touched_where_its_radius_says() {
+    let radii = Along::points(vec![0.0, 1.0], vec![0.005, 0.02]).unwrap();
+    let lower = beam("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x(), 10).with_contact_radii(radii).unwrap();
+    assert_eq!(lower.section.contact_radius, lower.contact_radius_of(29));
+    // in the middle of a segment, whose radius is that there
+    let (place, height) = (0.35, 0.025);
+    let upper = beam("upper", Vec3::new(place - 0.5, -0.5, height), Vec3::y(), 10);
+    let last = upper.num_nodes() - 1;
+    let law = ContactLaw::AugmentedLagrangian { stiffness: 100.0, tol_penetration: 1e-8 };
+    let model = Model { contact: Contact { law }, ..clamped(vec![lower, upper]) };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    let lowered = |by: f64| -> Vec<Ramp> {
+        [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to: Vec3::z() * -by }).to_vec()
+    };
+    let touch = height - (0.005 + 0.015 * place) - RADIUS;
+    let case = "beam across a tapered one";
+    let before = to(&mut solver, &lowered(touch - 1e-4));
+    assert_eq!(before.num_sites, 0);
+    verify(case, "gap before they touch", before.min_gap.unwrap().lower, 1e-4, 1e-6);
+    let beyond = 1e-5;
+    let found = to(&mut solver, &lowered(touch + beyond)).total_contact_force;
+    let compliance = (place * (1.0 - place)).powi(3) / 3.0 + 1.0 / 192.0;
+    verify(case, "contact force", found, beyond / compliance, 1e-3 * beyond / compliance);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{BOX, BasePairs, OXDNA_LENGTH, OXDNA_OFFSET};
-use crate::dna::sequence::Sequence;
+use crate::dna::sequence::{Sequence, base};
 use crate::error::InputError;
 use crate::math::{Mat3, Quat, Vec3};
 
@@ -97,6 +97,53 @@ impl BasePairs {
         }
         Ok(pairs)
     }
+}
+
+/// The strand that is read of an oxDNA topology of two strands, letters from 5′ to 3′: the first of the file, in its classic
+/// form (a line a nucleotide, 3′ to 5′) or in that since version 3.6 (a line a strand, 5′ to 3′). The second strand must be its
+/// complement.
+///
+/// # Errors
+/// The line of what is no such topology.
+pub(crate) fn read_strand(text: &str) -> Result<String, String> {
+    let mut lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty());
+    let (_, head) = lines.next().ok_or("is empty")?;
+    let counts: Vec<usize> = head.split_whitespace().filter_map(|cell| cell.parse().ok()).collect();
+    let [nucleotides, 2] = counts[..] else {
+        return Err(format!("line 1: the number of nucleotides and two strands expected, found \"{head}\""));
+    };
+    let by_strand = head.ends_with("5->3");
+    // strands as they are listed, and the line that each base is in
+    let mut strands: [Vec<(usize, char)>; 2] = Default::default();
+    for (number, line) in lines {
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        let (strand, letters) = match (by_strand, &cells[..]) {
+            (true, [letters, ..]) => (usize::from(!strands[0].is_empty()), *letters),
+            (false, [strand, letter, _, _]) => (usize::from(*strand != "1"), *letter),
+            _ => return Err(format!("line {number}: strand, base and its two neighbours expected, found \"{line}\"")),
+        };
+        for letter in letters.chars() {
+            if base(letter).is_none() {
+                return Err(format!("line {number}: \"{letter}\" is no base: A, C, G or T expected"));
+            }
+            strands[strand].push((number, letter.to_ascii_uppercase()));
+        }
+    }
+    let [read, other] = &strands;
+    if read.len() != other.len() || 2 * read.len() != nucleotides {
+        let (found, partners) = (read.len(), other.len());
+        return Err(format!(
+            "strands of {found} and {partners} bases, but line 1 says {nucleotides} in all: two of one length expected"
+        ));
+    }
+    // listed the same way round, so that the first of one strand is the partner of the last of the other
+    for (&(line, letter), &(_, partner)) in other.iter().zip(read.iter().rev()) {
+        if complement(partner) != letter {
+            return Err(format!("line {line}: base {letter} faces {partner}, of which it is no complement"));
+        }
+    }
+    let letters = read.iter().map(|(_, letter)| *letter);
+    Ok(if by_strand { letters.collect() } else { letters.rev().collect() })
 }
 
 fn complement(base: char) -> char {

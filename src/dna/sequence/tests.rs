@@ -65,19 +65,36 @@ fn the_table_of_1998() {
 }
 
 #[test]
-fn fasta_and_letters() {
+fn fasta_letters_and_topologies() {
     let folder = std::env::temp_dir().join(format!("supercoil_fasta_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("a.fasta");
     let read = |text: &str| {
         std::fs::write(&file, text).unwrap();
-        Sequence::read_fasta(&file).map_err(|error| error.to_string())
+        Sequence::read(&file).map_err(|error| error.to_string())
     };
     assert_eq!(read(">pX some plasmid\nACgt\n\nTT\r\n").unwrap().letters(), "ACGTTT");
     let refused = read(">pX\nACGT\nACNT\n").unwrap_err();
     assert!(refused.ends_with("a.fasta: line 3: \"N\" is no base: A, C, G or T expected"), "{refused}");
     assert!(read(">a\nACGT\n>b\nAC\n").unwrap_err().ends_with("line 3: a second sequence: one is read"));
     assert!(read(">a\nA\n").unwrap_err().ends_with("number of bases = 1: must be at least 2"));
+    // two strands from 3′ to 5′, a ring; and the form since oxDNA 3.6
+    let classic = "8 2\n1 T 3 1\n1 G 0 2\n1 C 1 3\n1 A 2 0\n2 T 7 5\n2 G 4 6\n2 C 5 7\n2 A 6 4\n";
+    assert_eq!(read(classic).unwrap().letters(), "ACGT");
+    assert_eq!(read("8 2 5->3\nGGAT type=DNA circular=true\nATCC type=DNA circular=true\n").unwrap().letters(), "GGAT");
+    for (text, reason) in [
+        (classic.replace("2 C 5", "2 A 5"), "line 8: base A faces G, of which it is no complement"),
+        (classic.replace("2 C 5", "2 U 5"), "line 8: \"U\" is no base: A, C, G or T expected"),
+        (
+            classic.replace("2 A 6 4\n", ""),
+            "strands of 4 and 3 bases, but line 1 says 8 in all: two of one length expected",
+        ),
+        (classic.replace("1 C 1 3", "1 C"), "line 4: strand, base and its two neighbours expected, found \"1 C\""),
+        (classic.replace("8 2", "8 3"), "line 1: the number of nucleotides and two strands expected, found \"8 3\""),
+    ] {
+        let refused = read(&text).unwrap_err();
+        assert!(refused.ends_with(reason), "{refused}");
+    }
     std::fs::remove_dir_all(&folder).unwrap();
     let refused = Sequence::parse("ACXT").unwrap_err().to_string();
     assert_eq!(refused, "sequence, base 3 = \"X\": must be A, C, G or T");

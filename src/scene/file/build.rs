@@ -8,14 +8,14 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, Natural, Rod, RodNumber, Section, Stiffness};
+use crate::rod::{Along, Natural, Rod, RodNumber, Stiffness};
 use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
 use super::FollowChoice;
 use super::dna::{Dna, electrostatics};
 use super::mesh::Unmeshed;
-use super::section::section;
+use super::section::{GivenSection, section};
 use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
@@ -172,7 +172,7 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
     }
     for ramp in &text.link.0 {
         let rod = find_rod(rods, &format!("{field}.link"), ramp.rod.as_deref())?;
-        ramps.push(Ramp::ExcessLink { rod, to: ramp.to - rods[rod].natural_link() });
+        ramps.push(Ramp::ExcessLink { rod, to: ramp.to - rods[rod].relaxed_link() });
     }
     for ramp in &text.rotation.0 {
         let (axis, to) = (ramp.axis.into(), ramp.turns);
@@ -249,7 +249,9 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose().map_err(inside)?;
     let helix_length = helix.as_ref().map(|helix| helix.length);
     let by_sequence = helix.as_ref().map(|helix| helix.stiffness.clone());
-    let (section, stiffness) = section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
+    let turns_left_out = helix.as_ref().map_or(0.0, |helix| helix.turns_left_out);
+    let GivenSection { section, stiffness, contact_radii } =
+        section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = natural(&path, text, helix, base_dir)?;
@@ -263,7 +265,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     } else if let ShapeText::Frames { file } = &text.shape {
         text.elements.map_or(Ok(()), check_memory)?;
         let length = helix_length.or(dna.map(|dna| dna.length));
-        frames::rod(text, &base_dir.join(file), length, section, natural)?
+        frames::rod(text, &base_dir.join(file), (length, turns_left_out), section, natural)?
     } else {
         let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
         let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
@@ -285,6 +287,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     if let Some(stiffness) = stiffness {
         rod = rod.with_stiffness(stiffness)?;
     }
+    if let Some(radii) = contact_radii {
+        rod = rod.with_contact_radii(radii)?;
+    }
+    rod.turns_left_out = turns_left_out;
     rod = with_link(&path, text, excess_link, rod)?;
     if let Some(dna) = &dna {
         dna.check_length(rod.length).map_err(inside)?;
@@ -323,7 +329,7 @@ fn with_link(path: &str, text: &RodText, excess_link: Option<f64>, rod: Rod) -> 
         (None, None, None) => Ok(rod),
         (Some(turns), None, None) => rod.with_excess_link(turns),
         (None, Some(link), None) => {
-            let turns = link - rod.natural_link();
+            let turns = link - rod.relaxed_link();
             rod.with_excess_link(turns)
         }
         (None, None, Some(turns)) => rod.with_twist(turns),
@@ -337,7 +343,7 @@ fn section_or_dna(
     contact: bool,
     base_dir: &Path,
     by_sequence: Option<Along<Stiffness>>,
-) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
+) -> Result<GivenSection, InputError> {
     match (&text.section, dna) {
         (Some(text), None) => section(text, contact, base_dir, by_sequence),
         (None, Some(_)) if by_sequence.is_some() => {
@@ -345,7 +351,7 @@ fn section_or_dna(
                 "the sequence gives length, stiffness and natural strains: give it with section = { contact_radius }";
             Err(InputError::inconsistent("dna", reason))
         }
-        (None, Some(dna)) => Ok((dna.section, None)),
+        (None, Some(dna)) => Ok(GivenSection::uniform(dna.section)),
         (Some(_), Some(_)) => {
             let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
             Err(InputError::inconsistent("section", reason))
@@ -374,7 +380,7 @@ const NEEDS_DNA: &str =
 /// The molecule of a sequence and a table of steps.
 fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, InputError> {
     let sequence = match (&text.fasta, &text.letters) {
-        (Some(file), None) => Sequence::read_fasta(&base_dir.join(file))?,
+        (Some(file), None) => Sequence::read(&base_dir.join(file))?,
         (None, Some(letters)) => Sequence::parse(letters)?,
         _ => return Err(InputError::inconsistent("sequence", "give either fasta = file or letters")),
     };
@@ -388,7 +394,11 @@ fn helix(text: &SequenceText, closed: bool, base_dir: &Path) -> Result<Helix, In
         }
     };
     let proteins = text.proteins.as_ref().map(|file| Bound::read(&base_dir.join(file))).transpose()?;
-    sequence.helix_with(&steps, closed, &proteins.unwrap_or_default())
+    let helix = sequence.helix_with(&steps, closed, &proteins.unwrap_or_default())?;
+    match text.block {
+        None => Ok(helix),
+        Some(steps) => helix.in_blocks(steps),
+    }
 }
 
 fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Result<Contact, InputError> {

@@ -10,24 +10,29 @@ use crate::rod::{Natural, Placement, Rod, Section, within};
 use super::text::RodText;
 use super::values::NaturalText;
 
-/// The rod of a file of base pairs: one node per pair, or the number of elements of the scene. `length` \[nm\] is that
-/// of the sequence or of `dna`; `None`: the sum of distances between pairs.
+/// The rod of a file of base pairs; on other elements than a node a pair, where the scene says how many. `length` \[nm\] where
+/// sequence or dna tell it, else that from pair to pair; `turns` of the double helix that frames of a sequence leave out.
 pub(super) fn rod(
     text: &RodText,
     path: &Path,
-    length: Option<f64>,
+    (length, turns): (Option<f64>, f64),
     section: Section,
     natural: Natural,
 ) -> Result<Rod, InputError> {
     let mut pairs = BasePairs::read(path, text.closed)?;
     let count = pairs.positions.len();
-    // a naturally straight and untwisted rod models the axis
-    let axis = text.sequence.is_none() && matches!(text.natural, NaturalText::Straight);
-    let repeat = text.dna.as_ref().and_then(|dna| dna.helical_repeat).unwrap_or(HELICAL_REPEAT);
-    if axis {
+    let segments = if text.closed { count } else { count.saturating_sub(1) };
+    // base pairs a turn taken out: a rod that is straight and untwisted at rest models the axis, as one in blocks does
+    let repeat = match (&text.sequence, &text.natural) {
+        (Some(_), _) if turns > 0.0 => Some(segments as f64 / turns),
+        (None, NaturalText::Straight) => {
+            Some(text.dna.as_ref().and_then(|dna| dna.helical_repeat).unwrap_or(HELICAL_REPEAT))
+        }
+        _ => None,
+    };
+    if let Some(repeat) = repeat {
         pairs = pairs.unwound(repeat);
     }
-    let segments = if text.closed { count } else { count.saturating_sub(1) };
     let way = || (0..segments).map(|k| (pairs.positions[(k + 1) % count] - pairs.positions[k]).norm()).sum();
     let length = length.unwrap_or_else(way);
     let field = format!("rods.{}", text.name);
@@ -52,7 +57,7 @@ pub(super) fn rod(
         return Ok(rod);
     }
     // base pairs close on each other, so the strands are linked a whole number of times
-    let removed = if axis { count as f64 / repeat } else { 0.0 };
+    let removed = repeat.map_or(0.0, |repeat| count as f64 / repeat);
     let link = rod.start_link();
     let excess = (link + removed).round() - removed - rod.natural_link();
     rod.with_excess_link(excess)

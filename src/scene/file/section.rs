@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::rod::{Along, CrossSection, Section, Stiffness, check_stiffness};
-use crate::scene::read_stiffness;
+use crate::scene::{SectionTable, read_section};
 
 use super::text::SectionText;
 use super::values::List;
@@ -15,17 +15,38 @@ const SECTION_WAYS: &str = "a section is given either by bending, twisting, stre
 
 const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
 
-/// The section, and the full stiffness if given.
+/// A section, and what varies along the rod.
+pub(super) struct GivenSection {
+    pub section: Section,
+    pub stiffness: Option<Along<Stiffness>>,
+    pub contact_radii: Option<Along<f64>>,
+}
+
+impl GivenSection {
+    /// The same all along.
+    pub fn uniform(section: Section) -> Self {
+        Self { section, stiffness: None, contact_radii: None }
+    }
+}
+
 pub(super) fn section(
     text: &SectionText,
     contact: bool,
     base_dir: &Path,
     by_sequence: Option<Along<Stiffness>>,
-) -> Result<(Section, Option<Along<Stiffness>>), InputError> {
-    let radius = match (text.contact_radius, text.circle) {
-        (Some(radius), _) | (None, Some(radius)) => radius,
-        (None, None) if !contact => 0.0,
-        (None, None) => {
+) -> Result<GivenSection, InputError> {
+    let table = text.table.as_ref().map(|file| read_section(&base_dir.join(file))).transpose()?;
+    let contact_radii = table.as_ref().and_then(|table| table.contact_radii.clone());
+    let radius = match (text.contact_radius, text.circle, &contact_radii) {
+        (Some(_), _, Some(_)) => {
+            let reason = "the table has a column contact_radius: remove this key";
+            return Err(InputError::inconsistent("section.contact_radius", reason));
+        }
+        (Some(radius), _, None) | (None, Some(radius), None) => radius,
+        // where lines of contact need the most nodes
+        (None, _, Some(radii)) => radii.least(),
+        (None, None, None) if !contact => 0.0,
+        (None, None, None) => {
             let reason = "missing: the radius within which other strands touch this rod (0 = takes no part in contact)";
             return Err(InputError::inconsistent("section.contact_radius", reason));
         }
@@ -34,7 +55,7 @@ pub(super) fn section(
     let geometric = moduli.iter().any(Option::is_some) || text.rectangle.is_some();
     let stiff = [text.twisting, text.stretching].iter().any(Option::is_some)
         || [text.bending, text.shearing].iter().any(Option::is_some);
-    let full = match (full_stiffness(text, base_dir)?, by_sequence) {
+    let full = match (full_stiffness(text, table)?, by_sequence) {
         (Some(_), Some(_)) => {
             return Err(InputError::inconsistent("section", BY_SEQUENCE));
         }
@@ -47,21 +68,21 @@ pub(super) fn section(
         }
         // the mean over the rod replaces it later; the length is not known here
         let section = Section::of_diagonal(&along.at(0.0), radius);
-        return section.check("section").map(|()| (section, Some(along)));
+        return section.check("section").map(|()| GivenSection { section, stiffness: Some(along), contact_radii });
     }
     match (stiff, geometric) {
-        (true, false) => stiffnesses(text, radius).map(|section| (section, None)),
-        (false, true) => moduli_section(text, radius).map(|section| (section, None)),
+        (true, false) => stiffnesses(text, radius).map(GivenSection::uniform),
+        (false, true) => moduli_section(text, radius).map(GivenSection::uniform),
         (true, true) => Err(InputError::inconsistent("section", format!("keys of both kinds: {SECTION_WAYS}"))),
         (false, false) => Err(InputError::inconsistent("section", format!("nothing given: {SECTION_WAYS}"))),
     }
 }
 
-/// The full stiffness, if a table or a matrix is given.
-fn full_stiffness(text: &SectionText, base_dir: &Path) -> Result<Option<Along<Stiffness>>, InputError> {
-    match (&text.table, text.stiffness) {
+/// The full stiffness, where a table or a matrix is given.
+fn full_stiffness(text: &SectionText, table: Option<SectionTable>) -> Result<Option<Along<Stiffness>>, InputError> {
+    match (table, text.stiffness) {
         (None, None) => Ok(None),
-        (Some(file), None) => read_stiffness(&base_dir.join(file)).map(Some),
+        (Some(table), None) => Ok(Some(table.stiffness)),
         (None, Some(List(rows))) => {
             let matrix = Stiffness::from_fn(|i, j| rows[i].0[j]);
             check_stiffness("section.stiffness", &matrix).map(|()| Some(Along::constant(matrix)))

@@ -104,6 +104,7 @@ pub(super) struct SequenceText {
     pub letters: Option<String>,
     pub steps: String,
     pub proteins: Option<PathBuf>,
+    pub block: Option<usize>,
 }
 
 fn half() -> f64 {

@@ -334,7 +334,7 @@ impl Model {
         let Some(Electrostatics { strength, debye_length }) = self.electrostatics else { return Ok(()) };
         InputError::positive("electrostatics.strength", strength)?;
         InputError::positive("electrostatics.debye_length", debye_length)?;
-        let radii = self.rods.iter().map(|rod| rod.section.contact_radius).filter(|radius| *radius > 0.0);
+        let radii = self.rods.iter().map(Rod::least_contact_radius).filter(|radius| *radius > 0.0);
         let radius = radii.fold(f64::INFINITY, f64::min);
         if !self.contact.law.is_on() || radius.is_infinite() {
             let reason = "charged rods need contact: without it strands could pass through each other";

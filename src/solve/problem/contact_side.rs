@@ -60,7 +60,7 @@ impl ContactSide {
         (dimensionless, bending): (f64, f64),
     ) -> Result<Option<Self>, InputError> {
         let mut inputs = Vec::new();
-        let (mut nodes, mut touching) = (Vec::new(), Vec::new());
+        let (mut nodes, mut touching, mut radii) = (Vec::new(), Vec::new(), Vec::new());
         for (index, rod) in model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
             let count = rod.num_segments();
             let first = first_node[index];
@@ -73,13 +73,17 @@ impl ContactSide {
                 radius: rod.section.contact_radius,
             });
             nodes.extend(own);
+            radii.extend((0..count).map(|segment| rod.contact_radius_of(segment)));
             touching.push(index);
         }
         if inputs.is_empty() {
             return Ok(None);
         }
-        let min_radius = inputs.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
+        let min_radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let mut set = CurveSet::new(inputs)?;
+        if touching.iter().any(|&rod| model.rods[rod].contact_radii.is_some()) {
+            set.set_radii(&radii)?;
+        }
         set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| Repulsion::new(screened(charges), &set));
