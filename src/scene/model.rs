@@ -2,11 +2,13 @@
 //! [`Model::check_stages`], which the solver calls at its door.
 
 mod check;
+mod plane;
 mod pose;
 
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
+pub use plane::Plane;
 #[cfg(feature = "solver")]
 pub(crate) use pose::Way;
 pub use pose::{Pose, PosePath};
@@ -273,6 +275,13 @@ pub enum Ramp {
         /// Factor at the end of the stage.
         to: f64,
     },
+    /// Moves a plane along its normal, and rods with it that it pushes.
+    Plane {
+        /// Index of the plane.
+        plane: usize,
+        /// Total displacement at the end of the stage since the start of the run \[L\]; positive towards the rods.
+        to: f64,
+    },
     /// A number of a rod: contact radius, length, stiffness, natural curvature or twist. Where length or natural twist
     /// change, the link of a closed rod stays, so that its excess link changes.
     Number {
@@ -326,6 +335,8 @@ pub struct Model {
     pub loads: Vec<NodeLoad>,
     /// Dead line loads at load factor 1.
     pub line_loads: Vec<LineLoad>,
+    /// Planes that rods may rest on.
+    pub planes: Vec<Plane>,
     /// Contact choice.
     pub contact: Contact,
     /// Screened repulsion of all rods that take part in contact, beside it.
