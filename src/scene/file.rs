@@ -9,6 +9,7 @@ mod frames;
 mod help;
 mod memory;
 mod mesh;
+mod planes;
 mod poses;
 mod section;
 mod set;

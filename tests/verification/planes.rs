@@ -80,6 +80,8 @@ fn a_heavy_beam_lies_on_a_table_with_its_weight() {
     let [site] = &last.plane_sites[..] else { panic!("{:?}", last.plane_sites) };
     assert_eq!(site.kind, SiteKind::Line);
     verify("beam on a table", "length of the line", site.arc[1] - site.arc[0], 1.0, 1e-12);
+    // at the ends the loads of elements and the pressure are shared out to nodes in different ways, O(element), which the
+    // supports make up for
     verify("beam on a table", "pressure over weight", site.force / weight, 1.0, 1e-2);
     verify("beam on a table", "centre of pressure", site.center, 0.5, 1e-6);
 }
@@ -105,9 +107,10 @@ fn a_heavy_beam_lifted_at_its_end_touches_down_where_theory_says() {
         let case = format!("heavy beam lifted at its end, {factor} EI h/w");
         // what the end carries tells the length better than where the mesh lets go
         let length = end.force[1] / (share * weight);
-        verify(&case, "lifted length, by force", length, lifted, 2e-2 * lifted);
+        verify(&case, "lifted length, by force", length, lifted, 1e-3 * lifted);
         let touches = last.plane_sites.iter().map(|site| site.arc[1]).fold(0.0, f64::max);
-        verify(&case, "lifted length, by contact", 1.0 - touches, lifted, 0.025);
+        // nodes are 1/120 apart
+        verify(&case, "lifted length, by contact", 1.0 - touches, lifted, 0.01);
         let carried = weight - end.force[1] - clamped.force[1];
         verify(&case, "table carries the rest", last.plane_reactions[0].force, carried, 1e-7 * weight);
     }
@@ -173,7 +176,7 @@ fn a_ring_between_plates_presses_as_the_elastica_does() {
         let (force, flat) = ring_between_plates(half_height);
         let case = format!("ring between plates, Y/R = {half_height}");
         for plane in &step.plane_reactions {
-            verify(&case, "force R²/B", plane.force, force, 1e-2 * force);
+            verify(&case, "force R²/B", plane.force, force, 3e-5 * force);
         }
         let [lower, upper] =
             [0, 1].map(|k| -> Vec<&PlaneSite> { step.plane_sites.iter().filter(|site| site.plane == k).collect() });
@@ -192,7 +195,7 @@ fn a_ring_between_plates_presses_as_the_elastica_does() {
             for sites in [lower, upper] {
                 let centers: Vec<f64> = sites.iter().map(|site| site.center).collect();
                 assert_eq!(centers.len(), 2, "{case}: {sites:?}");
-                verify(&case, "half of what lies flat", 0.5 * (centers[1] - centers[0]), flat, 0.03);
+                verify(&case, "half of what lies flat", 0.5 * (centers[1] - centers[0]), flat, 3e-5);
             }
         }
     }

@@ -10,20 +10,17 @@ use crate::math::{Quat, Vec3};
 use crate::rod::within;
 use crate::rod::{Along, Natural, Rod, RodNumber, Section, Stiffness};
 use crate::scene::read_natural;
-use crate::scene::{
-    Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Plane, Ramp, Stage, Support,
-};
+use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
 use super::FollowChoice;
 use super::dna::{Dna, electrostatics};
 use super::section::section;
 use super::shapes::{Wound, shape};
 use super::text::{
-    ContactText, EndText, LawText, PlaneText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText,
-    SupportText,
+    ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
 use super::values::{At, Names, NaturalText};
-use super::{frames, memory, mesh, poses, state};
+use super::{frames, memory, mesh, planes, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -81,43 +78,8 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
         model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
     }
-    model.planes = planes(&text.planes)?;
+    model.planes = planes::planes(&text.planes)?;
     model.check().map(|()| model)
-}
-
-/// Name of the only plane of a scene, if it has none.
-const ONLY_PLANE: &str = "plane";
-
-fn planes(text: &[PlaneText]) -> Result<Vec<Plane>, InputError> {
-    let mut planes: Vec<Plane> = Vec::new();
-    for (i, plane) in text.iter().enumerate() {
-        let field = || format!("planes[{i}].name");
-        let name = if text.len() == 1 && plane.name.is_empty() { ONLY_PLANE } else { &plane.name };
-        if name.is_empty() {
-            let reason =
-                "missing: where there are several planes, each needs a name, by which stages and reports call it";
-            return Err(InputError::inconsistent(field(), reason));
-        }
-        if planes.iter().any(|other| other.name == name) {
-            let allowed = "a name that no other plane has".to_owned();
-            return Err(InputError::Name { field: field(), name: name.to_owned(), allowed });
-        }
-        planes.push(Plane { name: name.to_owned(), point: plane.point.into(), normal: plane.normal.into() });
-    }
-    Ok(planes)
-}
-
-/// Index of the plane called `name`; the only plane needs no name.
-fn find_plane(planes: &[Plane], field: &str, name: Option<&str>) -> Result<usize, InputError> {
-    let found = match name {
-        None if planes.len() == 1 => Some(0),
-        None => None,
-        Some(name) => planes.iter().position(|plane| plane.name == name),
-    };
-    let names = planes.iter().map(|plane| format!("\"{}\"", plane.name)).collect::<Vec<_>>().join(", ");
-    let allowed = if names.is_empty() { "a plane: the scene has none".to_owned() } else { format!("one of {names}") };
-    let name = name.unwrap_or_default().to_owned();
-    found.ok_or_else(|| InputError::Name { field: format!("{field}.name"), name, allowed })
 }
 
 fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support>, InputError> {
@@ -238,7 +200,7 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
         }
     }
     for ramp in &text.plane.0 {
-        let plane = find_plane(&model.planes, &format!("{field}.plane"), ramp.name.as_deref())?;
+        let plane = planes::find(&model.planes, &format!("{field}.plane"), ramp.name.as_deref())?;
         ramps.push(Ramp::Plane { plane, to: ramp.to });
     }
     ramps.extend(text.load.map(|to| Ramp::Load { to }));
