@@ -62,7 +62,7 @@ impl Engine {
             let now = &side.set.segments[contact.segment].b;
             let change = std::array::from_fn(|m| e(normal.dot(&(now[m] - cubic.b[m])), normal.dot(&linear[m])));
             let handles = [cubic.b[1] - cubic.b[0], cubic.b[2] - cubic.b[3]];
-            add_at(nodes, &contact.of_changes(handles, normal, &change), forces);
+            add_at(&nodes, &contact.of_changes(handles, normal, &change), forces);
         }
     }
 
@@ -76,7 +76,7 @@ impl Engine {
         let is_new = |contact: &&PlaneContact| residual.plane_contacts.binary_search_by_key(&at(contact), at).is_err();
         for contact in there.plane_contacts.iter().filter(is_new) {
             if let Some(term) = plane::term(&side.set, &side.planes, at(contact), &pressures, Request::default()) {
-                add_at(side.nodes[contact.segment], &term.gradient, forces);
+                add_at(&side.nodes[contact.segment], &term.gradient, forces);
             }
         }
     }
@@ -139,8 +139,8 @@ impl Engine {
 }
 
 /// Adds six numbers for each of some nodes to those of all.
-fn add_at<const N: usize>(nodes: [usize; N], gradient: &[f64], forces: &mut [f64]) {
-    for (node, force) in nodes.into_iter().zip(gradient.chunks_exact(6)) {
+fn add_at(nodes: &[usize], gradient: &[f64], forces: &mut [f64]) {
+    for (&node, force) in nodes.iter().zip(gradient.chunks_exact(6)) {
         forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
     }
 }
@@ -148,7 +148,7 @@ fn add_at<const N: usize>(nodes: [usize; N], gradient: &[f64], forces: &mut [f64
 impl ContactSide {
     /// Adds what a contact makes of both ends of both segments to nodal forces.
     fn scatter(&self, pair: &ContactPair, gradient: &[f64; 24], forces: &mut [f64]) {
-        add_at(self.nodes_of(pair), gradient, forces);
+        add_at(&self.nodes_of(pair), gradient, forces);
     }
 
     /// Slave and master of a term at a state and the linear motion of their control points.
