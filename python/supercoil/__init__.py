@@ -3,7 +3,20 @@
 from . import contact
 from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
-from .scene import EquilibriumPath, LineLoad, Load, PathPoint, Result, Rod, Scene, Solver, Stage, StepReport, Support
+from .scene import (
+    EquilibriumPath,
+    LineLoad,
+    Load,
+    PathPoint,
+    Plane,
+    Result,
+    Rod,
+    Scene,
+    Solver,
+    Stage,
+    StepReport,
+    Support,
+)
 from .state import State
 
 __all__ = [
@@ -12,6 +25,7 @@ __all__ = [
     "LineLoad",
     "Load",
     "PathPoint",
+    "Plane",
     "Result",
     "Rod",
     "Scene",

@@ -81,12 +81,22 @@ class LineLoad:
 
 
 @dataclass(kw_only=True)
+class Plane:
+    """A plane that rods rest on, without friction: ``normal`` [a unit vector] points towards the rods, ``point`` [L] is on
+    it. Several need names, by which stages move them."""
+
+    normal: Vector
+    point: Vector | None = None
+    name: str | None = None
+
+
+@dataclass(kw_only=True)
 class Stage:
     """What moves, in so many ``steps``. All targets are absolute and all ramps of a stage move together.
 
     ``excess_link``: turns, or ``{"rod": …, "to": turns}``; so ``link`` [turns] and ``sigma``. ``pose``: ``{"at": …,
     "position": [x, y, z], "quaternion": [w, x, y, z]}`` and what else the key takes in scene files. ``rotation``: ``{"at": …, "axis": […], "turns": …}``.
-    ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``load``: the factor. ``pressure``: [F/L], or a table. Lists of
+    ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``plane``: displacement along its normal [L], or ``{"name": …, "to": …}``. ``load``: the factor. ``pressure``: [F/L], or a table. Lists of
     tables move several nodes or rods.
     """
 
@@ -96,6 +106,7 @@ class Stage:
     displacement: Table | list[Table] | None = None
     load: float | None = None
     pressure: float | Table | list[Table] | None = None
+    plane: float | Table | list[Table] | None = None
     pose: Table | list[Table] | None = None
     sigma: float | Table | list[Table] | None = None
     link: float | Table | list[Table] | None = None
@@ -103,7 +114,7 @@ class Stage:
     def _table(self) -> Table:
         ramp = _plain(self)
         steps = ramp.pop("steps")
-        for key in ("excess_link", "sigma", "link", "pressure"):
+        for key in ("excess_link", "sigma", "link", "pressure", "plane"):
             if key in ramp and not isinstance(ramp[key], (dict, list)):
                 ramp[key] = {"to": ramp[key]}
         return {"ramp": ramp, "steps": steps}
@@ -144,6 +155,7 @@ class Scene:
         joints: Sequence[Table] = (),
         loads: Sequence[Load] = (),
         line_loads: Sequence[LineLoad] = (),
+        planes: Sequence[Plane] = (),
         contact: Table | None = None,
         solver: Table | None = None,
         fidelity: Literal["draft", "balanced", "reference"] | None = None,
@@ -162,6 +174,7 @@ class Scene:
             "joints": list(joints),
             "loads": list(loads),
             "line_loads": list(line_loads),
+            "planes": list(planes),
             "contact": contact,
             "solver": solver,
             "stages": [stage._table() for stage in stages],

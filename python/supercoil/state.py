@@ -150,6 +150,11 @@ class State:
         return self._link_number("writhe")
 
     @property
+    def plane_reactions(self) -> list[dict[str, Any]]:
+        """What each plane exerts: ``plane`` (index), ``displacement`` [L], ``force`` along its normal [F]."""
+        return list(self.observation["plane_reactions"])
+
+    @property
     def reactions(self) -> list[dict[str, Any]]:
         """Reactions of the supports: ``rod``, ``node``, ``force`` [F], ``moment`` [F·L]."""
         return list(self.observation["reactions"])

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from supercoil import InputError, LineLoad, Load, Rod, Scene, Stage, SupercoilError, Support, contact
+from supercoil import InputError, LineLoad, Load, Plane, Rod, Scene, Stage, SupercoilError, Support, contact
 
 ROOT = Path(__file__).parents[2]
 SECTION = {"bending": 1.0, "twisting": 1.5, "stretching": 1e6, "shearing": 1e6, "contact_radius": 0.0}
@@ -35,6 +35,21 @@ def test_objects_become_the_text_they_say() -> None:
     assert np.array_equal(a.positions, b.positions)
     # Euler and Bernoulli: F L³/3EI + f L⁴/8EI
     assert a.positions[-1, 1] == pytest.approx(0.01 / 3 + 0.001 / 8, rel=1e-3)
+
+
+def test_planes_push_rods() -> None:
+    section = {"bending": 1.0, "twisting": 1.0, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.05}
+    ring = Rod(closed=True, shape={"kind": "circle", "radius": 1.0}, section=section, elements=16)
+    planes = [
+        Plane(name="lower", point=(0, -1.05, 0), normal=(0, 1, 0)),
+        Plane(name="upper", point=(0, 1.05, 0), normal=(0, -1, 0)),
+    ]
+    stage = Stage(plane={"name": "upper", "to": 0.1}, steps=2)
+    state = Scene(ring, planes=planes, stages=stage, planar=True).run().state
+    lower, upper = state.plane_reactions
+    assert upper["displacement"] == 0.1 and lower["force"] == pytest.approx(upper["force"], rel=1e-6)
+    # F = δ B / (R³ (π/4 − 2/π)) of a ring that is hardly pressed
+    assert lower["force"] == pytest.approx(0.1 / (np.pi / 4 - 2 / np.pi), rel=0.1)
 
 
 def test_minicircle_has_the_numbers_of_dna() -> None:

@@ -157,6 +157,8 @@ pub struct Record {
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
     failure: Option<String>,
+    /// Names of the planes.
+    planes: Vec<String>,
 }
 
 impl Record {
@@ -193,6 +195,7 @@ impl Record {
             output: scene.output.clone(),
             choice: scene.picture.clone(),
             planar: scene.model.planar,
+            planes: scene.model.planes.iter().map(|plane| plane.name.clone()).collect(),
             rods: scene.model.rods.iter().map(head).collect(),
             columns: Columns::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal),
             steps: Vec::new(),
@@ -310,7 +313,8 @@ impl Record {
         let Some(last) = self.last.take() else { return Ok(()) };
         self.write_final_state(&last)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
-        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites)?;
+        let on_planes = self.steps.get(last.step).map_or(&[][..], |step| &step.plane_sites);
+        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites, (&self.planes, on_planes))?;
         if !self.lines.is_empty() {
             write_lines(&self.dir.join(files::LINES), &names, &self.lines)?;
         }

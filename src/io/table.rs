@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::observe::report::{LineSample, Observation, SiteReport};
+use crate::observe::report::{LineSample, Observation, PlaneSite, SiteReport};
 use crate::scene::Units;
 
 use super::csv::{Cell, write_table};
@@ -152,11 +152,18 @@ fn length_of(arc: [f64; 2], rod: Option<&f64>) -> f64 {
 
 /// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
 /// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods`
-/// and `lengths` are the names and lengths \[L\] of all rods.
+/// and `lengths` are the names and lengths \[L\] of all rods. Sites with planes follow: the plane's name in place of rod
+/// b's; no arc length, angle or foot on it.
 ///
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
-pub fn write_sites(path: &Path, rods: &[String], lengths: &[f64], sites: &[SiteReport]) -> Result<(), InputError> {
+pub fn write_sites(
+    path: &Path,
+    rods: &[String],
+    lengths: &[f64],
+    sites: &[SiteReport],
+    (planes, plane_sites): (&[String], &[PlaneSite]),
+) -> Result<(), InputError> {
     let header = [
         "rod_a",
         "from_a",
@@ -191,7 +198,19 @@ pub fn write_sites(path: &Path, rods: &[String], lengths: &[f64], sites: &[SiteR
         cells.extend([site.force_on_a, site.feet[0], site.feet[1]].into_iter().flatten().map(Cell::from));
         Ok(cells)
     };
-    write_table(path, &header, sites.iter().map(row).collect::<Result<Vec<_>, _>>()?)
+    let row_of_plane = |site: &PlaneSite| -> Result<Vec<Cell>, InputError> {
+        let blank = || Cell::from("");
+        let length = length_of(site.arc, lengths.get(site.rod));
+        let mut cells = vec![Cell::from(name_of(rods, site.rod)?), site.arc[0].into(), site.arc[1].into()];
+        cells.extend([name_of(planes, site.plane)?.into(), blank(), blank(), site.kind.as_str().into()]);
+        cells.extend([length, if length > 0.0 { site.force / length } else { 0.0 }].map(Cell::from));
+        cells.extend([site.gap.into(), site.force.into(), blank()]);
+        cells.extend([site.force_on_rod, site.nearest].into_iter().flatten().map(Cell::from));
+        cells.extend([blank(), blank(), blank()]);
+        Ok(cells)
+    };
+    let rows = sites.iter().map(row).chain(plane_sites.iter().map(row_of_plane));
+    write_table(path, &header, rows.collect::<Result<Vec<_>, _>>()?)
 }
 
 /// Writes the pressure along lines of contact as CSV: index of the site (line of `sites.csv`, from 0), rods and arc
@@ -242,6 +261,8 @@ pub(super) mod tests {
             min_gap: None,
             num_sites: 0,
             sites: Vec::new(),
+            plane_sites: Vec::new(),
+            plane_reactions: Vec::new(),
             total_contact_force: 0.0,
             reactions: Vec::new(),
             num_unstable: 2,

@@ -3,6 +3,7 @@
 
 mod error_estimate;
 mod knots;
+mod planes;
 pub mod report;
 mod sites;
 mod start;

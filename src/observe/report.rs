@@ -124,6 +124,42 @@ pub struct LineSample {
     pub gap: f64,
 }
 
+/// A contact site of a rod with a plane.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PlaneSite {
+    /// Plane index.
+    pub plane: usize,
+    /// Rod index.
+    pub rod: usize,
+    /// Arc length interval on the rod \[L\]; on a closed rod one that ends below its start runs over the seam.
+    pub arc: [f64; 2],
+    /// As between rods ([`SiteReport::kind`]), for a plane that does not bend: "line" from 4.6 (B/κ)^¼ on.
+    pub kind: SiteKind,
+    /// Smallest gap in it \[L\].
+    pub gap: f64,
+    /// ∫p ds \[F\].
+    pub force: f64,
+    /// Arc length of the centre of pressure \[L\].
+    pub center: f64,
+    /// Force of the plane on the rod \[F\].
+    pub force_on_rod: [f64; 3],
+    /// Point of the centreline where the gap is smallest \[L\].
+    pub nearest: [f64; 3],
+}
+
+/// What a plane exerts on all rods together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PlaneReaction {
+    /// Plane index.
+    pub plane: usize,
+    /// How far it has been moved along its normal since the start \[L\].
+    pub displacement: f64,
+    /// Force along its normal \[F\], never negative.
+    pub force: f64,
+}
+
 /// Force and moment a support exerts on the rod, in the global axes: a stretched rod is pulled outwards at its end.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -265,7 +301,7 @@ pub struct Observation {
     pub energies: Energies,
     /// Smallest gap; `None` when nothing is within two diameters of the thinnest rod, or contact is off.
     pub min_gap: Option<GapReport>,
-    /// Number of contact sites.
+    /// Number of contact sites, those with planes included.
     pub num_sites: usize,
     /// Length and contact radius of each rod.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -281,7 +317,13 @@ pub struct Observation {
     pub knots: Vec<Knot>,
     /// Contact sites; a [record](crate::io::record::Record) keeps only the strongest of each step.
     pub sites: Vec<SiteReport>,
-    /// Integral of the contact pressure: sum of the forces of all sites \[F\].
+    /// Contact sites of rods with planes.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub plane_sites: Vec<PlaneSite>,
+    /// What planes exert, one entry a plane.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub plane_reactions: Vec<PlaneReaction>,
+    /// Integral of the contact pressure: sum of the forces of all sites, those with planes included \[F\].
     pub total_contact_force: f64,
     /// Sum over all sites of the length of the force vector on a strand \[F\]: less than the integral if the direction
     /// of the pressure varies along a site, as in a plectoneme; otherwise an order more accurate.

@@ -92,6 +92,11 @@ impl Layer {
         (self.bending[a].min(self.bending[b]) / self.stiffness).powf(0.25)
     }
 
+    /// The same of a strand on a plane.
+    pub(super) fn width_on_plane(&self, curve: usize) -> f64 {
+        (self.bending[curve] / self.stiffness).powf(0.25)
+    }
+
     fn shortest_line(&self, a: usize, b: usize) -> f64 {
         shortest_line(self.stiffness, [self.bending[a], self.bending[b]])
     }

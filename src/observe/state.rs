@@ -14,7 +14,11 @@ use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::{Engine, Progress, Status};
 
 use super::knots;
-use super::report::{Energies, GapReport, LineSample, Observation, Reaction, RodEnds, RodLink, RodSize, SiteReport};
+use super::planes::{plane_reactions, plane_sites};
+use super::report::{
+    Energies, GapReport, LineSample, Observation, PlaneReaction, PlaneSite, Reaction, RodEnds, RodLink, RodSize,
+    SiteReport,
+};
 use super::sites::{Layer, lines, sites};
 
 /// Points per node segment for the link, because neighbouring frames must differ by much less than half a turn.
@@ -41,6 +45,9 @@ pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());
     let sites = sites_of(engine, &residual);
+    let plane_sites = plane_sites_of(engine, &residual);
+    let forces = || sites.iter().map(|site| site.force).chain(plane_sites.iter().map(|site| site.force));
+    let resultants = || sites.iter().map(|site| Vec3::from(site.force_on_a).norm());
     let min_gap = min_gap(engine);
     let (at_end, overlaps) = overlaps(progress, min_gap.as_ref());
     let status = if overlaps.is_empty() { progress.report.status.to_string() } else { OVERLAP.to_owned() };
@@ -57,10 +64,14 @@ pub fn observe(progress: &Progress) -> Observation {
         linking: knots::linking(engine),
         knots: knots::knots(engine, min_gap.as_ref()),
         min_gap,
-        num_sites: sites.len(),
-        total_contact_force: sites.iter().fold(0.0, |sum, site| sum + site.force),
-        contact_resultants: sites.iter().fold(0.0, |sum, site| sum + Vec3::from(site.force_on_a).norm()),
+        num_sites: sites.len() + plane_sites.len(),
+        total_contact_force: forces().fold(0.0, |sum, force| sum + force),
+        contact_resultants: resultants()
+            .chain(plane_sites.iter().map(|site| site.force))
+            .fold(0.0, |sum, force| sum + force),
+        plane_reactions: plane_reactions_of(engine, &residual),
         sites,
+        plane_sites,
         reactions: reactions(engine, &residual),
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
@@ -89,6 +100,17 @@ fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
         .contact
         .as_ref()
         .map_or_else(Vec::new, |side| sites(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
+}
+
+fn plane_sites_of(engine: &Engine, residual: &Residual) -> Vec<PlaneSite> {
+    engine.contact.as_ref().map_or_else(Vec::new, |side| {
+        plane_sites(&side.set, &side.planes, &residual.plane_contacts, &side.rods, &layer(engine, side))
+    })
+}
+
+fn plane_reactions_of(engine: &Engine, residual: &Residual) -> Vec<PlaneReaction> {
+    let of = |side| plane_reactions(side, &residual.plane_contacts);
+    engine.contact.as_ref().map_or_else(Vec::new, |side| of(&side.planes))
 }
 
 fn layer(engine: &Engine, side: &ContactSide) -> Layer {

@@ -9,6 +9,7 @@ mod frames;
 mod help;
 mod memory;
 mod mesh;
+mod planes;
 mod poses;
 mod section;
 mod set;
@@ -357,7 +358,7 @@ impl Scene {
         let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;
-        let follow = build::follow(&text.stages, &stages)?;
+        let follow = build::follow(&text.stages, &model, &stages)?;
         let SceneText { title, temperature, fidelity, mut solver, output, picture, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
         Ok(Self {

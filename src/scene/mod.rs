@@ -17,7 +17,7 @@ pub use fidelity::{Accuracy, Fidelity};
 #[cfg(feature = "scenes")]
 pub use file::Scene;
 pub use model::{
-    Contact, ContactLaw, Electrostatics, Joint, LineLoad, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage,
+    Contact, ContactLaw, Electrostatics, Joint, LineLoad, Model, NodeLoad, NodeRef, Plane, Pose, PosePath, Ramp, Stage,
     Support,
 };
 pub use points::{Import, read_points, read_points_with};

@@ -2,11 +2,13 @@
 //! check everything; the solver calls them first.
 
 mod check;
+mod plane;
 mod pose;
 
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
+pub use plane::Plane;
 #[cfg(feature = "solver")]
 pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};
@@ -270,6 +272,13 @@ pub enum Ramp {
         /// Factor at the end of the stage.
         to: f64,
     },
+    /// Moves a plane along its normal, and rods with it that it pushes.
+    Plane {
+        /// Index of the plane.
+        plane: usize,
+        /// Total displacement at the end of the stage since the start of the run \[L\]; positive towards the rods.
+        to: f64,
+    },
     /// A number of a rod: contact radius, length, stiffness, natural curvature or twist. A change of length or natural
     /// twist keeps the link of a closed rod, so its excess link changes.
     Number {
@@ -323,6 +332,8 @@ pub struct Model {
     pub loads: Vec<NodeLoad>,
     /// Dead line loads at load factor 1.
     pub line_loads: Vec<LineLoad>,
+    /// Planes that rods may rest on.
+    pub planes: Vec<Plane>,
     /// Contact choice.
     pub contact: Contact,
     /// Screened repulsion of all rods that take part in contact, in addition to contact.

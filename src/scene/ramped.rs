@@ -76,6 +76,9 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
             let axis = |k: usize| (format!("{place}_displaced_{}", ["x", "y", "z"][k]), "L", 0.0, to[k]);
             moved.into_iter().map(axis).collect()
         }
+        Ramp::Plane { plane, to } => {
+            vec![(format!("{}_displaced", model.planes[*plane].name), "L", 0.0, *to)]
+        }
         Ramp::Number { rod, which, to } => {
             vec![(of_rod(which.name(), *rod), unit_of(*which), model.rods[*rod].number(*which), *to)]
         }

@@ -30,6 +30,7 @@ mod fuzz_scenes;
 mod gallery;
 mod long_output;
 mod pictures;
+mod planes;
 mod scene_files;
 mod scene_help;
 mod scene_tables;

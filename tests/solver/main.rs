@@ -36,6 +36,7 @@ mod honest_endings;
 mod long_plectonemes;
 mod natural_twist;
 mod planar;
+mod planes;
 mod poses;
 mod random_scenes;
 mod random_supercoiling;

@@ -32,6 +32,7 @@ mod lee_frame;
 mod michell_zajac;
 mod path_corners;
 mod planar_touch;
+mod planes;
 mod plectoneme_under_tension;
 mod princeton;
 mod ring_branches;

@@ -30,6 +30,8 @@ pub(crate) use term::{EndTerm, PairForce, Request};
 
 mod guess;
 mod integral;
+#[cfg(feature = "solver")]
+pub(crate) mod plane;
 mod pressure;
 mod rings;
 pub(crate) mod second_order;

@@ -48,7 +48,9 @@ impl Record {
             StillRod { points: rod.positions.clone(), directions, values }
         };
         let sites = &self.steps[frame.step].sites;
-        let spots = sites.iter().map(|site| (self.place(site, frame), site.rod_a)).collect();
+        let between = sites.iter().map(|site| (self.place(site, frame), site.rod_a));
+        let on_planes = self.steps[frame.step].plane_sites.iter().map(|site| (site.nearest.into(), site.rod));
+        let spots = between.chain(on_planes).collect();
         Still { step: frame.step, rods: frame.rods.iter().map(rod).collect(), spots }
     }
 

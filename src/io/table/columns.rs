@@ -58,6 +58,12 @@ impl Columns {
         all.energies(&names, model.electrostatics.is_some(), thermal);
         all.contact(&names);
         all.reactions(model, stages, &names);
+        for (index, plane) in model.planes.iter().enumerate() {
+            let meaning = "of the plane on the rods, along its normal";
+            all.add(&format!("{}_force", plane.name), &names.force, meaning, move |step| {
+                step.plane_reactions.get(index).map_or_else(blank, |reaction| number(reaction.force))
+            });
+        }
         all.knots(model);
         all.add("num_unstable", "", "unstable directions of the state", |step| step.num_unstable.into());
         all.add("energy_released", &names.moment, "set free by a snap in this step; 0: none", |step| {
@@ -179,7 +185,8 @@ impl Columns {
             |step| step.min_gap.map_or_else(blank, |gap| number(gap.lower)),
         );
         self.add("penetration", &names.length, "worst penetration", |step| {
-            number(step.min_gap.map_or(0.0, |gap| (-gap.lower).max(0.0)))
+            let between = step.min_gap.map_or(0.0, |gap| (-gap.lower).max(0.0));
+            number(step.plane_sites.iter().fold(between, |worst, site| worst.max(-site.gap)))
         });
         self.add("num_sites", "", "contact sites", |step| step.num_sites.into());
         self.add("contact_force", &names.force, "∫p ds over all sites", |step| number(step.total_contact_force));

@@ -170,7 +170,8 @@ fn forces(step: &Observation) -> Vec<[Vec3; 2]> {
         let (force, feet) = (Vec3::from(site.force_on_a), site.feet.map(Vec3::from));
         [[feet[0], force], [feet[1], -force]]
     };
-    step.sites.iter().flat_map(of).collect()
+    let on_plane = |site: &crate::observe::report::PlaneSite| [site.nearest, site.force_on_rod].map(Vec3::from);
+    step.sites.iter().flat_map(of).chain(step.plane_sites.iter().map(on_plane)).collect()
 }
 
 /// Note on reduced steps and nodes.

@@ -21,7 +21,7 @@ use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
 use super::values::{At, NaturalText, RodNames};
-use super::{frames, memory, poses, state};
+use super::{frames, memory, planes, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -79,6 +79,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
         model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
     }
+    model.planes = planes::planes(&text.planes)?;
     model.check().map(|()| model)
 }
 
@@ -131,9 +132,15 @@ pub(super) fn further_stages(
 }
 
 /// Path following of the last stage, if any.
-pub(super) fn follow(text: &[StageText], stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
+pub(super) fn follow(text: &[StageText], model: &Model, stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
     let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
     let field = format!("stages[{place}].follow");
+    if !model.planes.is_empty() {
+        return Err(InputError::inconsistent(
+            field,
+            "paths of rods that may touch planes cannot be followed: remove planes",
+        ));
+    }
     if place + 1 < text.len() {
         return Err(InputError::inconsistent(field, "is only for the last stage: a path may end anywhere"));
     }
@@ -192,6 +199,10 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
         for node in nodes(rods, &field, &ramp.rod, ramp.at)? {
             ramps.push(Ramp::Pose { node, pose: poses::pose(&field, ramp, model, node)? });
         }
+    }
+    for ramp in &text.plane.0 {
+        let plane = planes::find(&model.planes, &format!("{field}.plane"), ramp.name.as_deref())?;
+        ramps.push(Ramp::Plane { plane, to: ramp.to });
     }
     ramps.extend(text.load.map(|to| Ramp::Load { to }));
     for ramp in &text.pressure.0 {

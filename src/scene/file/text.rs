@@ -31,6 +31,8 @@ pub(super) struct SceneText {
     pub loads: Vec<LoadText>,
     #[serde(default, deserialize_with = "tables")]
     pub line_loads: Vec<LineLoadText>,
+    #[serde(default, deserialize_with = "tables")]
+    pub planes: Vec<PlaneText>,
     #[serde(default, deserialize_with = "table")]
     pub contact: ContactText,
     #[serde(default, deserialize_with = "tables")]
@@ -268,6 +270,16 @@ pub(super) struct LineLoadText {
     pub moment: List<f64, 3>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlaneText {
+    #[serde(default)]
+    pub name: String,
+    #[serde(default)]
+    pub point: List<f64, 3>,
+    pub normal: List<f64, 3>,
+}
+
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LawText {
@@ -339,11 +351,20 @@ pub(super) struct RampText {
     #[serde(default)]
     pub pressure: OneOrMany<ScalarText>,
     #[serde(default)]
+    pub plane: OneOrMany<PlaneRampText>,
+    #[serde(default)]
     pub section: OneOrMany<SectionRampText>,
     #[serde(default)]
     pub length: OneOrMany<ScalarText>,
     #[serde(default)]
     pub natural: OneOrMany<NaturalRampText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlaneRampText {
+    pub name: Option<String>,
+    pub to: f64,
 }
 
 #[derive(Deserialize)]

@@ -35,7 +35,8 @@ impl Model {
     /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
     /// element, of two rods that both take part in contact, or of rods that together are free to move as a rigid body;
     /// an open or loaded rod that its supports leave free to move as a rigid body
-    /// while dead loads act on it or other rods may push it (closed rods may float when no dead load acts on them);
+    /// while dead loads act on it or other rods or planes may push it (closed rods may float when no dead load acts on
+    /// them); a plane whose normal is not of length 1, or which a rod starts beyond;
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
     pub fn check(&self) -> Result<(), InputError> {
@@ -60,6 +61,7 @@ impl Model {
         }
         self.check_contact()?;
         self.check_electrostatics()?;
+        self.check_planes()?;
         self.joints.iter().enumerate().try_for_each(|(i, joint)| self.check_joint(&format!("joints[{i}]"), joint))?;
         if self.planar {
             self.check_planar()?;
@@ -78,7 +80,7 @@ impl Model {
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
     /// node that is not clamped; motions of
     /// joined nodes; an open rod so moved that is
-    /// otherwise free to move as a rigid body; a load factor without loads; pressure on anything but a closed rod of a
+    /// otherwise free to move as a rigid body; a plane that there is not; a load factor without loads; pressure on anything but a closed rod of a
     /// planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // the checks of ramps assume a sound model
@@ -93,7 +95,7 @@ impl Model {
                 return Err(InputError::Count { field, value: stage.steps, allowed });
             }
             if stage.ramps.is_empty() {
-                let reason = "nothing to do: ramp at least one of excess_link, rotation, displacement, pose, load, pressure, section, length, \
+                let reason = "nothing to do: ramp at least one of excess_link, rotation, displacement, pose, load, pressure, plane, section, length, \
                      natural, or hold or release something";
                 return Err(InputError::inconsistent(format!("stages[{i}].ramp"), reason));
             }
@@ -170,6 +172,14 @@ impl Model {
                 self.check_not_joined(&field, node)?;
                 self.check_position_held(&field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
                 self.check_moved(&field, node.rod)
+            }
+            Ramp::Plane { plane, to } => {
+                let field = format!("{stage}.plane");
+                if plane >= self.planes.len() {
+                    let allowed = "the index of a plane of the model";
+                    return Err(InputError::Count { field: format!("{field}.plane"), value: plane, allowed });
+                }
+                InputError::check(&format!("{field}.to"), to, true, "a finite displacement")
             }
             Ramp::Number { rod, which, to } => {
                 let field = format!("{stage}.{}", which.name());
@@ -416,8 +426,13 @@ impl Model {
             return Some(format!("line_loads[{i}] acts on it"));
         }
         let touchable = self.rods[rod].section.contact_radius > 0.0 && self.contact.law.is_on();
-        let pushed = !self.rods[rod].closed && self.rods.len() > 1 && touchable;
-        pushed.then(|| "other rods may push it".to_owned())
+        let (others, planes) = (self.rods.len() > 1, !self.planes.is_empty());
+        let pushed = !self.rods[rod].closed && touchable;
+        match (others, planes) {
+            (true, _) if pushed => Some("other rods may push it".to_owned()),
+            (false, true) if pushed => Some("a plane may push it".to_owned()),
+            _ => None,
+        }
     }
 
     fn check_moved(&self, field: &str, rod: usize) -> Result<(), InputError> {
@@ -428,7 +443,11 @@ impl Model {
         let Some(motion) = self.free_rigid_motion(rod) else { return Ok(()) };
         let reason = format!(
             "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports{}",
-            if self.rods.len() > 1 && self.contact.law.is_on() { CARRIED_BY_CONTACT } else { "" }
+            if (self.rods.len() > 1 || !self.planes.is_empty()) && self.contact.law.is_on() {
+                CARRIED_BY_CONTACT
+            } else {
+                ""
+            }
         );
         Err(InputError::inconsistent(format!("rods.{}", self.rods[rod].name), reason))
     }
@@ -495,6 +514,7 @@ fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
             Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
         ) => a == b,
         (Ramp::Load { .. }, Ramp::Load { .. }) => true,
+        (Ramp::Plane { plane: a, .. }, Ramp::Plane { plane: b, .. }) => a == b,
         (Ramp::Number { rod: a, which: x, .. }, Ramp::Number { rod: b, which: y, .. }) => (a, x) == (b, y),
         _ => false,
     }

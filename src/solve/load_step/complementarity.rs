@@ -9,6 +9,7 @@
 //! than the nodes are, has none: the mesh cannot tell them apart, and what it carries is reported, not released.
 
 use crate::contact::chain::{ChainPiece, chains};
+use crate::contact::potential::plane::{PlanePiece, plane_runs};
 use crate::solve::path::run::Solver;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
@@ -32,6 +33,29 @@ pub(in crate::solve) struct Complementarity {
     pub(in crate::solve) gaps: ContactField,
 }
 
+/// One contact as one strand has it.
+struct Held {
+    /// Smallest gap \[L\].
+    gap: f64,
+    /// Its force as far as it counts for this strand: half of that between strands, all of that of a plane \[F\].
+    force: f64,
+    /// Where its offsets are.
+    places: Vec<usize>,
+}
+
+/// Contacts with planes: runs of zones that go on in each other.
+fn held_by_planes<'a>(side: &'a ContactSide, residual: &'a Residual) -> impl Iterator<Item = Held> + 'a {
+    let held = |run: Vec<PlanePiece>| Held {
+        gap: run.iter().map(|piece| piece.zone.min_gap).fold(f64::INFINITY, f64::min),
+        force: run.iter().map(|piece| piece.zone.moments[0]).sum(),
+        places: run
+            .iter()
+            .flat_map(|piece| side.nodes[piece.segment].map(|node| side.offsets.index_of_plane(node, piece.plane)))
+            .collect(),
+    };
+    plane_runs(&side.set, &residual.plane_contacts).into_iter().map(held)
+}
+
 impl Solver {
     /// Contacts that offsets hold open, from the residual of the present state, with zones.
     pub(in crate::solve) fn complementarity(&self, residual: &Residual) -> Complementarity {
@@ -46,20 +70,23 @@ impl Solver {
                 |link: &ChainPiece| side.nodes[link.segments[0]].map(|node| offsets.index(set, node, link.segments[1]));
             chain.iter().flat_map(of_link).collect()
         };
+        let strands = chains.iter().map(|chain| Held {
+            gap: gap(chain),
+            force: chain.iter().map(|link| link.zone.half_force).sum(),
+            places: places(chain),
+        });
+        let contacts: Vec<Held> = strands.chain(held_by_planes(side, residual)).collect();
         let mut gaps = offsets.map(|_, _| f64::INFINITY);
-        for chain in &chains {
-            let least = gap(chain);
-            places(chain).into_iter().for_each(|k| gaps.values[k] = gaps.values[k].min(least));
+        for contact in &contacts {
+            contact.places.iter().for_each(|&k| gaps.values[k] = gaps.values[k].min(contact.gap));
         }
         let gaps = gaps.map(|k, gap| if gap.is_finite() && gap > open && offsets.values[k] > 0.0 { gap } else { 0.0 });
         let energy: f64 = residual.potential.elastic.iter().sum();
-        let work = |chain: &Vec<ChainPiece>| {
-            let half_force: f64 = chain.iter().map(|link| link.zone.half_force).sum();
-            let gap = gap(chain);
-            if energy > 0.0 && gap > open { half_force * gap / energy } else { 0.0 }
+        let work = |contact: &Held| {
+            if energy > 0.0 && contact.gap > open { contact.force * contact.gap / energy } else { 0.0 }
         };
-        let own = |chain: &&Vec<ChainPiece>| places(chain).iter().any(|&k| gaps.values[k] > 0.0);
-        let releasable = chains.iter().filter(own).map(work).fold(0.0, |a, b| a + b);
-        Complementarity { work: chains.iter().map(work).fold(0.0, |a, b| a + b), releasable, gaps }
+        let own = |contact: &&Held| contact.places.iter().any(|&k| gaps.values[k] > 0.0);
+        let releasable = contacts.iter().filter(own).map(work).fold(0.0, |a, b| a + b);
+        Complementarity { work: contacts.iter().map(work).fold(0.0, |a, b| a + b), releasable, gaps }
     }
 }

@@ -54,7 +54,8 @@ impl Solver {
         let distance = 2.0 * side.min_radius;
         let probe = law.overlap(PROBING_PRESSURE * scale, distance);
         side.law = law;
-        side.offsets = ContactField::uniform(side.offsets.num_nodes(), probe);
+        let [num_nodes, num_planes] = side.size();
+        side.offsets = ContactField::uniform(num_nodes, num_planes, probe);
         side.before = None;
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
@@ -100,8 +101,8 @@ impl Solver {
         let state = self.engine.state.clone();
         let Some(side) = &mut self.engine.contact else { return Ok(None) };
         side.law = Law::Linear { stiffness: STIFFNESS * scale / distance };
-        side.before =
-            Some((Law::Linear { stiffness: SLACK * scale / distance }, ContactField::of_nodes(reach.to_vec())));
+        let reach = ContactField::of_nodes(reach, side.planes.len());
+        side.before = Some((Law::Linear { stiffness: SLACK * scale / distance }, reach));
         self.workspace.refresh(&mut self.engine, &state)?;
         let unstressed = vec![[[0.0; 6]; 3]; self.engine.elements.len()];
         let slack = self.workspace.linearise(&self.engine, &state, &unstressed, &PrescribedMotion::default());

@@ -53,7 +53,8 @@ impl Solver {
     pub(in crate::solve) fn change_law(&mut self, law: Law, pressures: &[f64]) {
         let mut of_nodes = pressures.to_vec();
         of_nodes.resize(self.engine.num_nodes(), 0.0);
-        self.change_law_to(law, &ContactField::of_nodes(of_nodes));
+        let num_planes = self.engine.model.planes.len();
+        self.change_law_to(law, &ContactField::of_nodes(&of_nodes, num_planes));
     }
 
     fn change_law_to(&mut self, law: Law, pressures: &ContactField) {
@@ -97,7 +98,8 @@ impl Solver {
             let touches = (0..=last).all(|k| gaps[around(k)].is_finite() && pressure(around(k)) > 0.0);
             if touches { side.law.overlap(mean, distance) + gaps[i] } else { present[i] }
         };
-        let offsets = ContactField::of_nodes((0..nodes).map(smooth).collect());
+        let offsets: Vec<f64> = (0..nodes).map(smooth).collect();
+        let offsets = ContactField::of_nodes(&offsets, side.planes.len());
         side.change_law(side.law, offsets);
     }
 
@@ -147,13 +149,16 @@ impl Solver {
         ContactErrors { gaps, penetration }
     }
 
-    /// Arc length \[L\] within which an offset belongs to a contact, and is raised and lowered by its smallest gap:
+    /// Arc length \[L\] within which an offset belongs to a contact (with a plane, without a master), and is raised and lowered by its smallest gap:
     /// where the contact may still be one and the same point. In a wider window an offset would see other contacts
     /// too, not be lowered while strands touch there, and hold open what is apart at its own place; in a narrower one
     /// it would be raised at wave numbers q that the rods do not follow: of these an augmentation mends only a share
     /// κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
-    pub(in crate::solve) fn window(&self, side: &ContactSide, slave: usize, master: usize) -> f64 {
-        let [a, b] = [slave, master].map(|segment| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])]);
+    pub(in crate::solve) fn window(&self, side: &ContactSide, slave: usize, master: Option<usize>) -> f64 {
+        let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
+        let (a, b) = (rod(slave), master.map(rod));
+        // planes do not bend
+        let bending = [a.section.smaller_bending(), b.map_or(f64::INFINITY, |b| b.section.smaller_bending())];
         let stiffness = match side.law {
             Law::Linear { stiffness } => stiffness,
             Law::Core { pressure, .. } => {
@@ -161,7 +166,7 @@ impl Solver {
                 side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
             }
         };
-        let half_point = 0.5 * shortest_line(stiffness, [a, b].map(|rod| rod.section.smaller_bending()));
+        let half_point = 0.5 * shortest_line(stiffness, bending);
         half_point.max(a.length / a.num_elements as f64)
     }
 

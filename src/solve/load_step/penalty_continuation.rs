@@ -81,11 +81,12 @@ impl Solver {
         }
     }
 
-    /// What each segment feels as a slave, in the engine's state.
+    /// What each segment feels as a slave and from planes, in the engine's state.
     fn overlaps(&self) -> Vec<Felt> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut felt = vec![Felt::default(); side.set.len()];
-        for term in self.engine.residual(&self.engine.state).contact_pairs {
+        let residual = self.engine.residual(&self.engine.state);
+        for term in residual.contact_pairs {
             let here = &mut felt[term.slave];
             let offset = side.offset(term.slave, term.master);
             let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
@@ -94,6 +95,17 @@ impl Solver {
             for zone in &term.zones {
                 here.force += zone.half_force;
                 here.length += (zone.piece.u[1] - zone.piece.u[0]) * side.set.lengths[term.slave];
+                here.depth = here.depth.max(offset[0].max(offset[1]) - zone.min_gap);
+            }
+        }
+        for contact in residual.plane_contacts {
+            let here = &mut felt[contact.segment];
+            let offset = side.offset_to_plane(contact.segment, contact.plane);
+            let rod = &self.engine.model.rods[self.engine.rod_of(side.nodes[contact.segment][0])];
+            here.shortest_line = shortest_line(1.0, [rod.section.smaller_bending(), f64::INFINITY]);
+            for zone in &contact.zones {
+                here.force += zone.moments[0];
+                here.length += (zone.u[1] - zone.u[0]) * side.set.lengths[contact.segment];
                 here.depth = here.depth.max(offset[0].max(offset[1]) - zone.min_gap);
             }
         }

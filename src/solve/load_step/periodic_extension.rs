@@ -200,6 +200,7 @@ impl Solver {
         let [rod] = &engine.model.rods[..] else { return None };
         let free = engine.model.supports.is_empty() && engine.state.pressures[0] == 0.0 && !engine.model.planar;
         let unloaded = engine.model.loads.is_empty() && engine.model.line_loads.is_empty();
+        let unloaded = unloaded && engine.model.planes.is_empty();
         let uniform =
             rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
         if !(free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)) {
@@ -251,7 +252,8 @@ impl Solver {
                 let side = short.engine.contact.as_ref()?;
                 let made = plan(state.positions.len(), p, at, cut as isize, screw.spins);
                 let offsets = side.offsets.per_node(f64::max);
-                let offsets = ContactField::of_nodes(made.iter().map(|(node, ..)| offsets[*node]).collect());
+                let offsets: Vec<f64> = made.iter().map(|(node, ..)| offsets[*node]).collect();
+                let offsets = ContactField::of_nodes(&offsets, 0);
                 let (law, timings) = (side.law, short.workspace.timings);
                 return Some(Lengthened { state: long, law, offsets, iterations, timings });
             }

@@ -4,7 +4,7 @@
 //! A polynomial through the last two or three states: each node's pose is the last one, moved along a screw whose velocity
 //! and rotation vector are polynomials (an interpolation in the exponential coordinates of SE(3)). Its parameter is what is
 //! prescribed: states count as long as their controls (seams,
-//! turns, displacements and poses of supports, load factor, pressures) lie on one line that the target goes on. So a path has
+//! turns, displacements and poses of supports, load factor, pressures, heights of planes) lie on one line that the target goes on. So a path has
 //! no memory of stages, and single steps are predicted as those of a run. Turns are brought to their target in all
 //! states first, so that only the rods' answer is extrapolated. The centreline may go round with the sections (a cable
 //! that is laid by turning its end: its strands move on arcs, which chords would leave by (2 sin ½φ)³ of their radius) or
@@ -64,6 +64,7 @@ impl Visited {
         all.extend(posed.flat_map(|(node, by)| (0..6).map(|k| ((5, *node, k), by[k / 3][k % 3])).collect::<Vec<_>>()));
         all.insert((3, 0, 0), state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| ((4, rod, 0), *pressure)));
+        all.extend(state.plane_heights.iter().enumerate().map(|(plane, height)| ((6, plane, 0), *height)));
         all
     }
 }

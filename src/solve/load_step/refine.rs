@@ -8,7 +8,6 @@ use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
 use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::step_report::StepReport;
 use crate::solve::path::run::Solver;
-use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
@@ -41,6 +40,7 @@ impl Model {
             joints: self.joints.iter().map(|j| Joint { a: node(j.a), b: node(j.b) }).collect(),
             loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
             line_loads: self.line_loads.clone(),
+            planes: self.planes.clone(),
             contact: self.contact,
             electrostatics: self.electrostatics,
             planar: self.planar,
@@ -54,7 +54,7 @@ impl Engine {
     /// mesh, does not count.
     pub fn relative_residual(&self) -> f64 {
         let mut residual = self.residual(&self.state);
-        ZeroEnergyModes::of(self, &self.state).remove_sliding_force(&mut residual.gradient);
+        ZeroEnergyModes::of(self, &self.state, &[]).remove_sliding_force(&mut residual.gradient);
         relative_residual(self, &residual)
     }
 }
@@ -102,10 +102,7 @@ impl Solver {
     pub fn harden_contact(&mut self, factor: f64) {
         let Some(side) = &mut self.engine.contact else { return };
         if let Law::Linear { stiffness } = side.law {
-            side.change_law(
-                Law::Linear { stiffness: stiffness * factor },
-                ContactField::uniform(side.offsets.num_nodes(), 0.0),
-            );
+            side.change_law(Law::Linear { stiffness: stiffness * factor }, side.no_offsets());
         }
     }
 

@@ -16,6 +16,7 @@ use crate::solve::load_step::predictor::{Lifted, Prediction, lifted};
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::search::newton::NewtonReport;
 use crate::solve::search::trust_region::progress::{PROGRESS, stored_energy};
@@ -326,7 +327,7 @@ impl Solver {
     pub(in crate::solve) fn is_near_contact(&mut self) -> Result<bool, SolveError> {
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
-        Ok(self.engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()))
+        Ok(self.engine.contact.as_ref().is_some_and(ContactSide::is_near))
     }
 
     /// One equilibrium search, leaving unstable equilibria: those from which the potential falls by more than rounding.

@@ -87,7 +87,13 @@ impl Solver {
         }
         let numbers = state.positions.iter().chain(&state.remainders).flatten();
         let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
-        if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite()) {
+        if !numbers
+            .chain(&state.seams)
+            .chain(&state.pressures)
+            .chain(&state.plane_heights)
+            .chain([&state.load_factor])
+            .all(|x| x.is_finite())
+        {
             return Err(refuse("has a number that is not finite"));
         }
         let sizes = |s: &State| [s.positions.len(), s.remainders.len(), s.frames.len()];
@@ -97,7 +103,7 @@ impl Solver {
         self.engine.set_state(state)?;
         match (&mut self.engine.contact, contact) {
             (None, None) => {}
-            (Some(side), Some(saved)) if saved.offsets.fits(side.offsets.num_nodes(), &side.set) => {
+            (Some(side), Some(saved)) if saved.offsets.fits(side.size(), &side.set) => {
                 side.law = saved.law;
                 side.before = None;
                 side.offsets = saved.offsets;

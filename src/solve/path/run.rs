@@ -440,6 +440,10 @@ impl Solver {
                     let now = self.engine.state.pressures[*rod];
                     target.pressures.push((*rod, now + (to - now) * take));
                 }
+                Ramp::Plane { plane, to } => {
+                    let now = self.engine.state.plane_heights[*plane];
+                    target.plane_heights.push((*plane, now + (to - now) * take));
+                }
                 Ramp::Number { rod, which, to } => {
                     let now = self.engine.model.rods[*rod].number(*which);
                     target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { now + (to - now) * take });

@@ -8,6 +8,7 @@ mod loads;
 pub(in crate::solve) use contact::PAIRS;
 pub(in crate::solve) use elements::symmetric;
 
+use crate::contact::potential::plane::PlaneContact;
 use crate::contact::potential::{ContactPair, Request};
 use crate::rod::element::Strain;
 use crate::solve::problem::engine::{Engine, give_to_masters};
@@ -46,6 +47,8 @@ pub(crate) struct Residual {
     pub(crate) potential: Potential,
     /// Where there is contact.
     pub(crate) contact_pairs: Vec<ContactPair>,
+    /// Where there is contact with planes.
+    pub(crate) plane_contacts: Vec<PlaneContact>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting

@@ -1,4 +1,5 @@
-//! Numbers of contacts at nodes: one per node, and where a node touches several strands at once, one for each of them.
+//! Numbers of contacts at nodes: one per node, and where a node touches several strands at once, one for each of them;
+//! besides, one for each plane.
 //!
 //! Where two strands touch a node, or two places of one that are apart (a knot, a ply of three), each has an entry: an
 //! interval of its arc length. A segment of a strand belongs to the entry that is nearest along its curve, so in
@@ -45,7 +46,9 @@ impl Entry {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactField {
     num_nodes: usize,
-    /// Of the nodes, then of the entries; the number of a node that has entries is for whatever else it touches.
+    num_planes: usize,
+    /// Of the nodes; of the nodes towards each plane; of the entries. The number of a node that has entries is for
+    /// whatever other strand it touches.
     pub(crate) values: Vec<f64>,
     /// Sorted by node.
     entries: Vec<Entry>,
@@ -53,17 +56,22 @@ pub struct ContactField {
 
 impl ContactField {
     /// The same number at all nodes.
-    pub(crate) fn uniform(num_nodes: usize, value: f64) -> Self {
-        Self::of_nodes(vec![value; num_nodes])
+    pub(crate) fn uniform(num_nodes: usize, num_planes: usize, value: f64) -> Self {
+        Self::of_nodes(&vec![value; num_nodes], num_planes)
     }
 
-    /// A number per node.
-    pub(crate) fn of_nodes(values: Vec<f64>) -> Self {
-        Self { num_nodes: values.len(), values, entries: Vec::new() }
+    /// A number per node, for all that it touches.
+    pub(crate) fn of_nodes(values: &[f64], num_planes: usize) -> Self {
+        Self { num_nodes: values.len(), num_planes, values: values.repeat(1 + num_planes), entries: Vec::new() }
     }
 
     pub(crate) fn num_nodes(&self) -> usize {
         self.num_nodes
+    }
+
+    /// Where the numbers of entries begin.
+    fn first_entry(&self) -> usize {
+        self.num_nodes * (1 + self.num_planes)
     }
 
     /// The same places, other numbers, from these and where they are.
@@ -71,11 +79,11 @@ impl ContactField {
         Self { values: self.values.iter().enumerate().map(|(k, x)| f(k, *x)).collect(), ..self.clone() }
     }
 
-    /// Whether it has numbers for a model of so many nodes and these curves.
-    pub(crate) fn fits(&self, num_nodes: usize, set: &CurveSet) -> bool {
+    /// Whether it has numbers for a model of so many nodes and planes and these curves.
+    pub(crate) fn fits(&self, [num_nodes, num_planes]: [usize; 2], set: &CurveSet) -> bool {
         let known = |e: &Entry| (e.node as usize) < num_nodes && (e.curve as usize) < set.curves.len();
-        self.num_nodes == num_nodes
-            && self.values.len() == num_nodes + self.entries.len()
+        [self.num_nodes, self.num_planes] == [num_nodes, num_planes]
+            && self.values.len() == self.first_entry() + self.entries.len()
             && self.entries.is_sorted_by_key(|e| e.node)
             && self.entries.iter().all(|e| known(e) && e.arc.iter().all(|s| s.is_finite()))
     }
@@ -87,7 +95,13 @@ impl ContactField {
 
     /// Where all numbers of a node are.
     pub(crate) fn of_node(&self, node: usize) -> impl Iterator<Item = usize> {
-        std::iter::once(node).chain(self.entries_of(node).map(|k| self.num_nodes + k))
+        let (nodes, first) = (self.num_nodes, self.first_entry());
+        (0..=self.num_planes).map(move |k| k * nodes + node).chain(self.entries_of(node).map(move |k| first + k))
+    }
+
+    /// Where the number of a node's contact with a plane is.
+    pub(crate) fn index_of_plane(&self, node: usize, plane: usize) -> usize {
+        self.num_nodes * (1 + plane) + node
     }
 
     /// Where the number of a node's contact with a segment is.
@@ -104,7 +118,7 @@ impl ContactField {
         }
         let own = self.entries_of(node).filter(|&k| self.entries[k].curve as usize == curve);
         let nearest = own.map(|k| (self.entries[k].distance(set, arc), k)).min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map_or(node, |(_, k)| self.num_nodes + k)
+        nearest.map_or(node, |(_, k)| self.first_entry() + k)
     }
 
     /// A node's number for a segment that it touches.
@@ -114,20 +128,43 @@ impl ContactField {
 
     /// A number per node: `choose` of all that a node has.
     pub(crate) fn per_node(&self, choose: fn(f64, f64) -> f64) -> Vec<f64> {
+        let mut values = self.of_strands(choose);
+        for (k, value) in self.of_planes().iter().enumerate() {
+            let chosen = &mut values[k % self.num_nodes];
+            *chosen = choose(*chosen, *value);
+        }
+        values
+    }
+
+    /// A number per node: `choose` of all that a node has for strands.
+    fn of_strands(&self, choose: fn(f64, f64) -> f64) -> Vec<f64> {
         let mut values = self.values[..self.num_nodes].to_vec();
         for (k, entry) in self.entries.iter().enumerate() {
             let value = &mut values[entry.node as usize];
-            *value = choose(*value, self.values[self.num_nodes + k]);
+            *value = choose(*value, self.values[self.first_entry() + k]);
         }
         values
+    }
+
+    /// The numbers of the nodes towards the first plane, the second, …
+    fn of_planes(&self) -> &[f64] {
+        &self.values[self.num_nodes..self.first_entry()]
     }
 
     /// These numbers on a finer mesh of the same strands, each of whose nodes lies between two of this one's, nearer to
     /// the second by the fraction given.
     pub(crate) fn interleaved(&self, set: &CurveSet, between: &[([usize; 2], f64)]) -> Self {
         let mix = |[a, b]: [f64; 2], part: f64| if part == 0.0 { a } else { a + part * (b - a) };
-        let mut fine =
-            Self::of_nodes(between.iter().map(|(ends, part)| mix(ends.map(|n| self.values[n]), *part)).collect());
+        let of_row = |row: usize| {
+            let number = move |n: usize| self.values[row * self.num_nodes + n];
+            between.iter().map(move |(ends, part)| mix(ends.map(number), *part))
+        };
+        let mut fine = Self {
+            num_nodes: between.len(),
+            num_planes: self.num_planes,
+            values: (0..=self.num_planes).flat_map(of_row).collect(),
+            entries: Vec::new(),
+        };
         for (node, (ends, part)) in between.iter().enumerate().filter(|_| !self.entries.is_empty()) {
             let [first, second] = ends.map(|n| &self.entries[self.entries_of(n)]);
             let here = |e: &Entry| Entry { node: node as u32, ..*e };
@@ -152,11 +189,12 @@ impl ContactField {
         if self.entries == other.entries {
             return self.clone();
         }
-        let mut values = self.per_node(f64::max);
+        let mut values = self.of_strands(f64::max);
         other.entries.iter().for_each(|e| values[e.node as usize] = 0.0);
+        values.extend(self.of_planes());
         let of_entry = |e: &Entry| self.values[self.index_of_arc(set, e.node as usize, e.curve as usize, e.arc)];
         values.extend(other.entries.iter().map(of_entry));
-        Self { num_nodes: self.num_nodes, values, entries: other.entries.clone() }
+        Self { values, entries: other.entries.clone(), ..*self }
     }
 }
 
@@ -208,22 +246,24 @@ fn seen<'a>(
     })
 }
 
-/// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches. Offsets at nodes that
+/// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches; `window(slave, master)`,
+/// without a master of contact with planes. Offsets at nodes that
 /// touch several strands get entries of their own by that; those that there are already stay for as long as the strands
 /// are near.
 pub(crate) fn smallest_gaps(
     side: &ContactSide,
     residual: &Residual,
     positions: &[Vec3],
-    window: impl Fn(usize, usize) -> f64,
+    window: impl Fn(usize, Option<usize>) -> f64,
 ) -> ContactField {
-    let num_nodes = positions.len();
+    let (num_nodes, num_planes) = (positions.len(), side.planes.len());
     let set = &side.set;
+    let of_pair = |slave, master| window(slave, Some(master));
     let alone = set.curves.len() == 1;
     let mut partners = vec![if alone { Partner::None } else { Partner::Several }; num_nodes];
     side.offsets.entries.iter().for_each(|e| partners[e.node as usize] = Partner::Several);
     let counted = |seen: &Seen| !seen.zone.piece.branch.is_subtracted();
-    for seen in seen(side, residual, &window).filter(counted) {
+    for seen in seen(side, residual, &of_pair).filter(counted) {
         seen.by_nodes(side, |node| {
             let partner = &mut partners[node];
             match partner {
@@ -243,7 +283,7 @@ pub(crate) fn smallest_gaps(
     let mut entries = Vec::new();
     if (0..num_nodes).any(several) {
         let (mut places, mut apart): (Vec<(Entry, f64)>, f64) = (Vec::new(), 0.0);
-        for seen in seen(side, residual, &window).filter(counted) {
+        for seen in seen(side, residual, &of_pair).filter(counted) {
             seen.by_nodes(side, |node| {
                 if several(node) {
                     apart = apart.max(seen.apart);
@@ -254,14 +294,24 @@ pub(crate) fn smallest_gaps(
         entries = joined(set, places);
         remember(side, positions, apart, &mut entries);
     }
-    let places = ContactField { num_nodes, values: Vec::new(), entries };
-    let mut gaps = ContactField { values: vec![f64::INFINITY; num_nodes + places.entries.len()], ..places };
-    for seen in seen(side, residual, &window) {
+    let places = ContactField { num_nodes, num_planes, values: Vec::new(), entries };
+    let count = places.first_entry() + places.entries.len();
+    let mut gaps = ContactField { values: vec![f64::INFINITY; count], ..places };
+    for seen in seen(side, residual, &of_pair) {
         let gap = seen.zone.min_gap;
         seen.by_nodes(side, |node| {
             let index = gaps.index(set, node, seen.master);
             gaps.values[index] = gaps.values[index].min(gap);
         });
+    }
+    for contact in &residual.plane_contacts {
+        let (window, gap) = (window(contact.segment, None), contact.min_gap());
+        for forward in [true, false] {
+            side.spread(contact.segment, window, forward, |node| {
+                let index = gaps.index_of_plane(node, contact.plane);
+                gaps.values[index] = gaps.values[index].min(gap);
+            });
+        }
     }
     gaps
 }
@@ -295,7 +345,8 @@ fn joined(set: &CurveSet, mut places: Vec<(Entry, f64)>) -> Vec<Entry> {
 /// out those of nodes that have but one.
 fn remember(side: &ContactSide, positions: &[Vec3], apart: f64, entries: &mut Vec<Entry>) {
     let set = &side.set;
-    let found = ContactField { num_nodes: positions.len(), values: Vec::new(), entries: std::mem::take(entries) };
+    let entries_found = std::mem::take(entries);
+    let found = ContactField { num_nodes: positions.len(), num_planes: 0, values: Vec::new(), entries: entries_found };
     let mut all = found.entries.clone();
     for old in &side.offsets.entries {
         let own = found.entries_of(old.node as usize);

@@ -5,6 +5,7 @@ use crate::contact::curve::{Cubic, CurveInput, CurveSet};
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::contact::potential::ContactPair;
+use crate::contact::potential::plane::HalfSpace;
 use crate::contact::screened::{Repulsion, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
@@ -29,6 +30,8 @@ pub(crate) struct ContactSide {
     pub(crate) exclusion: Exclusion,
     /// Candidate pairs.
     pub(crate) broad_phase: BroadPhase,
+    /// Planes that the strands stay above, where the state has them.
+    pub(crate) planes: Vec<HalfSpace>,
     /// Screened repulsion of the strands, if it is asked for.
     pub(crate) repulsion: Option<Repulsion>,
     /// Generations of the sides that this one has replaced.
@@ -49,7 +52,7 @@ pub(crate) struct ContactSide {
 
 impl ContactSide {
     /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε the
-    /// smallest radius, B `bending`, with the model's charges; `None` if no rod has one.
+    /// smallest radius, B `bending`, with the model's planes and charges; `None` if no rod has one.
     ///
     /// # Errors
     /// Curves that [`CurveSet::new`] refuses.
@@ -85,6 +88,7 @@ impl ContactSide {
             set.set_radii(&radii)?;
         }
         set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
+        let planes: Vec<HalfSpace> = half_spaces(model, state).collect();
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| Repulsion::new(screened(charges), &set));
         Ok(Some(Self {
@@ -93,10 +97,11 @@ impl ContactSide {
             rods: touching,
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
+            offsets: ContactField::uniform(state.positions.len(), planes.len(), 0.0),
+            planes,
             repulsion,
             generations_before: 0,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
-            offsets: ContactField::uniform(state.positions.len(), 0.0),
             before: None,
             min_radius,
             is_current: false,
@@ -108,9 +113,44 @@ impl ContactSide {
         self.generations_before = other.generation();
     }
 
-    /// Whether strands may push each other at all.
+    /// Whether strands may be pushed at all.
     pub(crate) fn may_push(&self) -> bool {
-        self.repulsion.is_some() || !self.broad_phase.pairs().is_empty()
+        self.repulsion.is_some() || self.is_near()
+    }
+
+    /// Whether strands are near each other or a plane.
+    pub(crate) fn is_near(&self) -> bool {
+        !self.broad_phase.pairs().is_empty() || self.is_near_plane()
+    }
+
+    /// Whether a control point is as near to a plane as strands are that are candidates of contact.
+    fn is_near_plane(&self) -> bool {
+        let (range, margin) = self.candidate_range();
+        let is_near = |plane: &HalfSpace, segment: usize| {
+            let reach = self.set.radius_of(segment) + range + margin;
+            plane.distances(&self.set, segment).iter().any(|distance| *distance <= reach)
+        };
+        self.planes.iter().any(|plane| (0..self.set.len()).any(|segment| is_near(plane, segment)))
+    }
+
+    /// Gap up to which pairs are candidates, and how much farther they are looked for \[L\].
+    pub(crate) fn candidate_range(&self) -> (f64, f64) {
+        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
+        let largest = self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max);
+        // in steps, so that a slowly growing offset does not rebuild the list every time
+        let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
+        (range, 0.5 * self.min_radius)
+    }
+
+    /// Offsets of none at all.
+    pub(crate) fn no_offsets(&self) -> ContactField {
+        let [num_nodes, num_planes] = self.size();
+        ContactField::uniform(num_nodes, num_planes, 0.0)
+    }
+
+    /// Numbers of nodes and of planes.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.offsets.num_nodes(), self.planes.len()]
     }
 
     /// Changes with the pairs of segments that the tangent couples.
@@ -134,6 +174,16 @@ impl ContactSide {
     /// Numbers at both ends of a segment for its contact with another one.
     pub(crate) fn at_ends(&self, numbers: &ContactField, slave: usize, master: usize) -> [f64; 2] {
         self.nodes[slave].map(|node| numbers.at(&self.set, node, master))
+    }
+
+    /// Offsets at both ends of a segment towards a plane \[L\].
+    pub(crate) fn offset_to_plane(&self, segment: usize, plane: usize) -> [f64; 2] {
+        self.at_ends_for_plane(&self.offsets, segment, plane)
+    }
+
+    /// Numbers at both ends of a segment for its contact with a plane.
+    pub(crate) fn at_ends_for_plane(&self, numbers: &ContactField, segment: usize, plane: usize) -> [f64; 2] {
+        self.nodes[segment].map(|node| numbers.values[numbers.index_of_plane(node, plane)])
     }
 
     /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
@@ -163,6 +213,16 @@ impl ContactSide {
         let (s, m) = (self.nodes[pair.slave], self.nodes[pair.master]);
         [s[0], s[1], m[0], m[1]]
     }
+}
+
+/// The planes of a model where a state has them.
+pub(crate) fn half_spaces(model: &Model, state: &State) -> impl Iterator<Item = HalfSpace> {
+    let place = |(plane, height): (&crate::scene::Plane, &f64)| HalfSpace {
+        point: plane.point,
+        normal: plane.normal,
+        height: *height,
+    };
+    model.planes.iter().zip(&state.plane_heights).map(place)
 }
 
 /// κ \[F/L²\] of a dimensionless stiffness κ ε⁴/B.

@@ -14,7 +14,6 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
-use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
@@ -161,6 +160,7 @@ impl Engine {
             seams: model.rods.iter().map(|r| TAU * r.start_link()).collect(),
             load_factor: 0.0,
             pressures: vec![0.0; model.rods.len()],
+            plane_heights: vec![0.0; model.planes.len()],
             numbers: BTreeMap::new(),
         };
         let elements = build_elements(&model, &first_node);
@@ -225,11 +225,7 @@ impl Engine {
         };
         InputError::positive("contact.stiffness", stiffness)?;
         let raised = contact_side::stiffness(stiffness, self.scales.bending, side.min_radius);
-        let offsets = if matches!(law, ContactLaw::Penalty { .. }) {
-            ContactField::uniform(side.offsets.num_nodes(), 0.0)
-        } else {
-            side.offsets.clone()
-        };
+        let offsets = if matches!(law, ContactLaw::Penalty { .. }) { side.no_offsets() } else { side.offsets.clone() };
         side.change_law(Law::Linear { stiffness: raised }, offsets);
         self.model.contact.law = law;
         self.law_asked = asked;
@@ -320,7 +316,8 @@ impl Engine {
             && state.remainders.len() == self.state.remainders.len()
             && state.frames.len() == self.state.frames.len()
             && state.seams.len() == self.state.seams.len()
-            && state.pressures.len() == self.state.pressures.len();
+            && state.pressures.len() == self.state.pressures.len()
+            && state.plane_heights.len() == self.state.plane_heights.len();
         if !fits {
             let reason = "has another number of nodes or rods than the model".to_owned();
             return Err(InputError::Inconsistent { field: "state".to_owned(), reason });

@@ -26,6 +26,8 @@ pub struct State {
     pub load_factor: f64,
     /// Per rod: pressure \[F/L\].
     pub pressures: Vec<f64>,
+    /// Per plane: how far it has been moved along its normal \[L\].
+    pub plane_heights: Vec<f64>,
     /// Numbers of rods that ramps have changed.
     #[cfg_attr(feature = "serde", serde(with = "crate::solve::problem::changes::as_list"))]
     pub numbers: Numbers,
@@ -48,6 +50,8 @@ pub(crate) struct Target {
     pub(crate) load_factor: Option<f64>,
     /// By rod \[F/L\].
     pub(crate) pressures: Vec<(usize, f64)>,
+    /// By plane \[L\].
+    pub(crate) plane_heights: Vec<(usize, f64)>,
     /// Numbers of rods.
     pub(crate) numbers: Numbers,
     /// Turns that supports make, by node.
@@ -59,13 +63,16 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    /// Puts loads, pressures and numbers of rods in force.
+    /// Puts loads, pressures, planes and numbers of rods in force.
     pub(crate) fn load(&self, state: &mut State) {
         if let Some(factor) = self.load_factor {
             state.load_factor = factor;
         }
         for &(rod, pressure) in &self.pressures {
             state.pressures[rod] = pressure;
+        }
+        for &(plane, height) in &self.plane_heights {
+            state.plane_heights[plane] = height;
         }
         state.numbers.extend(&self.numbers);
     }

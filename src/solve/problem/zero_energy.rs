@@ -16,9 +16,10 @@
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
-use crate::contact::potential::ContactPair;
+use crate::contact::potential::plane::PlaneContact;
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
+use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
@@ -27,8 +28,8 @@ use several::Several;
 
 mod several;
 
-/// Strength, over the usual one, of springs on all but one of several free rods that touch. Contact may resist their
-/// rigid motions; weak springs shorten steps only a little.
+/// Strength, over the usual one, of springs on all but one of several free rods that touch, and on those that touch
+/// planes. Contact may resist their rigid motions; weak springs shorten steps only a little.
 const SHARED: f64 = 1e-9;
 /// Part of a motion outside the span of the others, below which it is not counted. A flat ring slides by turning.
 const DEPENDENT: f64 = 1e-3;
@@ -97,6 +98,8 @@ pub(crate) struct ZeroEnergyModes {
     weights: [f64; 2],
     /// The rod is held, and these are what its supports let pass.
     held: bool,
+    /// The rod touches planes, which resist some of its rigid motions.
+    on_planes: bool,
     /// Of models of several rods.
     several: Several,
 }
@@ -110,14 +113,45 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
     nodes.flat_map(six).collect()
 }
 
-/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it.
-fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize]) -> Vec<Vec<f64>> {
+/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it; of
+/// these what leaves gaps to planes with such normals as they are.
+fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], normals: &[Vec3]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
-    let (along, about) = if engine.model.planar { (0..2, 2..3) } else { (0..3, 0..3) };
+    let (along, about) = left_by_planes(normals, engine.model.planar);
     let of_all = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| motion(nodes.iter().copied(), of_node);
-    let displacements = along.map(|k| of_all(&|_| (Vec3::ith(k, 1.0), Vec3::zeros())));
-    let rotation = |axis: Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), axis));
-    displacements.chain(about.map(|k| rotation(Vec3::ith(k, 1.0)))).collect()
+    let displacements = along.iter().map(|axis| of_all(&|_| (*axis, Vec3::zeros())));
+    let rotation = |axis: &Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), *axis));
+    displacements.chain(about.iter().map(rotation)).collect()
+}
+
+/// Axes of displacements and of rotations that leave gaps to planes with such normals as they are.
+fn left_by_planes(normals: &[Vec3], planar: bool) -> (Vec<Vec3>, Vec<Vec3>) {
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let Some(first) = normals.first() else {
+        return if planar { (axes[..2].to_vec(), axes[2..].to_vec()) } else { (axes.to_vec(), axes.to_vec()) };
+    };
+    let tilted = normals.iter().map(|n| first.cross(n)).find(|edge| edge.norm() > DEPENDENT);
+    let edge = match tilted {
+        // of parallel planes any direction in them will do
+        None if !planar => {
+            let across = first.cross(&axes[first.iamin()]).normalize();
+            return (vec![across, first.cross(&across)], vec![*first]);
+        }
+        None => Vec3::z().cross(first),
+        Some(edge) => edge.normalize(),
+    };
+    let stays = normals.iter().all(|n| n.dot(&edge).abs() <= DEPENDENT) && !(planar && edge.z != 0.0);
+    (if stays { vec![edge] } else { Vec::new() }, Vec::new())
+}
+
+/// Normals of the planes that some rods touch.
+fn normals_of(engine: &Engine, contacts: &[PlaneContact], rods: &[usize]) -> Vec<Vec3> {
+    let Some(side) = engine.contact.as_ref().filter(|_| !contacts.is_empty()) else { return Vec::new() };
+    let is_touched = |plane: &usize| {
+        let of_rods = |contact: &&PlaneContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
+        contacts.iter().filter(|contact| contact.plane == *plane).any(|contact| of_rods(&contact))
+    };
+    (0..side.planes.len()).filter(is_touched).map(|plane| side.planes[plane].normal).collect()
 }
 
 /// Spin of a rod about its centreline, as a motion of nodes that its own are among.
@@ -231,6 +265,9 @@ impl Supports {
 
     /// A basis of the combinations of motions that move nothing that is held.
     fn all_that_pass(&self, motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        if motions.is_empty() {
+            return Vec::new();
+        }
         let modes = self.modes(motions);
         let largest = modes.eigenvalues.amax().max(1.0);
         let mode = |k: usize| self.combined(motions, |i| modes.eigenvectors[(i, k)]);
@@ -240,6 +277,9 @@ impl Supports {
 
     /// `motion` with as much of the others as it takes to move nothing that is held; none if they cannot do that.
     fn let_pass(&self, mut motion: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
+        if others.is_empty() {
+            return self.passing(motion, 1.0);
+        }
         let modes = self.modes(others);
         let largest = modes.eigenvalues.amax().max(1.0);
         for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > MAY_PASS * largest) {
@@ -252,21 +292,21 @@ impl Supports {
 }
 
 impl ZeroEnergyModes {
-    /// The neutral motions of a model whose strands touch as in `meetings`.
-    pub(crate) fn at(engine: &Engine, state: &State, contact_pairs: &[ContactPair]) -> Self {
+    /// The neutral motions of a model whose strands touch as in a residual.
+    pub(crate) fn at(engine: &Engine, state: &State, residual: &Residual) -> Self {
         let model = &engine.model;
         if model.rods.len() == 1 {
-            return Self::of(engine, state);
+            return Self::of(engine, state, &residual.plane_contacts);
         }
-        let several = Several::of(engine, state, contact_pairs, weights(engine));
+        let several = Several::of(engine, state, residual, weights(engine));
         Self { several, ..Self::default() }
     }
 
-    /// The neutral motions of a model that is a single rod: all of them if it is free; if it is held somewhere, those
+    /// The neutral motions of a model that is a single rod, which touches planes as told: all of them if it is free; if it is held somewhere, those
     /// that its supports let pass and loads do no work on (a closed rod clamped at one node travels along its own shape
     /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
     /// while it spins back). None otherwise.
-    pub(crate) fn of(engine: &Engine, state: &State) -> Self {
+    pub(crate) fn of(engine: &Engine, state: &State, plane_contacts: &[PlaneContact]) -> Self {
         if engine.model.rods.len() != 1 {
             return Self::default();
         }
@@ -277,7 +317,9 @@ impl ZeroEnergyModes {
         }
         let mut zero_energy = Self { weights: weights(engine), ..Self::default() };
         let nodes: Vec<usize> = engine.nodes(0).collect();
-        let mut motions = rigid_motions(engine, state, &nodes);
+        let touched = normals_of(engine, plane_contacts, &[0]);
+        let mut motions = rigid_motions(engine, state, &nodes, &touched);
+        zero_energy.on_planes = !touched.is_empty();
         if spins(engine, 0) || !free && is_round(engine, 0) {
             motions.push(spin_of(engine, state, 0, engine.nodes(0)));
         }
@@ -366,7 +408,8 @@ impl ZeroEnergyModes {
             pin_held(engine, nodes, motions.clone(), (pattern, bases), values);
         }
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
-            let alone = engine.model.rods.len() == 1 || self.several.anchors.binary_search(&index).is_ok();
+            let single = engine.model.rods.len() == 1;
+            let alone = if single { !self.on_planes } else { self.several.anchors.binary_search(&index).is_ok() };
             let factor = if alone { 1.0 } else { SHARED };
             let spacing = rod.spacing();
             let spring = rod.section.bending[0] / spacing.powi(3);

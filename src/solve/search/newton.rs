@@ -4,6 +4,7 @@ use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::solve::load_step::predictor::{Lifted, lifted};
 use crate::solve::problem::assembly::{Residual, Tangent};
+use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::problem::swivel::Bases;
@@ -178,7 +179,7 @@ impl Workspace {
             && timed(&mut self.timings.detection, || engine.is_way_free(&before)).unwrap_or(false)
             && !engine.is_touching()
         {
-            if engine.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty()) {
+            if engine.contact.as_ref().is_some_and(ContactSide::is_near) {
                 report.num_unstable = self.count_unstable(engine)?;
             }
             return Ok(Some(report));
@@ -313,7 +314,7 @@ impl Workspace {
         let tangent = &mut self.tangent;
         let mut residual =
             timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, pattern, tangent));
-        self.zero_energy = ZeroEnergyModes::at(engine, state, &residual.contact_pairs);
+        self.zero_energy = ZeroEnergyModes::at(engine, state, &residual);
         self.bases.clone_from(&residual.bases);
         self.zero_energy.add_pins(engine, state, (pattern, &self.bases), &mut self.tangent.values);
         self.zero_energy.remove_sliding_force(&mut residual.gradient);

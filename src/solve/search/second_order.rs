@@ -2,6 +2,7 @@
 //! times their stiffness.
 
 use crate::contact::curve::Cubic;
+use crate::contact::potential::plane::{self, PlaneContact};
 use crate::contact::potential::second_order::{second_order_of_gaps, stiffness_of_gaps};
 use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
@@ -39,6 +40,45 @@ impl Engine {
             |term, gone| [term.slave, gone[0], gone[1]].into_iter().for_each(|segment| known[segment] = true),
         );
         self.add_new(there, &known, forces);
+        self.add_new_at_planes(residual, there, forces);
+        self.add_planes_of(residual, state, increment, forces, |now, linear| now - linear);
+    }
+
+    /// Adds to `forces` Σ k e ∂gap/∂x of the contacts of `residual` with planes, e made of the change of gap at each
+    /// control point up to where contact now is, and of the linear one that `increment` predicts from `state` \[L\].
+    fn add_planes_of(
+        &self,
+        residual: &Residual,
+        state: &State,
+        increment: &[f64],
+        forces: &mut [f64],
+        e: impl Fn(f64, f64) -> f64,
+    ) {
+        let Some(side) = &self.contact else { return };
+        for contact in &residual.plane_contacts {
+            let (nodes, length) = (side.nodes[contact.segment], side.set.lengths[contact.segment]);
+            let (cubic, normal) = (contact_cubic(state, nodes, length), side.planes[contact.plane].normal);
+            let linear = motion(state, increment, nodes, length / 3.0).linear;
+            let now = &side.set.segments[contact.segment].b;
+            let change = std::array::from_fn(|m| e(normal.dot(&(now[m] - cubic.b[m])), normal.dot(&linear[m])));
+            let handles = [cubic.b[1] - cubic.b[0], cubic.b[2] - cubic.b[3]];
+            add_at(&nodes, &contact.of_changes(handles, normal, &change), forces);
+        }
+    }
+
+    /// Adds the forces of planes on segments in contact `there`, where contact now is, that were not before.
+    fn add_new_at_planes(&self, residual: &Residual, there: &Residual, forces: &mut [f64]) {
+        let Some(side) = &self.contact else { return };
+        let offset = |segment, plane| side.offset_to_plane(segment, plane);
+        let pressures = Pressures { law: side.law, offset: &offset, before: None };
+        let at = |contact: &PlaneContact| (contact.segment, contact.plane);
+        // both are in the order of segments and planes
+        let is_new = |contact: &&PlaneContact| residual.plane_contacts.binary_search_by_key(&at(contact), at).is_err();
+        for contact in there.plane_contacts.iter().filter(is_new) {
+            if let Some(term) = plane::term(&side.set, &side.planes, at(contact), &pressures, Request::default()) {
+                add_at(&side.nodes[contact.segment], &term.gradient, forces);
+            }
+        }
     }
 
     /// Adds the forces of slaves in contact `there`, where contact now is, that are not known.
@@ -75,6 +115,7 @@ impl Engine {
             (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
         };
         self.add_terms(side, &residual.contact_pairs, &mut forces, gradient, |_, ()| {});
+        self.add_planes_of(residual, state, increment, &mut forces, |_, linear| linear);
         forces
     }
 
@@ -97,12 +138,17 @@ impl Engine {
     }
 }
 
+/// Adds six numbers for each of some nodes to those of all.
+fn add_at(nodes: &[usize], gradient: &[f64], forces: &mut [f64]) {
+    for (&node, force) in nodes.iter().zip(gradient.chunks_exact(6)) {
+        forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+    }
+}
+
 impl ContactSide {
     /// Adds what a contact makes of both ends of both segments to nodal forces.
     fn scatter(&self, pair: &ContactPair, gradient: &[f64; 24], forces: &mut [f64]) {
-        for (node, force) in self.nodes_of(pair).into_iter().zip(gradient.chunks_exact(6)) {
-            forces[6 * node..6 * node + 6].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
-        }
+        add_at(&self.nodes_of(pair), gradient, forces);
     }
 
     /// Slave and master of a term at a state and the linear motion of their control points.

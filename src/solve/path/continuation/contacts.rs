@@ -41,7 +41,7 @@ impl Contacts {
         let augments = solver.augments();
         for term in &terms {
             if augments {
-                reach = reach.max(solver.window(side, term.slave, term.master));
+                reach = reach.max(solver.window(side, term.slave, Some(term.master)));
             }
             let ends = [term.slave as u32, term.master as u32];
             for ChainPiece { curves, arcs, .. } in pieces(&side.set, term) {

@@ -1,7 +1,7 @@
 //! Contact moved to a state, and what it adds.
 
 use super::{Residual, Sink};
-use crate::contact::potential::{self, Request};
+use crate::contact::potential::{self, Request, plane};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
 use crate::solve::problem::contact_side::{ContactSide, contact_cubic_exactly};
@@ -24,7 +24,7 @@ impl Engine {
 
     /// Whether contact exerts any force in the engine's state; contact must be up to date for it.
     pub(crate) fn is_touching(&self) -> bool {
-        let near = self.contact.as_ref().is_some_and(|side| !side.broad_phase.pairs().is_empty());
+        let near = self.contact.as_ref().is_some_and(ContactSide::is_near);
         near && self.residual_of_trial(&self.state).contact_gradient.iter().any(|force| *force != 0.0)
     }
 
@@ -32,6 +32,7 @@ impl Engine {
     pub(super) fn add_contact(&self, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
+        self.add_planes(side, request, out, sink.as_deref_mut());
         if side.broad_phase.pairs().is_empty() {
             return;
         }
@@ -47,18 +48,47 @@ impl Engine {
             for found in potential::evaluate_ends(&geometry, pairs, &pressures, request).into_iter().flatten() {
                 let nodes = side.nodes_of(&found.pair);
                 out.potential.contact += found.energy;
-                for (node, force) in nodes.iter().zip(found.gradient.chunks_exact(6)) {
-                    for k in 0..6 {
-                        out.gradient[6 * node + k] += force[k];
-                        out.contact_gradient[6 * node + k] += force[k];
-                        out.magnitude[6 * node + k] += force[k].abs();
-                    }
-                }
+                add_to_contact(out, &nodes, &found.gradient);
                 if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
                     sink.add(&nodes, &blocks);
                 }
                 out.contact_pairs.push(found.pair);
             }
+        }
+    }
+}
+
+/// Adds forces of contact on some nodes, six numbers each, to the gradient.
+fn add_to_contact(out: &mut Residual, nodes: &[usize], gradient: &[f64]) {
+    for (node, force) in nodes.iter().zip(gradient.chunks_exact(6)) {
+        for k in 0..6 {
+            out.gradient[6 * node + k] += force[k];
+            out.contact_gradient[6 * node + k] += force[k];
+            out.magnitude[6 * node + k] += force[k].abs();
+        }
+    }
+}
+
+impl Engine {
+    /// Gradient and potential of contact with planes, tangent too if there is a sink for it.
+    fn add_planes(&self, side: &ContactSide, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        if side.planes.is_empty() {
+            return;
+        }
+        let offset = |segment, plane| side.offset_to_plane(segment, plane);
+        let earlier = side.before.as_ref().filter(|_| sink.is_some());
+        let offset_before =
+            |segment, plane| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends_for_plane(offsets, segment, plane));
+        let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
+        let pressures = potential::Pressures { law: side.law, offset: &offset, before };
+        for found in plane::evaluate(&side.set, &side.planes, &pressures, request) {
+            let nodes = side.nodes[found.contact.segment];
+            out.potential.contact += found.energy;
+            add_to_contact(out, &nodes, &found.gradient);
+            if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
+                sink.add(&nodes, &blocks);
+            }
+            out.plane_contacts.push(found.contact);
         }
     }
 }
@@ -91,11 +121,7 @@ impl ContactSide {
     /// Moves the contact curves and refreshes candidates; true if the list changed.
     pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
         self.place(state);
-        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
-        let largest = self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max);
-        // in steps, so that a slowly growing offset does not rebuild the list every time
-        let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
-        let margin = 0.5 * self.min_radius;
+        let (range, margin) = self.candidate_range();
         let generation = self.generation();
         if self.is_current && self.broad_phase.is_for(range, margin) {
             return Ok(false);
@@ -117,6 +143,9 @@ impl ContactSide {
         for (k, (now, lost)) in placed.into_iter().enumerate() {
             self.set.remainders[k] = lost;
             self.is_current &= std::mem::replace(&mut self.set.segments[k], now) == now;
+        }
+        for (plane, height) in self.planes.iter_mut().zip(&state.plane_heights) {
+            plane.height = *height;
         }
     }
 }

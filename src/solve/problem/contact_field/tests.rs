@@ -57,7 +57,7 @@ fn places_that_meet_are_one() {
 fn segments_belong_to_the_nearest_place() {
     let set = strands();
     let entries = vec![entry(1, 0, [9.5, 10.5]), entry(1, 0, [4.0, 5.0])];
-    let numbers = ContactField { num_nodes: 3, values: vec![0.1, 0.2, 0.3, 7.0, 8.0], entries };
+    let numbers = ContactField { num_nodes: 3, num_planes: 0, values: vec![0.1, 0.2, 0.3, 7.0, 8.0], entries };
     let of = |node: usize, segment: usize| numbers.at(&set, node, segment);
     let expected = [7.0, 7.0, 8.0, 8.0, 8.0, 8.0, 8.0, 7.0, 7.0, 7.0];
     for (segment, expected) in expected.into_iter().enumerate() {
@@ -68,18 +68,19 @@ fn segments_belong_to_the_nearest_place() {
         assert_eq!((of(0, segment), of(2, segment), of(1, 10 + segment)), (0.1, 0.3, 0.2));
     }
     assert_eq!(numbers.per_node(f64::max), [0.1, 8.0, 0.3]);
-    assert!(numbers.fits(3, &set) && !numbers.fits(4, &set));
+    assert!(numbers.fits([3, 0], &set) && !numbers.fits([4, 0], &set) && !numbers.fits([3, 1], &set));
     let elsewhere = ContactField { entries: vec![entry(1, 2, [0.0, 1.0]), entry(1, 0, [4.0, 5.0])], ..numbers.clone() };
-    assert!(!elsewhere.fits(3, &set) && !ContactField { values: vec![0.0; 4], ..numbers.clone() }.fits(3, &set));
+    assert!(!elsewhere.fits([3, 0], &set));
+    assert!(!ContactField { values: vec![0.0; 4], ..numbers.clone() }.fits([3, 0], &set));
 
     // where places come and go: new ones start from what held there, nodes that have one again take the largest
     let moved = ContactField { entries: vec![entry(1, 0, [5.5, 5.6]), entry(2, 0, [3.0, 3.1])], ..numbers.clone() };
     assert_eq!(numbers.at_places_of(&set, &moved).values, [0.1, 0.0, 0.0, 8.0, 0.3]);
-    assert_eq!(numbers.at_places_of(&set, &ContactField::uniform(3, 0.0)).values, [0.1, 8.0, 0.3]);
+    assert_eq!(numbers.at_places_of(&set, &ContactField::uniform(3, 0, 0.0)).values, [0.1, 8.0, 0.3]);
 
     // twice the nodes: the same there, means between
     let fine = numbers.interleaved(&set, &[([0, 0], 0.0), ([0, 1], 0.5), ([1, 1], 0.0), ([1, 2], 0.5), ([2, 2], 0.0)]);
-    assert!(fine.fits(5, &set));
+    assert!(fine.fits([5, 0], &set));
     for segment in [0, 4, 12] {
         let [a, b, c] = [0, 1, 2].map(|node| of(node, segment));
         let expected = [a, 0.5 * (a + b), b, 0.5 * (b + c), c];
@@ -87,6 +88,28 @@ fn segments_belong_to_the_nearest_place() {
             assert!((fine.at(&set, node, segment) - expected).abs() < 1e-15, "{node} {segment}");
         }
     }
+}
+
+/// Numbers towards planes stay with their nodes and planes, wherever places on strands come and go.
+#[test]
+fn planes_have_numbers_of_their_own() {
+    let set = strands();
+    let values = vec![0.1, 0.2, 0.3, 1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 7.0];
+    let numbers = ContactField { num_nodes: 3, num_planes: 2, values, entries: vec![entry(1, 0, [4.0, 5.0])] };
+    assert!(numbers.fits([3, 2], &set) && !numbers.fits([3, 1], &set));
+    assert_eq!(
+        (numbers.values[numbers.index_of_plane(2, 0)], numbers.values[numbers.index_of_plane(0, 1)]),
+        (3.0, -1.0)
+    );
+    assert_eq!(numbers.at(&set, 1, 4), 7.0);
+    assert_eq!(numbers.of_node(1).collect::<Vec<_>>(), [1, 4, 7, 9]);
+    assert_eq!(numbers.per_node(f64::max), [1.0, 7.0, 3.0]);
+    let moved = ContactField { entries: vec![entry(2, 0, [3.0, 3.1])], ..numbers.clone() };
+    assert_eq!(numbers.at_places_of(&set, &moved).values, [0.1, 7.0, 0.0, 1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 0.3]);
+    let fine = numbers.interleaved(&set, &[([0, 0], 0.0), ([0, 1], 0.5), ([1, 1], 0.0), ([1, 2], 0.5), ([2, 2], 0.0)]);
+    assert!(fine.fits([5, 2], &set));
+    assert_eq!(fine.values[5..15], [1.0, 1.5, 2.0, 2.5, 3.0, -1.0, -1.5, -2.0, -2.5, -3.0]);
+    assert_eq!(ContactField::of_nodes(&[1.0, 2.0], 1).values, [1.0, 2.0, 1.0, 2.0]);
 }
 
 /// Three beams, the middle one pressed on the lower one by the upper one.

@@ -4,9 +4,10 @@
 //! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
 //! along themselves is left to the mesh's ripple.
 
-use super::{Supports, holds_all, is_free, is_loaded, rigid_motions, spin_of, spins, subtract};
+use super::{Supports, holds_all, is_free, is_loaded, normals_of, rigid_motions, spin_of, spins, subtract};
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
+use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
@@ -27,10 +28,10 @@ pub(super) struct Several {
 }
 
 impl Several {
-    /// Of a model where strands touch as in `meetings`; groups with free rods that bear loads have none.
-    pub(super) fn of(engine: &Engine, state: &State, contact_pairs: &[ContactPair], weights: [f64; 2]) -> Self {
+    /// Of a model where strands touch as in a residual; groups with free rods that bear loads have none.
+    pub(super) fn of(engine: &Engine, state: &State, residual: &Residual, weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
-        let mut groups = groups(engine, contact_pairs);
+        let mut groups = groups(engine, &residual.contact_pairs);
         let loaded = |rod: &usize| engine.bears_loads(*rod);
         groups.retain(|group| !(group.iter().any(loaded) && group.iter().any(|rod| is_free(engine, *rod))));
         for group in groups {
@@ -42,9 +43,12 @@ impl Several {
                 continue;
             }
             let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
-            let rigid = rigid_motions(engine, state, &nodes);
+            let touched = normals_of(engine, &residual.plane_contacts, &group);
+            let rigid = rigid_motions(engine, state, &nodes, &touched);
             if group.iter().all(|rod| is_free(engine, *rod)) {
-                several.anchors.push(group[0]);
+                if touched.is_empty() {
+                    several.anchors.push(group[0]);
+                }
                 rigid.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
             } else {
                 // spins of the rods that are held may make up for what supports hold

@@ -134,7 +134,7 @@ impl Workspace {
 }
 
 /// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
-/// over their contact distance.
+/// over their contact distance (towards planes and away from them: along these nothing changes).
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
     let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
@@ -143,5 +143,10 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
         let [a, _, b, _] = side.nodes_of(term);
         (part(a, 0) - part(b, 0)).norm() / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
     };
+    let lifting = |contact: &crate::contact::potential::plane::PlaneContact| {
+        let normal = side.planes[contact.plane].normal;
+        part(side.nodes[contact.segment][0], 0).dot(&normal).abs() / (2.0 * side.set.radius_of(contact.segment))
+    };
+    let turn = residual.plane_contacts.iter().map(lifting).fold(turn, f64::max);
     residual.contact_pairs.iter().map(sliding).fold(turn, f64::max)
 }

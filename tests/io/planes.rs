@@ -1,0 +1,103 @@
+//! Planes in scene files: what is refused, and what a run writes about them.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use supercoil::io::run::run_scene;
+use supercoil::scene::Scene;
+use supercoil::solve::Status;
+
+const RING: &str = r#"
+planar = true
+[[rods]]
+name = "ring"
+closed = true
+shape = { kind = "circle", radius = 1.0 }
+section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }
+elements = 16
+[[planes]]
+name = "lower"
+point = [0.0, -1.05, 0.0]
+normal = [0.0, 1.0, 0.0]
+[[planes]]
+name = "upper"
+point = [3.0, 1.05, 0.0]
+normal = [0.0, -1.0, 0.0]
+[[stages]]
+ramp = { plane = { name = "upper", to = 0.2 } }
+steps = 2
+"#;
+
+#[test]
+fn planes_without_sense_are_refused() {
+    Scene::from_toml(RING, Path::new("")).unwrap();
+    for (from, to, reasons) in [
+        ("normal = [0.0, 1.0, 0.0]", "normal = [0.0, 0.0, 0.0]", &["planes[0].normal", "(0, 0, 0)", "unit vector"][..]),
+        ("normal = [0.0, 1.0, 0.0]", "normal = [0.0, 2.0, 0.0]", &["planes[0].normal", "(0, 2, 0)", "unit vector"]),
+        ("normal = [0.0, 1.0, 0.0]", "normal = [0.0, 0.0, 1.0]", &["planes[0].normal", "(0, 0, 1)", "x-y plane"]),
+        ("point = [0.0, -1.05, 0.0]", "point = [0.0, nan, 0.0]", &["planes[0].point", "finite"]),
+        (
+            "point = [0.0, -1.05, 0.0]",
+            "point = [0.0, -0.95, 0.0]",
+            &["planes[0]", "\"ring\" starts beyond it", "deep at arc "],
+        ),
+        ("name = \"lower\"\n", "", &["planes[0].name", "missing"]),
+        ("name = \"lower\"", "name = \"upper\"", &["planes[1].name", "no other plane has"]),
+        (
+            "{ name = \"upper\", to",
+            "{ name = \"uper\", to",
+            &["stages[0].ramp.plane.name", "uper", "\"lower\", \"upper\""],
+        ),
+        ("to = 0.2 }", "to = inf }", &["stages[0].ramp.plane.to", "finite"]),
+        ("contact_radius = 0.05", "contact_radius = 0.0", &["planes[0]", "contact_radius"]),
+        ("planar = true", "planar = true\ncontact = { law = \"none\" }", &["planes[0]", "leave contact on"]),
+        ("steps = 2", "steps = 2\nfollow = {}", &["stages[0].follow", "planes"]),
+        (
+            "closed = true\nshape = { kind = \"circle\", radius = 1.0 }",
+            "shape = { kind = \"line\", length = 1.0 }",
+            &["a plane may push it"],
+        ),
+    ] {
+        assert!(RING.contains(from), "{from}");
+        let message = match Scene::from_toml(&RING.replacen(from, to, 1), Path::new("")) {
+            Ok(_) => "accepted".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        for reason in reasons {
+            assert!(message.contains(reason), "{to}: {message}");
+        }
+    }
+}
+
+fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let columns: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| columns.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+#[test]
+fn tables_tell_planes_forces_and_sites() {
+    let dir = std::env::temp_dir().join(format!("supercoil_planes_{}", std::process::id()));
+    let scene = Scene::from_toml(RING, Path::new("")).unwrap();
+    let outcome = run_scene(scene, &dir, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let table = rows(&dir.join("table.csv"));
+    let last = &table[table.len() - 1];
+    let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    let [lower, upper] = ["lower_force", "upper_force"].map(|name| number(last, name));
+    assert!(lower > 0.5 && (lower - upper).abs() < 1e-6, "{lower} {upper}");
+    assert_eq!((number(last, "upper_displaced"), last["num_sites"].as_str()), (0.2, "2"));
+    assert!((number(last, "contact_force") - lower - upper).abs() < 1e-12);
+    assert!(number(last, "penetration") <= 5.1e-10);
+    let sites = rows(&dir.join("sites.csv"));
+    assert_eq!(sites.iter().map(|site| site["rod_b"].as_str()).collect::<Vec<_>>(), ["lower", "upper"]);
+    for (site, sign) in sites.iter().zip([1.0, -1.0]) {
+        assert_eq!((site["rod_a"].as_str(), site["kind"].as_str(), site["from_b"].as_str()), ("ring", "point", ""));
+        assert!((number(site, "force_on_a_y") - sign * lower).abs() < 1e-6, "{site:?}");
+    }
+    std::fs::remove_dir_all(&dir).unwrap();
+}

@@ -1,0 +1,104 @@
+//! Planes as the solver sees them: planes that move far in one step, rods free on them, the same bits for any number of
+//! threads and after a restart.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use supercoil::observe::observe;
+use supercoil::observe::report::Observation;
+use supercoil::scene::Scene;
+use supercoil::solve::{self, Options, Restart, Solution, Status, run_from};
+
+fn run(text: &str, options: &Options) -> (Solution, Vec<Observation>) {
+    let scene = Scene::from_toml(text, Path::new("")).unwrap();
+    let mut seen = Vec::new();
+    let solution = solve::run(scene.model, &scene.stages, options, &mut |progress| {
+        seen.push(observe(progress));
+        ControlFlow::Continue(())
+    });
+    let solution = solution.unwrap();
+    assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure.map(|failure| failure.to_string()));
+    (solution, seen)
+}
+
+/// Lowest point of all rods above a plane's foot along its normal \[L\].
+fn lowest(solution: &Solution, point: [f64; 3], normal: [f64; 3]) -> f64 {
+    let engine = solution.solver.engine();
+    let along = |r: &supercoil::math::Vec3| (0..3).map(|k| normal[k] * (r[k] - point[k])).sum::<f64>();
+    let rods = 0..engine.model().rods.len();
+    rods.flat_map(|rod| engine.centerline(rod, 8).0).map(|r| along(&r)).fold(f64::INFINITY, f64::min)
+}
+
+const RING: &str = "[[rods]]\nname = \"ring\"\nclosed = true\n\
+    shape = { kind = \"circle\", radius = 1.0, normal = [0.3, -0.2, 1.0], center = [0.0, 0.0, 0.5] }\n\
+    section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }\nelements = 16\n\
+    [[planes]]\nname = \"floor\"\npoint = [0.0, 0.0, -0.5]\nnormal = [0.0, 0.0, 1.0]\n";
+
+/// A free ring that the floor comes up to in one step, by more than it is wide, is carried up by it and left without
+/// stress: nothing else resists. So is one on a tilted floor.
+#[test]
+fn a_free_ring_is_lifted_by_the_floor() {
+    for tilted in [false, true] {
+        let normal = if tilted { "[0.6, 0.0, 0.8]" } else { "[0.0, 0.0, 1.0]" };
+        let text = RING
+            .replace("[0.0, 0.0, 1.0]\n", &format!("{normal}\n"))
+            .replace("point = [0.0, 0.0, -0.5]", "point = [0.0, 0.0, -2.0]");
+        for steps in [1, 5] {
+            let stage = format!("[[stages]]\nramp = {{ plane = {{ to = 4.0 }} }}\nsteps = {steps}\n");
+            let (solution, seen) = run(&format!("{text}{stage}"), &Options::default());
+            let [x, z] = if tilted { [0.6, 0.8] } else { [0.0, 1.0] };
+            let top = [4.0 * x, 0.0, -2.0 + 4.0 * z];
+            let height = lowest(&solution, top, [x, 0.0, z]);
+            assert!(height >= 0.05 * (1.0 - 2e-8), "{tilted} {steps}: {height}");
+            let last = &seen[seen.len() - 1];
+            assert!(last.plane_reactions[0].force < 1e-6, "{:?}", last.plane_reactions);
+            let circle = std::f64::consts::PI;
+            assert!((last.energies.total - circle).abs() < 1e-5, "{}", last.energies.total);
+        }
+    }
+}
+
+/// A ring pressed by a ceiling that comes down onto it in space, between two plates: it tips over, or stays, but is never
+/// beyond one, whatever the number of threads, with the same bits.
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    let ceiling = "[[planes]]\nname = \"ceiling\"\npoint = [0.0, 0.0, 2.0]\nnormal = [0.0, 0.0, -1.0]\n\
+                   [[stages]]\nramp = { plane = { name = \"ceiling\", to = 2.0 } }\nsteps = 4\n";
+    let bits = |threads: usize| {
+        let options = Options { threads: Some(threads), ..Options::default() };
+        let (solution, seen) = run(&format!("{RING}{ceiling}"), &options);
+        assert!(lowest(&solution, [0.0, 0.0, -0.5], [0.0, 0.0, 1.0]) >= 0.05 * (1.0 - 2e-8));
+        assert!(lowest(&solution, [0.0; 3], [0.0, 0.0, -1.0]) >= 0.05 * (1.0 - 2e-8));
+        let [floor, ceiling] = &seen[seen.len() - 1].plane_reactions[..] else { panic!() };
+        assert!((floor.force - ceiling.force).abs() < 1e-5, "{floor:?} {ceiling:?}");
+        let positions = solution.solver.engine().state().positions.iter().flatten().map(|x| x.to_bits());
+        positions.collect::<Vec<u64>>()
+    };
+    assert_eq!(bits(1), bits(3));
+}
+
+/// A run among planes that is taken up half-way goes on with the same bits: where planes are belongs to the state.
+#[test]
+fn runs_among_planes_go_on_with_the_same_bits() {
+    let ceiling = "[[planes]]\nname = \"ceiling\"\npoint = [0.0, 0.0, 2.0]\nnormal = [0.0, 0.0, -1.0]\n\
+                   [[stages]]\nramp = { plane = { name = \"ceiling\", to = 1.6 } }\nsteps = 4\n";
+    let scene = Scene::from_toml(&format!("{RING}{ceiling}"), Path::new("")).unwrap();
+    let mut kept: Vec<Restart> = Vec::new();
+    let go = |from: Option<Restart>, kept: &mut Vec<Restart>| {
+        let model = scene.model.clone();
+        let solution = run_from(model, &scene.stages, &Options::default(), from, &mut |_, waypoint| {
+            kept.extend(waypoint.restart());
+            ControlFlow::Continue(())
+        });
+        let solution = solution.unwrap();
+        assert_eq!(solution.status, Status::Converged);
+        solution.solver.engine().state().clone()
+    };
+    let whole = go(None, &mut kept);
+    assert_eq!(kept.len(), 5);
+    let resumed = go(Some(kept[2].clone()), &mut Vec::new());
+    assert_eq!(resumed, whole);
+    assert_eq!(whole.plane_heights, [0.0, 1.6]);
+}
