@@ -29,7 +29,7 @@ const view = {
   stripe: true,
 };
 
-const thickest = Math.max(...film.rods.map((rod) => rod.radius), 1e-300);
+const thickest = film.frames.reduce((most, frame) => Math.max(most, ...frame.radii), 1e-300);
 let largestForce = Math.max(0, ...film.frames.flatMap((frame) => frame.forces.map((f) => Math.hypot(f[3], f[4], f[5]))));
 
 /** Makes a program and finds its inputs. */
@@ -262,7 +262,7 @@ function rodSurface(which, index, pixel) {
   surface(which, film.strands[index % film.strands.length], view.quantity > 0);
   gl.uniform3fv(which.uniforms.pick, [1, 2, 3].map((k) => (k === view.quantity ? 1 : 0)));
   gl.uniform1f(which.uniforms.pixel, pixel);
-  gl.uniform1f(which.uniforms.radius, film.rods[index].radius);
+  gl.uniform1f(which.uniforms.radius, film.frames[view.frame].radii[index]);
 }
 
 function drawEnds(lens, aspect, pixel) {

@@ -21,6 +21,6 @@ pub use model::{
     Contact, ContactLaw, Electrostatics, Joint, LineLoad, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage,
     Support,
 };
-pub use points::{Import, read_points, read_points_with};
+pub use points::{Import, read_points, read_points_with, smooth_points};
 pub use tables::{read_natural, read_stiffness};
 pub use units::Units;

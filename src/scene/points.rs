@@ -1,6 +1,7 @@
 //! Centrelines from files: CSV, XYZ, Geomview's VECT, PDB, NumPy, oxDNA.
 
 mod formats;
+mod smooth;
 
 use std::path::Path;
 
@@ -8,6 +9,8 @@ use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::text::{finite, read_regular, read_regular_bytes, split};
+
+pub use smooth::smooth_points;
 
 /// Which points of a file make a centreline.
 #[derive(Debug, Clone, PartialEq)]

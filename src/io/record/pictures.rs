@@ -80,7 +80,7 @@ impl Record {
             ColorBy::Strand => return,
             ColorBy::Pressure => format!("contact force, {force}/{length}"),
             ColorBy::Curvature => format!("curvature, 1/{length}"),
-            ColorBy::Twist => format!("twist, rad/{length}"),
+            ColorBy::TwistRate => format!("twist, rad/{length}"),
         };
         if let Some(range) = range {
             picture.color_bar(self.palette(), range, &title);
@@ -88,14 +88,14 @@ impl Record {
     }
 
     fn palette(&self) -> Palette {
-        if self.choice.color_by == ColorBy::Twist { Palette::CoolWarm } else { Palette::Viridis }
+        if self.choice.color_by == ColorBy::TwistRate { Palette::CoolWarm } else { Palette::Viridis }
     }
 
     /// Values that colours span in all these states: from zero, for twist as far below it as above.
     fn range<'a>(&self, frames: impl Iterator<Item = &'a Still>) -> Option<[f64; 2]> {
         let values = frames.flat_map(|frame| &frame.rods).flat_map(|rod| &rod.values);
         let largest = values.map(|value| value.abs()).fold(0.0, f64::max);
-        let low = if self.choice.color_by == ColorBy::Twist { -largest } else { 0.0 };
+        let low = if self.choice.color_by == ColorBy::TwistRate { -largest } else { 0.0 };
         (largest > 0.0).then_some([low, largest])
     }
 
