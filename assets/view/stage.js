@@ -292,9 +292,11 @@ function drawForces(lens, aspect) {
   const { inputs, uniforms } = which;
   surface(which, [214, 60, 48], false);
   gl.uniform1f(uniforms.stripeAngle, -1);
-  gl.uniform1f(uniforms.size, (ARROW * thickest) / (largestForce || 1));
-  gl.uniform1f(uniforms.thick, 0.36 * thickest);
-  gl.uniform1f(uniforms.off, thickest);
+  // by the radii of the step: arrows begin at the surface
+  const radius = Math.max(...film.frames[view.frame].radii);
+  gl.uniform1f(uniforms.size, (ARROW * radius) / (largestForce || 1));
+  gl.uniform1f(uniforms.thick, 0.36 * radius);
+  gl.uniform1f(uniforms.off, radius);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.forces);
   input(inputs.foot, 3, 6, 0, true);
   input(inputs.force, 3, 6, 3, true);

@@ -150,7 +150,7 @@ pub struct RecordState {
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
-/// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
+/// | `writhe.svg` | writhe and twist against excess link, where a closed rod's changes |
 #[derive(Debug)]
 pub struct Record {
     dir: PathBuf,

@@ -106,7 +106,7 @@ impl Film {
             Quantity::Strand => ("strand", String::new()),
             Quantity::Pressure => ("contact force per length", format!("{force}/{length}")),
             Quantity::Curvature => ("curvature", format!("1/{length}")),
-            Quantity::TwistRate => ("twist a length", format!("rad/{length}")),
+            Quantity::TwistRate => ("twist rate", format!("rad/{length}")),
         };
         let place = |k: usize| k as f64 / (COLORS - 1) as f64;
         let colors: Vec<[u8; 3]> = (0..COLORS).map(|k| quantity.palette().color(place(k))).collect();

@@ -228,7 +228,9 @@ fn table(steps: &[Observation], units: &Units) -> (Table, Vec<Plot>) {
         row
     };
     let rows: Vec<Vec<f64>> = steps.iter().map(row).collect();
-    let x = usize::from(linked);
+    // against what changes
+    let varies = |column: usize| rows.windows(2).any(|pair| pair[0][column] != pair[1][column]);
+    let x = usize::from(linked && varies(1));
     let mut plots = vec![Plot { x, y: (first..first + 2).collect() }, Plot { x, y: vec![first + 6] }];
     if linked {
         plots.insert(0, Plot { x, y: vec![2, 3] });
