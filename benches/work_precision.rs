@@ -237,7 +237,7 @@ const NONE: Numbers =
 fn numbers(solver: &Solver, seen: &Observation) -> Numbers {
     let tip = solver.engine().positions(0).last().unwrap();
     Numbers {
-        energy: seen.energies.stretch + seen.energies.shear + seen.energies.bend + seen.energies.twist,
+        energy: seen.energies.stretching + seen.energies.shearing + seen.energies.bending + seen.energies.twisting,
         moment: seen.links.first().map_or(f64::NAN, |link| link.seam_moment),
         writhe: seen.links.first().map_or(f64::NAN, |link| link.writhe),
         force: if seen.num_sites > 0 { seen.total_contact_force } else { f64::NAN },

@@ -111,7 +111,7 @@
 //! | `tables` | tables and states as CSV; `solver` | 40 |
 //! | `pictures` | pictures of tubes, plots | 22 |
 //! | `view` | films of rods as a page for the browser, as glTF; `pictures` | 34 |
-//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 77 |
+//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 78 |
 //! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 88 |
 //! | `cli` | the command line; `sweeps` | 107 |
 //!

@@ -90,7 +90,7 @@ enum Command {
         /// Write this binary glTF file instead of the page.
         #[arg(long, value_name = "FILE")]
         glb: Option<PathBuf>,
-        /// By which rods are coloured in the glTF file: strand, pressure (contact force per length), curvature or twist.
+        /// By which rods are coloured in the glTF file: strand, pressure (contact force per length), curvature or twist_rate.
         #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
         color: String,
     },
@@ -310,6 +310,7 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
     let (supports, joints, stages) = (scene.model.supports.len(), scene.model.joints.len(), scene.stages.len());
     say(format_args!("  {supports} supports, {joints} joints, {stages} stages of {steps} steps in all"));
     scene.expectations().iter().for_each(|line| say(format_args!("  {line}")));
+    scene.notices.iter().for_each(|notice| say(format_args!("  note: {notice}")));
     let warnings = scene.warnings();
     warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     // errors of a run before its first step
@@ -369,6 +370,7 @@ fn run(file: &Path, set: &[String], out: Option<PathBuf>, force: bool, choices: 
         say(format_args!("{}", scene.title));
     }
     if !choices.quiet {
+        scene.notices.iter().for_each(|notice| eprintln!("note: {notice}"));
         scene.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
         // errors here occur in the run, too, which reports them
         let overlaps = start_overlaps(&scene.model).unwrap_or_default();

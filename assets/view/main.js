@@ -4,7 +4,7 @@
 const PLAYED = 6000, SHORTEST = 60, LONGEST = 300;
 
 /** Columns that are told above the picture. */
-const TOLD = ["ΔLk", "writhe", "twist", "sites", "contact"];
+const TOLD = ["excess_link", "writhe", "twist", "num_sites", "contact_force"];
 
 let due = false;
 /** Draws at the next opportunity, once. */

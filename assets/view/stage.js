@@ -29,7 +29,7 @@ const view = {
   stripe: true,
 };
 
-const thickest = Math.max(...film.rods.map((rod) => rod.radius), 1e-300);
+const thickest = film.frames.reduce((most, frame) => Math.max(most, ...frame.radii), 1e-300);
 let largestForce = Math.max(0, ...film.frames.flatMap((frame) => frame.forces.map((f) => Math.hypot(f[3], f[4], f[5]))));
 
 /** Makes a program and finds its inputs. */
@@ -262,7 +262,7 @@ function rodSurface(which, index, pixel) {
   surface(which, film.strands[index % film.strands.length], view.quantity > 0);
   gl.uniform3fv(which.uniforms.pick, [1, 2, 3].map((k) => (k === view.quantity ? 1 : 0)));
   gl.uniform1f(which.uniforms.pixel, pixel);
-  gl.uniform1f(which.uniforms.radius, film.rods[index].radius);
+  gl.uniform1f(which.uniforms.radius, film.frames[view.frame].radii[index]);
 }
 
 function drawEnds(lens, aspect, pixel) {
@@ -292,9 +292,11 @@ function drawForces(lens, aspect) {
   const { inputs, uniforms } = which;
   surface(which, [214, 60, 48], false);
   gl.uniform1f(uniforms.stripeAngle, -1);
-  gl.uniform1f(uniforms.size, (ARROW * thickest) / (largestForce || 1));
-  gl.uniform1f(uniforms.thick, 0.36 * thickest);
-  gl.uniform1f(uniforms.off, thickest);
+  // by the radii of the step: arrows begin at the surface
+  const radius = Math.max(...film.frames[view.frame].radii);
+  gl.uniform1f(uniforms.size, (ARROW * radius) / (largestForce || 1));
+  gl.uniform1f(uniforms.thick, 0.36 * radius);
+  gl.uniform1f(uniforms.off, radius);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.forces);
   input(inputs.foot, 3, 6, 0, true);
   input(inputs.force, 3, 6, 3, true);

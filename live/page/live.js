@@ -16,7 +16,7 @@ function record() {
   const [data, flat] = [ring.nodes(), Array.from(ring.forces())];
   const forces = Array.from({ length: flat.length / 6 }, (_, k) => flat.slice(6 * k, 6 * k + 6));
   film.rows.push(Array.from(ring.row(), (x) => (Number.isNaN(x) ? null : x)));
-  film.frames.push({ step: 0, counts: [data.length / IN_DATA], seams: [ring.excessLink], forces, data });
+  film.frames.push({ step: 0, counts: [data.length / IN_DATA], radii: film.frames[0].radii, seams: [ring.excessLink], forces, data });
   if (film.rows.length > MOST_STEPS) {
     film.rows.shift();
     film.frames.shift();

@@ -45,7 +45,7 @@ impl Minicircle {
         let picture = self.0.picture();
         let node = |i: usize| {
             let (p, d) = (picture.points[i], picture.directions[i]);
-            [p.x, p.y, p.z, d.x, d.y, d.z, picture.pressure[i], picture.curvature[i], picture.twist[i]]
+            [p.x, p.y, p.z, d.x, d.y, d.z, picture.pressure[i], picture.curvature[i], picture.twist_rate[i]]
         };
         (0..picture.points.len()).flat_map(node).map(|x| x as f32).collect()
     }

@@ -58,20 +58,21 @@ fn circle() -> Result<Film, Box<dyn Error>> {
         directions: picture.directions,
         pressure: picture.pressure,
         curvature: picture.curvature,
-        twist: picture.twist,
+        twist_rate: picture.twist_rate,
+        radius: ring.radius(),
         seam_turns: ring.excess_link(),
     };
     let columns = COLUMNS.map(|(name, unit)| (name.to_owned(), unit.to_owned())).to_vec();
     let column = |name: &str| COLUMNS.iter().position(|(column, _)| *column == name).ok_or("no such column");
-    let x = column("ΔLk")?;
-    let plots = [["writhe", "twist"], ["bending", "twisting"]]
+    let x = column("excess_link")?;
+    let plots = [["writhe", "twist"], ["bending_energy", "twisting_energy"]]
         .into_iter()
         .map(|[a, b]| Ok(Plot { x, y: vec![column(a)?, column(b)?] }))
         .collect::<Result<_, &str>>()?;
     Ok(Film {
         title: "A DNA minicircle of 336 base pairs: turn its link".to_owned(),
         units: Units { length: "nm".to_owned(), force: "pN".to_owned() },
-        rods: vec![FilmRod { name: "dna".to_owned(), radius: ring.radius(), closed: true }],
+        rods: vec![FilmRod { name: "dna".to_owned(), closed: true }],
         frames: vec![Frame { step: 0, rods: vec![rod], forces: Vec::new() }],
         table: FilmTable { columns, rows: vec![ring.row().to_vec()] },
         plots,

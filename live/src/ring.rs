@@ -21,15 +21,15 @@ const SALT: f64 = 0.15;
 /// Name and unit of each number of [`Ring::row`].
 pub const COLUMNS: [(&str, &str); 11] = [
     ("step", ""),
-    ("ΔLk", "turns"),
+    ("excess_link", "turns"),
     ("writhe", "turns"),
     ("twist", "turns"),
-    ("bending", "pN nm"),
-    ("twisting", "pN nm"),
-    ("least gap", "nm"),
-    ("sites", ""),
-    ("contact", "pN"),
-    ("unstable", ""),
+    ("bending_energy", "pN nm"),
+    ("twisting_energy", "pN nm"),
+    ("min_gap", "nm"),
+    ("num_sites", ""),
+    ("contact_force", "pN"),
+    ("num_unstable", ""),
     ("iterations", ""),
 ];
 
@@ -53,8 +53,8 @@ pub struct Picture {
     pub pressure: Vec<f64>,
     /// Curvature of each \[1/nm\].
     pub curvature: Vec<f64>,
-    /// Twist of each \[rad/nm\].
-    pub twist: Vec<f64>,
+    /// Twist a length of each \[rad/nm\].
+    pub twist_rate: Vec<f64>,
     /// Contact forces \[pN\] and the points they act on \[nm\].
     pub forces: Vec<[Vec3; 2]>,
 }
@@ -120,7 +120,7 @@ impl Ring {
         let counts = [seen.num_sites, seen.num_unstable, seen.iterations].map(|count| count as f64);
         let [sites, unstable, iterations] = counts;
         let (step, force) = (self.num_steps as f64, seen.total_contact_force);
-        let [bend, turn] = [seen.energies.bend, seen.energies.twist];
+        let [bend, turn] = [seen.energies.bending, seen.energies.twisting];
         [step, self.excess_link, writhe, twist, bend, turn, gap, sites, force, unstable, iterations]
     }
 
@@ -138,7 +138,7 @@ impl Ring {
             directions: engine.frames(0).iter().map(|frame| frame * Vec3::x()).collect(),
             pressure: fields.contact_force.iter().map(Vec3::norm).collect(),
             curvature: fields.curvature,
-            twist: fields.twist,
+            twist_rate: fields.twist_rate,
             forces: forces.collect(),
         }
     }

@@ -6,7 +6,9 @@ use std::sync::mpsc::{Sender, channel};
 use std::time::Instant;
 
 use pyo3::prelude::*;
+use supercoil::io::csv::Cell;
 use supercoil::io::run::options;
+use supercoil::io::table::Columns;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::scene;
@@ -42,6 +44,24 @@ impl Scene {
             (rod.name.clone(), rod.closed, rod.length, rod.section.contact_radius, rod.num_nodes())
         };
         self.0.model.rods.iter().map(head).collect()
+    }
+
+    /// The steps, given as JSON, in the columns of `table.csv`: JSON of pairs of a name and a list, null for a blank cell.
+    fn table(&self, steps: &str) -> PyResult<String> {
+        let damaged = |e| refuse::damaged("table", e);
+        let steps: Vec<Observation> = serde_json::from_str(steps).map_err(damaged)?;
+        let columns = Columns::of_scene(&self.0);
+        let rows: Vec<Vec<Cell>> = steps.iter().map(|step| columns.cells(step)).collect();
+        let value = |cell: &Cell| match cell {
+            Cell::Number(value) => serde_json::json!(value),
+            Cell::Count(value) => serde_json::json!(value),
+            Cell::Text(value) => serde_json::json!(value),
+            Cell::Missing => serde_json::Value::Null,
+        };
+        let column = |(k, name): (usize, &str)| (name.to_owned(), rows.iter().map(|row| value(&row[k])).collect());
+        let table: Vec<(String, Vec<serde_json::Value>)> =
+            columns.names().into_iter().enumerate().map(column).collect();
+        serde_json::to_string(&table).map_err(damaged)
     }
 
     /// Runs all stages. `callback` sees every accepted state and stops the run by returning False.

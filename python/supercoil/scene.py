@@ -324,25 +324,12 @@ class Result:
 
     @property
     def table(self) -> dict[str, NDArray[Any]]:
-        """One entry of each array an accepted step: ``step``, ``stage``, ``fraction``, energies [F·L] by kind
-        (``stretch``, …, ``total``), ``min_gap`` [L] (NaN: nothing near), ``num_sites``, ``contact_force`` [F],
-        ``num_unstable``, ``iterations``, ``seconds``; of every closed rod ``excess_link``, ``link``, ``twist``,
-        ``writhe`` in turns and ``seam_moment`` [F·L], with ``_NAME`` of the rod behind if there are several."""
-        steps = self.steps
-        table = {name: np.array([step[name] for step in steps]) for name in ("step", "stage", "fraction")}
-        for kind in ("stretch", "shear", "bend", "twist", "contact", "electrostatic", "total"):
-            table["energy_" + kind] = np.array([step["energies"][kind] for step in steps])
-        gaps = [step["min_gap"]["lower"] if step["min_gap"] else np.nan for step in steps]
-        table["min_gap"] = np.array(gaps)
-        table["contact_force"] = np.array([step["total_contact_force"] for step in steps])
-        for name in ("num_sites", "num_unstable", "iterations", "seconds"):
-            table[name] = np.array([step[name] for step in steps])
-        links = steps[0]["links"]
-        for k, link in enumerate(links):
-            behind = "_" + self.state.rod_names[link["rod"]] if len(links) > 1 else ""
-            for name in ("excess_link", "link", "twist", "writhe", "seam_moment"):
-                table[name + behind] = np.array([step["links"][k][name] for step in steps])
-        return table
+        """The columns of ``table.csv``, one entry of each array an accepted step, in the scene's units: what was ramped,
+        link and ends of the rods, energies (``bending_energy``, …, ``total_energy``), contact, reactions, ``status``,
+        ``notes``. Where there is no number, as no gap where nothing is near, it is NaN."""
+        columns = json.loads(self.scene._native.table(self._steps))
+        missing = {name: [np.nan if value is None else value for value in values] for name, values in columns}
+        return {name: np.array(values) for name, values in missing.items()}
 
     def to_pandas(self) -> Any:
         """The table as a ``pandas.DataFrame``; needs pandas."""

@@ -211,7 +211,7 @@ class State:
         mesh = pyvista.PolyData(self.positions, lines=np.array(lines))
         for k, name in enumerate(("d1", "d2", "d3")):
             mesh.point_data[name] = self.frames[:, k]
-        mesh.point_data["contact_force"] = self.contact_force
+        mesh.point_data["contact_force_per_length"] = self.contact_force
         return mesh
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -60,7 +60,7 @@ def test_arrays_have_their_shapes_and_meaning(result: Result) -> None:
     # the energy of bending is the integral of the strains' density, with Gauss's weights on three points an element
     weights = np.tile([5 / 18, 8 / 18, 5 / 18], 16) / 16
     bend = 0.5 * np.sum(weights * (state.strains[:, 3] ** 2 + state.strains[:, 4] ** 2))
-    assert bend == pytest.approx(state.energies["bend"], rel=1e-12)
+    assert bend == pytest.approx(state.energies["bending"], rel=1e-12)
     assert np.allclose(state.stresses[:, 5], 1.5 * state.strains[:, 5], rtol=1e-12)
 
 
@@ -84,6 +84,9 @@ def test_the_table_has_a_row_a_step(result: Result) -> None:
     assert table["step"].tolist() == list(range(len(result.steps)))
     assert table["excess_link"][-1] == pytest.approx(1.4) and np.all(np.diff(table["excess_link"]) > 0)
     assert np.isnan(table["min_gap"][0]) and abs(table["min_gap"][-1]) < 1e-6
+    assert table["num_sites"].dtype.kind == "i" and set(table["status"]) == {"converged"}
+    kinds = ("stretching", "shearing", "bending", "twisting", "contact")
+    assert np.allclose(sum(table[f"{kind}_energy"] for kind in kinds), table["total_energy"], rtol=1e-12)
 
 
 def test_the_callback_sees_states_and_stops() -> None:

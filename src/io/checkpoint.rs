@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::scene::Scene;
-use crate::scene::file::SolverChoice;
 use crate::solve::Restart;
 
+use super::fingerprint::Fingerprint;
 use super::record::RecordState;
 use super::replace::fill_and_rename;
 
@@ -128,13 +128,7 @@ impl Checkpoint {
     /// # Errors
     /// [`InputError::Inconsistent`] naming the part that differs.
     pub fn check_scene(&self, scene: &Scene) -> Result<(), InputError> {
-        let now = Fingerprint::of(scene);
-        let parts = [
-            ("its rods, supports, loads or contact", self.fingerprint.model, now.model),
-            ("its stages", self.fingerprint.stages, now.stages),
-            ("its solver settings", self.fingerprint.solver, now.solver),
-        ];
-        let changed: Vec<&str> = parts.iter().filter(|(_, then, now)| then != now).map(|(name, ..)| *name).collect();
+        let changed = self.fingerprint.differences(&Fingerprint::of(scene));
         if changed.is_empty() {
             return Ok(());
         }
@@ -146,42 +140,7 @@ impl Checkpoint {
     }
 }
 
-/// Fingerprint of the settings that determine a run's results: lengths and CRC-32 sums of its parts. Title, outputs and
-/// threads may change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fingerprint {
-    model: (u64, u32),
-    stages: (u64, u32),
-    solver: (u64, u32),
-}
-
-impl Fingerprint {
-    /// Fingerprint of a scene.
-    #[must_use]
-    pub fn of(scene: &Scene) -> Self {
-        let solver = SolverChoice { threads: None, ..scene.solver };
-        Self { model: digest(&scene.model), stages: digest(&scene.stages), solver: digest(&solver) }
-    }
-}
-
-/// Length and CRC-32 of a value's debug form, which contains every field, future ones too, and every bit of every
-/// number.
-fn digest(value: &impl std::fmt::Debug) -> (u64, u32) {
-    struct DigestSink(u64, crc32fast::Hasher);
-    impl std::fmt::Write for DigestSink {
-        fn write_str(&mut self, text: &str) -> std::fmt::Result {
-            self.0 += text.len() as u64;
-            self.1.update(text.as_bytes());
-            Ok(())
-        }
-    }
-    let mut sink = DigestSink(0, crc32fast::Hasher::new());
-    // the sink never fails
-    let _ = std::fmt::write(&mut sink, format_args!("{value:?}"));
-    (sink.0, sink.1.finalize())
-}
-
-/// Writes a file atomically: at any time its name has either the old or the new content.
+/// Writes a file so that at every moment either the old or the new content is found under its name.
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".new");

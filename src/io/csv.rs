@@ -19,6 +19,8 @@ pub enum Cell {
     Count(usize),
     /// A string; quoted in the file if necessary.
     Text(String),
+    /// No number, where the column has numbers: an empty cell.
+    Missing,
 }
 
 impl From<f64> for Cell {
@@ -51,6 +53,7 @@ impl std::fmt::Display for Cell {
             Self::Number(value) => write!(f, "{value:?}"),
             Self::Count(value) => write!(f, "{value}"),
             Self::Text(value) => f.write_str(value),
+            Self::Missing => Ok(()),
         }
     }
 }

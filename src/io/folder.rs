@@ -6,7 +6,9 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::scene::Scene;
 
-/// Copy of the scene: its origin and its text.
+use super::fingerprint::Fingerprint;
+
+/// The scene as it was run: its hash, where it came from, and its text.
 pub(super) const SCENE: &str = "scene_as_run.toml";
 /// Lock file of a run that writes to the folder. It is never removed, because removal could admit two runs.
 const LOCK: &str = ".lock";
@@ -26,32 +28,36 @@ pub(super) fn lock(dir: &Path) -> Result<File, InputError> {
     }
 }
 
-/// Origin of a scene: its file and the values that were replaced. `None` for a scene from text.
-fn origin(scene: &Scene) -> Option<String> {
-    let path = scene.path.as_ref()?;
-    let set: String = scene.set.iter().map(|assignment| format!("# --set {assignment:?}\n")).collect();
-    Some(format!("# {path:?}\n{set}\n"))
-}
+/// Comment that begins the line with what the results depend on.
+const HASH: &str = "# model hash ";
 
-/// Refuses a folder with the results of another scene.
+/// Refuses a folder with the results of another problem, whatever file it came from: one number that differs is enough.
 pub(super) fn check(dir: &Path, scene: &Scene) -> Result<(), InputError> {
     let Ok(found) = std::fs::read_to_string(dir.join(SCENE)) else { return Ok(()) };
-    let found = found.split_once('\n').map_or("", |(_, rest)| rest);
-    if origin(scene).is_some_and(|origin| found.starts_with(&origin)) {
+    let hash = Fingerprint::of(scene).model_hash();
+    if found.lines().any(|line| line.strip_prefix(HASH) == Some(hash.as_str())) {
         return Ok(());
     }
-    let of: Vec<&str> = found.lines().map_while(|line| line.strip_prefix("# ")).collect();
+    let origin =
+        found.lines().skip(1).map_while(|line| line.strip_prefix("# ")).filter(|line| !line.starts_with(&HASH[2..]));
+    let of = match origin.collect::<Vec<_>>().join(" ") {
+        file if file.is_empty() => String::new(),
+        file => format!(" ({file}, as it was then)"),
+    };
     let reason = format!(
-        "holds the results of another scene ({}): give another folder, or --force to replace them",
-        of.join(" ")
+        "holds the results of another scene{of}: something that decides the results differs. Give another folder, or \
+         --force to replace them"
     );
     Err(InputError::Inconsistent { field: dir.display().to_string(), reason })
 }
 
-/// Writes a copy of the scene to the folder, with its origin and the program's version.
+/// Leaves a copy of the scene in the folder, with the program's version, its model hash, its file and the values that were
+/// replaced.
 pub(super) fn describe(dir: &Path, scene: &Scene) -> Result<(), InputError> {
-    let Some(origin) = origin(scene) else { return Ok(()) };
     let path = dir.join(SCENE);
-    let text = format!("# supercoil {} has run\n{origin}{}", env!("CARGO_PKG_VERSION"), scene.text);
+    let (version, hash) = (env!("CARGO_PKG_VERSION"), Fingerprint::of(scene).model_hash());
+    let file = scene.path.as_ref().map(|path| format!("# {path:?}\n")).unwrap_or_default();
+    let set: String = scene.set.iter().map(|assignment| format!("# --set {assignment:?}\n")).collect();
+    let text = format!("# supercoil {version} has run\n{HASH}{hash}\n{file}{set}\n{}", scene.text);
     std::fs::write(&path, text).map_err(|e| InputError::Write { path, reason: e.to_string() })
 }

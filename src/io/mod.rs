@@ -1,8 +1,9 @@
-//! Files and pictures: [`vtk`] (ParaView), `csv` (tables, points, states; feature `tables`), `picture` (shaded tubes,
-//! plots; feature `pictures`), `view` (an interactive page, glTF; `view`), `table` (a run as a table; `tables`). With
-//! the feature `runs`: `checkpoint` (resuming runs), `record` (the outputs of a run), `run` (a scene from start to
-//! files), `export` (the base pairs of a run), `plot_run` (columns of its table), `schema` (JSON Schema of scene
-//! files). With `sweeps`: `sweep` (thousands of runs).
+//! Files and pictures: [`vtk`] (ParaView), `csv` (tables, points,
+//! states; feature `tables`), `picture` (shaded tubes, plots; feature `pictures`), `view` (a page to turn and to step
+//! through, glTF; `view`), `table` (a run as a table; `tables`), and with the feature `runs` `checkpoint` (a run that
+//! survives), `fingerprint` (what tells one problem from another), `record` (all that a run leaves behind), `run` (a scene from start to files), `export` (the base pairs of
+//! a run), `plot_run` (columns of its table), `schema` (scene files as editors know them), and with `sweeps` `sweep` (thousands
+//! of runs).
 
 #[cfg(feature = "runs")]
 pub mod checkpoint;
@@ -11,6 +12,8 @@ pub mod csv;
 pub mod detail;
 #[cfg(feature = "runs")]
 pub mod export;
+#[cfg(feature = "runs")]
+pub mod fingerprint;
 #[cfg(feature = "runs")]
 mod folder;
 #[cfg(feature = "pictures")]

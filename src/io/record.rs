@@ -1,5 +1,4 @@
-//! The outputs of a run: tables, final state, VTK files, pictures, summary. Input are snapshots; the solver is not
-//! known here.
+//! What a run leaves behind: tables, final state, VTK files, pictures, summary. Fed with snapshots.
 
 mod files;
 mod pictures;
@@ -15,12 +14,14 @@ use crate::observe::ErrorEstimate;
 use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteReport};
 use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Scene, Units};
+use crate::solve::NodalFields;
 
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};
+use super::fingerprint::Fingerprint;
 use super::table::{Columns, write_lines, write_sites};
 use super::view;
-use super::vtk::{PvdWriter, VtkRod, write_vtp};
+use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
 pub(super) use files::{SUMMARY, VIEW, step_of};
 use still::Still;
 
@@ -31,12 +32,8 @@ pub struct RodSnapshot {
     pub positions: Vec<Vec3>,
     /// Node frames.
     pub frames: Vec<Quat>,
-    /// Curvature at the nodes \[1/L\].
-    pub curvature: Vec<f64>,
-    /// Twist at the nodes \[rad/L\].
-    pub twist: Vec<f64>,
-    /// Contact force per length on the nodes \[F/L\].
-    pub contact_force: Vec<Vec3>,
+    /// Fields at the nodes.
+    pub fields: NodalFields,
 }
 
 /// Data of each rod for the record.
@@ -52,14 +49,35 @@ pub(super) struct RodHead {
     /// Turns of the double helix that the frames leave out, if any.
     #[serde(default, skip_serializing_if = "is_zero")]
     turns_left_out: f64,
+    /// Stiffnesses at the start; none of a rod that has a full matrix of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    stiffness: Option<SectionStiffness>,
 }
 
 fn is_zero(x: &f64) -> bool {
     *x == 0.0
 }
 
+/// Stiffnesses of a section.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct SectionStiffness {
+    /// EI about d1 and d2 \[F·L²\].
+    bending: [f64; 2],
+    /// GJ \[F·L²\].
+    twisting: f64,
+    /// EA \[F\].
+    stretching: f64,
+    /// GA along d1 and d2 \[F\].
+    shearing: [f64; 2],
+}
+
 impl RodHead {
-    /// Radius for drawing; a rod without a contact radius is a thin line.
+    /// Reference length between neighbouring nodes.
+    fn spacing(&self) -> f64 {
+        self.length / (self.elements * self.order) as f64
+    }
+
+    /// Radius it is drawn with; a rod without a contact radius is a thin line.
     pub fn radius(&self) -> f64 {
         if self.contact_radius > 0.0 { self.contact_radius } else { 2e-3 * self.length }
     }
@@ -69,6 +87,10 @@ impl RodHead {
 #[derive(Debug, Clone, Serialize)]
 struct SummaryFile<'a> {
     program: &'a str,
+    /// See [`Fingerprint::model_hash`].
+    model_hash: &'a str,
+    /// Threads that the run was allowed.
+    threads: usize,
     title: &'a str,
     units: &'a Units,
     rods: &'a [RodHead],
@@ -126,20 +148,22 @@ pub struct RecordState {
 ///
 /// | file | content |
 /// |---|---|
-/// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView with frame, curvature, twist, contact force at the nodes |
+/// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView: at the nodes frame, arc length, radius, curvature, twist rate, contact force, internal force and moment; as field data the numbers of the table's line, `TimeValue` (the first quantity that stages ramp), `units` |
 /// | `table.csv`, `table_columns.csv` | one line per accepted step; name, unit and meaning of its columns |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
-/// | `summary.json` | every observation of every step, and the final state (with an estimate of its error if requested; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
-/// | `picture.png`, `filmstrip.png` | final shape; six states of the run |
-/// | `view.html` | an interactive page of the run for the browser (made from the `.vtp` files) |
-/// | `writhe.svg` | writhe and twist against excess link, where a closed rod has any |
+/// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
+/// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
+/// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
+/// | `writhe.svg` | writhe and twist against excess link, where a closed rod's changes |
 #[derive(Debug)]
 pub struct Record {
     dir: PathBuf,
     title: String,
+    model_hash: String,
+    threads: usize,
     units: Units,
     /// Temperature, K, and kT at it, pN·nm, where units are nm and pN.
     thermal: Option<(f64, f64)>,
@@ -148,6 +172,8 @@ pub struct Record {
     planar: bool,
     rods: Vec<RodHead>,
     columns: Columns,
+    /// Units of the arrays at the points of VTK files.
+    point_units: [(&'static str, String); 9],
     steps: Vec<Observation>,
     film: Vec<Still>,
     stride: usize,
@@ -185,11 +211,31 @@ impl Record {
             order: rod.order,
             nodes: rod.num_nodes(),
             turns_left_out: rod.turns_left_out,
+            stiffness: rod.stiffness.is_none().then_some(SectionStiffness {
+                bending: rod.section.bending,
+                twisting: rod.section.twisting,
+                stretching: rod.section.stretching,
+                shearing: rod.section.shearing,
+            }),
         };
-        let thermal = scene.thermal().map(|(_, unit)| unit);
+        let Units { length, force } = &scene.units;
+        let point_units = [
+            ("Points", length.clone()),
+            ("arc_length", length.clone()),
+            ("radius", length.clone()),
+            ("curvature", format!("1/{length}")),
+            ("twist_rate", format!("rad/{length}")),
+            ("contact_force_per_length", format!("{force}/{length}")),
+            ("contact_force_on_node", force.clone()),
+            ("internal_force", force.clone()),
+            ("internal_moment", format!("{force} {length}")),
+        ];
         Ok(Self {
+            point_units,
             dir: dir.to_owned(),
             title: scene.title.clone(),
+            model_hash: Fingerprint::of(scene).model_hash(),
+            threads: scene.solver.threads.unwrap_or_else(all_threads),
             units: scene.units.clone(),
             thermal: scene.thermal(),
             output: scene.output.clone(),
@@ -197,7 +243,7 @@ impl Record {
             planar: scene.model.planar,
             planes: scene.model.planes.iter().map(|plane| plane.name.clone()).collect(),
             rods: scene.model.rods.iter().map(head).collect(),
-            columns: Columns::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal),
+            columns: Columns::of_scene(scene),
             steps: Vec::new(),
             film: Vec::new(),
             stride: 1,
@@ -345,6 +391,8 @@ impl Record {
         });
         let summary = SummaryFile {
             program,
+            model_hash: &self.model_hash,
+            threads: self.threads,
             title,
             units,
             rods,
@@ -365,9 +413,8 @@ impl Record {
     fn write_final_state(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let state = |(index, rod): (usize, &RodSnapshot)| {
             let head = self.head(index, last.step);
-            let spacing = head.length / (head.elements * head.order) as f64;
             RodState {
-                arc_lengths: (0..head.nodes).map(|i| spacing * i as f64).collect(),
+                arc_lengths: (0..head.nodes).map(|i| head.spacing() * i as f64).collect(),
                 positions: rod.positions.clone(),
                 frames: rod.frames.clone(),
             }
@@ -377,34 +424,53 @@ impl Record {
     }
 
     fn write_vtk(&mut self, frame: &RecordedFrame) -> Result<(), InputError> {
-        let vtk = |(head, rod): (&RodHead, &RodSnapshot)| {
-            let kept = self.vtk_nodes(head, rod);
+        let vtk = |(index, rod): (usize, &RodSnapshot)| {
+            let head = self.head(index, frame.step);
+            let kept = self.vtk_nodes(&head, rod);
             let axis = |axis: Vec3| kept.iter().map(|&i| rod.frames[i] * axis).collect::<Vec<_>>();
             let scalar = |values: &[f64]| kept.iter().map(|&i| values[i]).collect::<Vec<_>>();
             let vector = |values: &[Vec3]| kept.iter().map(|&i| values[i]).collect::<Vec<_>>();
+            let (fields, spacing) = (&rod.fields, head.spacing());
+            let is_end = |i: usize| !head.closed && (i == 0 || i + 1 == head.nodes);
+            let share = |i: usize| if is_end(i) { 0.5 * spacing } else { spacing };
             let vectors = vec![
                 ("d1", axis(Vec3::x())),
                 ("d2", axis(Vec3::y())),
                 ("d3", axis(Vec3::z())),
-                ("contact_force", vector(&rod.contact_force)),
+                ("contact_force_per_length", vector(&fields.contact_force)),
+                ("contact_force_on_node", kept.iter().map(|&i| fields.contact_force[i] * share(i)).collect()),
+                ("internal_force", vector(&fields.internal_force)),
+                ("internal_moment", vector(&fields.internal_moment)),
             ];
-            let scalars = vec![("curvature", scalar(&rod.curvature)), ("twist", scalar(&rod.twist))];
+            let scalars = vec![
+                ("arc_length", kept.iter().map(|&i| spacing * i as f64).collect()),
+                ("radius", vec![head.radius(); kept.len()]),
+                ("curvature", scalar(&fields.curvature)),
+                ("twist_rate", scalar(&fields.twist_rate)),
+            ];
             (vector(&rod.positions), VtkRod { points: &[], closed: head.closed, scalars, vectors })
         };
-        let (points, rods): (Vec<Vec<Vec3>>, Vec<VtkRod>) = self.rods.iter().zip(&frame.rods).map(vtk).unzip();
+        let (points, rods): (Vec<Vec<Vec3>>, Vec<VtkRod>) = frame.rods.iter().enumerate().map(vtk).unzip();
         let rods: Vec<VtkRod> = points.iter().zip(rods).map(|(points, rod)| VtkRod { points, ..rod }).collect();
-        let step = &self.steps[frame.step];
-        let mut numbers = vec![("energy", step.energies.total), ("contact_force", step.total_contact_force)];
-        if let Some(link) = step.links.first() {
-            numbers.extend([("excess_link", link.excess_link), ("writhe", link.writhe), ("twist", link.twist)]);
-        }
         let path = self.dir.join(files::of_step(frame.step));
-        write_vtp(&path, &rods, &numbers)?;
+        write_vtp(&path, &rods, &self.vtk_step(&self.steps[frame.step]))?;
         self.last_written = Some(frame.step);
         self.pvd.push(frame.step as f64, &path)
     }
 
-    /// Indices of the nodes of a VTK file.
+    /// What a VTK file tells of its step: the numbers of the table, how far the run is, units.
+    fn vtk_step<'a>(&'a self, step: &'a Observation) -> VtkStep<'a> {
+        let (time, value) = self.columns.progress(step);
+        let mut told = VtkStep { numbers: vec![("TimeValue", value)], units: vec![("TimeValue", time)] };
+        for (name, unit, value) in self.columns.numbers(step) {
+            told.numbers.push((name, value));
+            told.units.extend((!unit.is_empty()).then_some((name, unit)));
+        }
+        told.units.extend(self.point_units.iter().map(|(name, unit)| (*name, unit.as_str())));
+        told
+    }
+
+    /// Nodes that go into a VTK file.
     fn vtk_nodes(&self, head: &RodHead, rod: &RodSnapshot) -> Vec<usize> {
         match self.output.node_tolerance {
             Some(tolerance) => within(&rod.positions, tolerance, self.output.node_every),
@@ -413,7 +479,12 @@ impl Record {
     }
 }
 
-/// Knots and links of rods that differ from those of the start, as text.
+/// Threads of a run that says nothing about them.
+fn all_threads() -> usize {
+    if cfg!(feature = "parallel") { std::thread::available_parallelism().map_or(1, usize::from) } else { 1 }
+}
+
+/// Knots and links of rods that are no longer those of the start, in words.
 fn changes(first: &Observation, now: &Observation, rods: &[RodHead]) -> Vec<String> {
     let name = |rod: usize| rods.get(rod).map_or("", |rod| rod.name.as_str());
     let knots = now.knots.iter().filter_map(|knot| {
@@ -473,9 +544,13 @@ mod tests {
         let snapshot = RodSnapshot {
             positions: rod.positions.clone(),
             frames: rod.frames.clone(),
-            curvature: vec![1.0; 20],
-            twist: vec![0.0; 20],
-            contact_force: vec![Vec3::zeros(); 20],
+            fields: NodalFields {
+                curvature: vec![1.0; 20],
+                twist_rate: vec![0.0; 20],
+                contact_force: vec![Vec3::zeros(); 20],
+                internal_force: vec![Vec3::zeros(); 20],
+                internal_moment: vec![Vec3::zeros(); 20],
+            },
         };
         let site = SiteReport {
             rod_a: 0,

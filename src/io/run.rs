@@ -16,7 +16,8 @@ use crate::solve::{
     PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
 };
 
-use super::checkpoint::{Checkpoint, FILE_NAME, Fingerprint};
+use super::checkpoint::{Checkpoint, FILE_NAME};
+use super::fingerprint::Fingerprint;
 use super::folder;
 use super::record::{Record, RodSnapshot};
 
@@ -369,9 +370,7 @@ fn snapshots(engine: &Engine) -> Vec<RodSnapshot> {
     let snapshot = |(rod, fields): (usize, NodalFields)| RodSnapshot {
         positions: engine.positions(rod).to_vec(),
         frames: engine.frames(rod).to_vec(),
-        curvature: fields.curvature,
-        twist: fields.twist,
-        contact_force: fields.contact_force,
+        fields,
     };
     engine.all_nodal_fields().into_iter().enumerate().map(snapshot).collect()
 }

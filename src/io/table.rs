@@ -24,35 +24,37 @@ pub struct StepTable<'a> {
     pub steps: &'a [Observation],
 }
 
-/// Name and unit of each column, and its width.
-fn columns(units: &Units) -> [(&'static str, String, usize); 13] {
+/// Name of each column in two lines, its unit and its width: those of `table.csv` (link numbers without the rod's name).
+fn columns(units: &Units) -> [([&'static str; 2], String, usize); 13] {
     let energy = format!("{} {}", units.force, units.length);
     let turns = || "turns".to_owned();
     let none = String::new;
     [
-        ("step", none(), 5),
-        ("ex. link", turns(), 9),
-        ("writhe", turns(), 9),
-        ("twist", turns(), 9),
-        ("bending", energy.clone(), 11),
-        ("twisting", energy.clone(), 11),
-        ("stretching", energy.clone(), 11),
-        ("shearing", energy, 11),
-        ("least gap", units.length.clone(), 11),
-        ("sites", none(), 6),
-        ("cont. force", units.force.clone(), 12),
-        ("unst.", none(), 6),
-        ("iter.", none(), 9),
+        (["", "step"], none(), 5),
+        (["excess_", "link"], turns(), 9),
+        (["", "writhe"], turns(), 9),
+        (["", "twist"], turns(), 9),
+        (["bending_", "energy"], energy.clone(), 11),
+        (["twisting_", "energy"], energy.clone(), 11),
+        (["stretching_", "energy"], energy.clone(), 12),
+        (["shearing_", "energy"], energy, 11),
+        (["min_", "gap"], units.length.clone(), 11),
+        (["num_", "sites"], none(), 6),
+        (["contact_", "force"], units.force.clone(), 12),
+        (["num_", "unstable"], none(), 9),
+        (["", "iterations"], none(), 11),
     ]
 }
 
 impl StepTable<'_> {
-    /// The two head lines (names, units) and a rule.
+    /// The three head lines (names, names continued, units) and a rule.
     pub fn head(units: &Units) -> String {
         let columns = columns(units);
-        let names: String = columns.iter().map(|(name, _, width)| format!("{name:>width$}")).collect();
+        let names = |line: usize| -> String {
+            columns.iter().map(|(names, _, width)| format!("{:>width$}", names[line])).collect()
+        };
         let units: String = columns.iter().map(|(_, unit, width)| format!("{unit:>width$}")).collect();
-        format!("{names}\n{units}\n{}", "-".repeat(names.len()))
+        format!("{}\n{}\n{units}\n{}", names(0), names(1), "-".repeat(units.chars().count()))
     }
 
     /// The line of one step.
@@ -63,15 +65,18 @@ impl StepTable<'_> {
         let e = &step.energies;
         let mut line = format!("{:>5}", step.step);
         line += &[link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)].map(turns).concat();
-        // an energy within rounding of the total prints as zero
-        let energy = |x: f64| number(if x.abs() < ROUNDING * e.total.abs() { 0.0 } else { x });
-        line += &[e.bend, e.twist, e.stretch, e.shear].map(energy).concat();
+        // what is rounding beside the others, or beside a bend by one radian, is zero
+        let of_a_bend = step.sizes.iter().map(|size| size.bending / size.length).fold(0.0, f64::max);
+        let least = ROUNDING * e.total.abs().max(of_a_bend);
+        let energy = |x: f64| number(if x.abs() < least { 0.0 } else { x });
+        line += &[e.bending, e.twisting].map(energy).concat();
+        line += &format!(" {}{}", energy(e.stretching), energy(e.shearing));
         line += &format!("{gap}{:>6} {}", step.num_sites, number(step.total_contact_force));
         let iterations = match step.iterations_on_other_meshes {
             0 => step.iterations.to_string(),
             elsewhere => format!("{}+{elsewhere}", step.iterations),
         };
-        line += &format!("{:>6}{iterations:>9}", step.num_unstable);
+        line += &format!("{:>9}{iterations:>11}", step.num_unstable);
         if step.status != CONVERGED {
             line += &format!("  {}", step.status);
         }
@@ -110,7 +115,7 @@ impl StepTable<'_> {
     }
 }
 
-/// An energy below this part of the total is printed as zero.
+/// An energy below this part of the total, or of that of a rod bent by one radian, is printed as zero.
 const ROUNDING: f64 = 1e-14;
 /// Notes printed below a table.
 const MOST_NOTES: usize = 12;
@@ -257,7 +262,7 @@ pub(super) mod tests {
             status: CONVERGED.to_owned(),
             notes: Vec::new(),
             links: vec![link],
-            energies: Energies { bend: 123456.789, twist: 1e-6, total: 123456.789, ..Energies::default() },
+            energies: Energies { bending: 123456.789, twisting: 1e-6, total: 123456.789, ..Energies::default() },
             min_gap: None,
             num_sites: 0,
             sites: Vec::new(),
@@ -278,7 +283,7 @@ pub(super) mod tests {
         let steps: Vec<Observation> = (0..3).map(observation).collect();
         let text = StepTable { units: &Units::default(), steps: &steps }.to_string();
         let widths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
-        assert_eq!(widths, vec![widths[0]; 6], "{text}");
+        assert_eq!(widths, vec![widths[0]; 7], "{text}");
         assert!(text.contains("1.235e5") && text.contains("1.000e-6"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(StepTable::line(&failed).ends_with("  stopped"));

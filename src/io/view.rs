@@ -49,8 +49,6 @@ pub struct Film {
 pub struct FilmRod {
     /// Name.
     pub name: String,
-    /// Radius for drawing \[L\], greater than 0.
-    pub radius: f64,
     /// Whether it returns to its first point (which is not repeated).
     pub closed: bool,
 }
@@ -78,9 +76,11 @@ pub struct FrameRod {
     pub pressure: Vec<f64>,
     /// Curvature \[1/L\].
     pub curvature: Vec<f64>,
-    /// Twist \[rad/L\].
-    pub twist: Vec<f64>,
-    /// Rotation of the frame at the end of a closed rod relative to that at its start, turns; 0 if open.
+    /// Twist a length \[rad/L\].
+    pub twist_rate: Vec<f64>,
+    /// Radius it is drawn with \[L\], greater than 0.
+    pub radius: f64,
+    /// Turns of the frame at the end of a closed rod against that at its start; 0 if open.
     pub seam_turns: f64,
 }
 
@@ -112,22 +112,22 @@ pub enum Quantity {
     Pressure,
     /// Curvature \[1/L\].
     Curvature,
-    /// Twist \[rad/L\].
-    Twist,
+    /// Twist a length \[rad/L\].
+    TwistRate,
 }
 
 impl Quantity {
-    /// All quantities.
-    pub const ALL: [Self; 4] = [Self::Strand, Self::Pressure, Self::Curvature, Self::Twist];
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Strand, Self::Pressure, Self::Curvature, Self::TwistRate];
 
-    /// "strand", "pressure", "curvature" or "twist".
+    /// "strand", "pressure", "curvature" or "twist_rate".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Strand => "strand",
             Self::Pressure => "pressure",
             Self::Curvature => "curvature",
-            Self::Twist => "twist",
+            Self::TwistRate => "twist_rate",
         }
     }
 
@@ -139,7 +139,7 @@ impl Quantity {
         Self::ALL.into_iter().find(|quantity| quantity.name() == name).ok_or_else(|| InputError::Name {
             field: "color".to_owned(),
             name: name.to_owned(),
-            allowed: "strand, pressure, curvature or twist".to_owned(),
+            allowed: "strand, pressure, curvature or twist_rate".to_owned(),
         })
     }
 
@@ -149,12 +149,12 @@ impl Quantity {
             Self::Strand => &[],
             Self::Pressure => &rod.pressure,
             Self::Curvature => &rod.curvature,
-            Self::Twist => &rod.twist,
+            Self::TwistRate => &rod.twist_rate,
         }
     }
 
     fn palette(self) -> Palette {
-        if self == Self::Twist { Palette::CoolWarm } else { Palette::Viridis }
+        if self == Self::TwistRate { Palette::CoolWarm } else { Palette::Viridis }
     }
 }
 
@@ -171,7 +171,7 @@ impl Film {
         let values = self.frames.iter().flat_map(|frame| &frame.rods).flat_map(|rod| quantity.of(rod));
         let largest = values.fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let largest = if largest > 0.0 { largest } else { 1.0 };
-        if quantity == Quantity::Twist { [-largest, largest] } else { [0.0, largest] }
+        if quantity == Quantity::TwistRate { [-largest, largest] } else { [0.0, largest] }
     }
 
     /// Centre of the last frame's box; directions right, up, towards the eye of its best view, as rows; half the
@@ -186,7 +186,8 @@ impl Film {
         if low.x > high.x {
             return (Vec3::zeros(), Mat3::identity(), 1.0);
         }
-        let radius = self.rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
+        let last = self.frames.last().into_iter().flat_map(|frame| &frame.rods);
+        let radius = last.map(|rod| rod.radius).fold(0.0, f64::max);
         let mut axes = principal_axes(points, true);
         let up = -axes.row(1);
         axes.set_row(1, &up);
@@ -195,9 +196,6 @@ impl Film {
 
     /// Refuses films that cannot be shown.
     fn check(&self) -> Result<(), InputError> {
-        for (index, rod) in self.rods.iter().enumerate() {
-            InputError::positive(&format!("rods[{index}].radius"), rod.radius)?;
-        }
         for (f, frame) in self.frames.iter().enumerate() {
             let count = |field: String, value: usize, expected: usize, allowed| {
                 if value == expected { Ok(()) } else { Err(InputError::Count { field, value, allowed }) }
@@ -210,17 +208,18 @@ impl Film {
                     ("directions", rod.directions.len()),
                     ("pressure", rod.pressure.len()),
                     ("curvature", rod.curvature.len()),
-                    ("twist", rod.twist.len()),
+                    ("twist_rate", rod.twist_rate.len()),
                 ];
                 lengths.into_iter().try_for_each(|(name, found)| count(field(name), found, num, "one a point"))?;
                 for (name, vectors) in [("points", &rod.points), ("directions", &rod.directions)] {
                     vectors.iter().flatten().try_for_each(|&x| InputError::check(&field(name), x, true, FINITE))?;
                 }
                 for (name, values) in
-                    [("pressure", &rod.pressure), ("curvature", &rod.curvature), ("twist", &rod.twist)]
+                    [("pressure", &rod.pressure), ("curvature", &rod.curvature), ("twist_rate", &rod.twist_rate)]
                 {
                     values.iter().try_for_each(|&x| InputError::check(&field(name), x, true, FINITE))?;
                 }
+                InputError::positive(&field("radius"), rod.radius)?;
                 InputError::check(&field("seam_turns"), rod.seam_turns, true, FINITE)?;
             }
         }

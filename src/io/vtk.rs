@@ -1,8 +1,8 @@
 //! Rods for ParaView: XML PolyData (`.vtp`, one polyline a rod) and `.pvd` collections over steps.
 //!
-//! The writer supports points, polylines, point scalars and vectors, the rod's index as cell data and single numbers as
-//! field data; rods need nothing else. Arrays are appended raw, little endian, with 64-bit byte counts (VTK XML format,
-//! version 1.0), so every f64 arrives bit for bit.
+//! The writer covers what rods need and nothing else: points, polylines, point scalars and vectors, the rod's index as
+//! cell data, single numbers and the units of all of them as field data. Arrays are appended raw, little endian, with 64-bit byte counts
+//! (VTK XML format, version 1.0), so every f64 arrives bit for bit.
 
 mod read;
 
@@ -27,13 +27,21 @@ pub struct VtkRod<'a> {
     pub vectors: Vec<(&'a str, Vec<Vec3>)>,
 }
 
-/// Writes `rods` as one `.vtp` file, replacing what is there; `field_data` are named numbers of the whole step (load,
-/// time, link …).
+/// What a `.vtp` file tells of the whole step.
+#[derive(Debug, Clone, Default)]
+pub struct VtkStep<'a> {
+    /// Named numbers (load, link …). `TimeValue` is where ParaView looks for the time.
+    pub numbers: Vec<(&'a str, f64)>,
+    /// Units of arrays by name, written as lines `name: unit` of the text array `units`; none without any.
+    pub units: Vec<(&'a str, &'a str)>,
+}
+
+/// Writes `rods` as one `.vtp` file, replacing what is there.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::Write`] if the file
-/// cannot be written.
-pub fn write_vtp(path: &Path, rods: &[VtkRod], field_data: &[(&str, f64)]) -> Result<(), InputError> {
+/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::Name`] if two arrays of the
+/// file have one name; [`InputError::Write`] if the file cannot be written.
+pub fn write_vtp(path: &Path, rods: &[VtkRod], step: &VtkStep) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
         let mut lengths =
             rod.scalars.iter().map(|(n, v)| (n, v.len())).chain(rod.vectors.iter().map(|(n, v)| (n, v.len())));
@@ -42,17 +50,37 @@ pub fn write_vtp(path: &Path, rods: &[VtkRod], field_data: &[(&str, f64)]) -> Re
             return Err(InputError::Inconsistent { field: format!("rods[{index}].{name}"), reason });
         }
     }
-    write_file(path, &polydata(rods, field_data))
+    let of_points = distinct(rods.iter().flat_map(|r| r.scalars.iter().map(|(n, _)| *n)))
+        .into_iter()
+        .chain(distinct(rods.iter().flat_map(|r| r.vectors.iter().map(|(n, _)| *n))));
+    let mut seen = vec![ROD, POINTS, UNITS];
+    for name in of_points.chain(step.numbers.iter().map(|(name, _)| *name)) {
+        if seen.contains(&name) {
+            let allowed = "a name that no other array of the file has".to_owned();
+            return Err(InputError::Name { field: path.display().to_string(), name: name.to_owned(), allowed });
+        }
+        seen.push(name);
+    }
+    write_file(path, &polydata(rods, step))
 }
 
+/// Names of the arrays that every file has.
+const ROD: &str = "rod";
+const POINTS: &str = "Points";
+const UNITS: &str = "units";
+
 /// The bytes of a `.vtp` file.
-fn polydata(rods: &[VtkRod], field_data: &[(&str, f64)]) -> Vec<u8> {
+fn polydata(rods: &[VtkRod], step: &VtkStep) -> Vec<u8> {
     let num_points: usize = rods.iter().map(|r| r.points.len()).sum();
     let lines = rods.iter().filter(|r| !r.points.is_empty()).count();
     let (mut xml, mut data) = (String::new(), Appended::default());
     xml.push_str("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n");
-    for (name, value) in field_data {
+    for (name, value) in &step.numbers {
         data.floats(&mut xml, name, " NumberOfTuples=\"1\"", [*value].into_iter());
+    }
+    if !step.units.is_empty() {
+        let lines: Vec<String> = step.units.iter().map(|(name, unit)| format!("{name}: {unit}")).collect();
+        data.texts(&mut xml, UNITS, &lines);
     }
     // Writing to a String cannot fail.
     let _ = write!(
@@ -62,9 +90,9 @@ fn polydata(rods: &[VtkRod], field_data: &[(&str, f64)]) -> Vec<u8> {
     point_data(rods, &mut xml, &mut data);
     xml.push_str("</PointData>\n<CellData>\n");
     let filled = || rods.iter().enumerate().filter(|(_, r)| !r.points.is_empty());
-    data.integers(&mut xml, "rod", filled().map(|(i, _)| i as i64));
+    data.integers(&mut xml, ROD, filled().map(|(i, _)| i as i64));
     xml.push_str("</CellData>\n<Points>\n");
-    data.floats(&mut xml, "Points", THREE, rods.iter().flat_map(|r| r.points).flat_map(|p| [p.x, p.y, p.z]));
+    data.floats(&mut xml, POINTS, THREE, rods.iter().flat_map(|r| r.points).flat_map(|p| [p.x, p.y, p.z]));
     xml.push_str("</Points>\n<Lines>\n");
     let (mut connectivity, mut offsets, mut first) = (Vec::new(), Vec::new(), 0);
     for (_, rod) in filled() {
@@ -133,6 +161,23 @@ impl Appended {
         // Writing to a String cannot fail.
         let _ =
             writeln!(xml, "<DataArray type=\"{kind}\" Name=\"{name}\"{more} format=\"appended\" offset=\"{start}\"/>");
+        self.block(values);
+    }
+
+    /// Lines of text: VTK's element for them is `Array`, and each ends with a zero.
+    fn texts(&mut self, xml: &mut String, name: &str, lines: &[String]) {
+        let (count, start) = (lines.len(), self.0.len());
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            xml,
+            "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{count}\" format=\"appended\" offset=\"{start}\"/>"
+        );
+        self.block(lines.iter().flat_map(|line| line.bytes().chain([0])).map(|byte| [byte]));
+    }
+
+    /// Byte count and bytes.
+    fn block<const N: usize>(&mut self, values: impl Iterator<Item = [u8; N]>) {
+        let start = self.0.len();
         self.0.extend([0; 8]);
         values.for_each(|v| self.0.extend(v));
         let count = (self.0.len() - start - 8) as u64;
@@ -233,7 +278,7 @@ mod tests {
             },
             VtkRod { points: &line, closed: false, scalars: vec![], vectors: vec![("d1", vec![Vec3::x(); 3])] },
         ];
-        let file = polydata(&rods, &[("TimeValue", 0.25)]);
+        let file = polydata(&rods, &VtkStep { numbers: vec![("TimeValue", 0.25)], units: vec![("d1", "1")] });
         let all: Vec<f64> = ring.iter().chain(&line).flat_map(|p| [p.x, p.y, p.z]).collect();
         assert_eq!(floats(array(&file, "Points")), all);
         assert_eq!(integers(array(&file, "connectivity")), [0, 1, 2, 3, 4, 0, 5, 6, 7]);
@@ -252,7 +297,7 @@ mod tests {
     fn offsets_tile_the_block() {
         let points = [Vec3::x(), Vec3::y()];
         let rod = VtkRod { points: &points, scalars: vec![("s", vec![1.0, 2.0])], ..VtkRod::default() };
-        let file = polydata(&[rod], &[("load", 1.0)]);
+        let file = polydata(&[rod], &VtkStep { numbers: vec![("load", 1.0)], ..VtkStep::default() });
         let text = String::from_utf8_lossy(&file);
         let mut expected = 0;
         for tag in text.lines().filter(|l| l.starts_with("<DataArray")) {
@@ -265,10 +310,14 @@ mod tests {
     #[test]
     fn wrong_lengths_and_places_are_refused() {
         let rod = VtkRod { points: &[Vec3::x()], scalars: vec![("s", vec![])], ..VtkRod::default() };
-        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[rod], &[]).unwrap_err();
+        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[rod], &VtkStep::default()).unwrap_err();
         assert_eq!(error.to_string(), "rods[0].s: 0 values for 1 points");
-        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[], &[]).unwrap_err();
+        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[], &VtkStep::default()).unwrap_err();
         assert!(matches!(error, InputError::Write { .. }));
+        let rod = VtkRod { points: &[Vec3::x()], scalars: vec![("twist", vec![1.0])], ..VtkRod::default() };
+        let twice = VtkStep { numbers: vec![("twist", 1.0)], ..VtkStep::default() };
+        let error = write_vtp(Path::new("/nowhere/a.vtp"), &[rod], &twice).unwrap_err();
+        assert!(error.to_string().contains("\"twist\": must be a name that no other array"), "{error}");
     }
 
     #[test]

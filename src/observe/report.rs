@@ -5,13 +5,13 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Energies {
     /// ½∫EA Γ3².
-    pub stretch: f64,
+    pub stretching: f64,
     /// ½∫GA1 Γ1² + GA2 Γ2².
-    pub shear: f64,
+    pub shearing: f64,
     /// ½∫EI1 K1² + EI2 K2².
-    pub bend: f64,
+    pub bending: f64,
     /// ½∫GJ K3².
-    pub twist: f64,
+    pub twisting: f64,
     /// Energy stored in the contact law.
     pub contact: f64,
     /// Energy of screened charges, of points of one rod beyond that of the straight rod.
@@ -26,10 +26,10 @@ impl Energies {
     #[must_use]
     pub fn over(&self, unit: f64) -> Self {
         Self {
-            stretch: self.stretch / unit,
-            shear: self.shear / unit,
-            bend: self.bend / unit,
-            twist: self.twist / unit,
+            stretching: self.stretching / unit,
+            shearing: self.shearing / unit,
+            bending: self.bending / unit,
+            twisting: self.twisting / unit,
             contact: self.contact / unit,
             electrostatic: self.electrostatic / unit,
             total: self.total / unit,
@@ -208,6 +208,9 @@ pub struct RodSize {
     pub length: f64,
     /// Contact radius \[L\].
     pub contact_radius: f64,
+    /// Smaller bending stiffness \[F·L²\].
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub bending: f64,
 }
 
 /// Ends of an open rod.

@@ -123,10 +123,10 @@ fn layer(engine: &Engine, side: &ContactSide) -> Layer {
 }
 
 fn energies(potential: &Potential) -> Energies {
-    let [stretch, shear, bend, twist] = potential.elastic;
+    let [stretching, shearing, bending, twisting] = potential.elastic;
     let (contact, electrostatic) = (potential.contact, potential.electrostatic);
-    let total = stretch + shear + bend + twist + contact + electrostatic;
-    Energies { stretch, shear, bend, twist, contact, electrostatic, total }
+    let total = stretching + shearing + bending + twisting + contact + electrostatic;
+    Energies { stretching, shearing, bending, twisting, contact, electrostatic, total }
 }
 
 fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
@@ -146,7 +146,7 @@ fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
 }
 
 fn size(rod: &Rod) -> RodSize {
-    RodSize { length: rod.length, contact_radius: rod.section.contact_radius }
+    RodSize { length: rod.length, contact_radius: rod.section.contact_radius, bending: rod.section.smaller_bending() }
 }
 
 /// Angle between the tangents at both ends, rad, up to which they count as parallel.

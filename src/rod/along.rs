@@ -201,12 +201,13 @@ fn check_lists(name: &str, arcs: &[f64], num_values: usize, fewest: usize) -> Re
     Ok(())
 }
 
-impl<T> fmt::Debug for Along<T> {
+/// All its numbers; of functions, nothing.
+impl<T: fmt::Debug> fmt::Debug for Along<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &*self.0 {
-            Kind::Constant(_) => f.write_str("Along::constant"),
-            Kind::Pieces(ends, _) => write!(f, "Along::pieces, {} of them", ends.len()),
-            Kind::Points(arcs, _) => write!(f, "Along::points, {} of them", arcs.len()),
+            Kind::Constant(value) => write!(f, "Along::constant({value:?})"),
+            Kind::Pieces(ends, values) => write!(f, "Along::pieces({ends:?}, {values:?})"),
+            Kind::Points(arcs, values) => write!(f, "Along::points({arcs:?}, {values:?})"),
             Kind::Function(_) => f.write_str("Along::function"),
         }
     }

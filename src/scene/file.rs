@@ -94,6 +94,8 @@ pub struct Scene {
     pub text: String,
     /// Values that were replaced, as `KEY=VALUE`, see [`Scene::read_with`].
     pub set: Vec<String>,
+    /// What the file leaves open and a user may not expect, in words.
+    pub notices: Vec<String>,
 }
 
 /// Solver settings of a scene; `None` leaves the solver's default.
@@ -217,8 +219,9 @@ pub enum ColorBy {
     Pressure,
     /// Curvature.
     Curvature,
-    /// Twist.
-    Twist,
+    /// Twist a length.
+    #[serde(rename = "twist_rate")]
+    TwistRate,
 }
 
 impl Default for PictureChoice {
@@ -359,6 +362,8 @@ impl Scene {
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;
         let follow = build::follow(&text.stages, &model, &stages)?;
+        let notices =
+            text.rods.iter().zip(&model.rods).filter_map(|(text, rod)| advice::start_link(text, rod)).collect();
         let SceneText { title, temperature, fidelity, mut solver, output, picture, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
         Ok(Self {
@@ -373,6 +378,7 @@ impl Scene {
             solver,
             output,
             picture,
+            notices,
             ..Self::default()
         })
     }

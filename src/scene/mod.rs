@@ -20,6 +20,6 @@ pub use model::{
     Contact, ContactLaw, Electrostatics, Joint, LineLoad, Model, NodeLoad, NodeRef, Plane, Pose, PosePath, Ramp, Stage,
     Support,
 };
-pub use points::{Import, read_points, read_points_with};
+pub use points::{Import, read_points, read_points_with, smooth_points};
 pub use tables::{SectionTable, read_natural, read_section};
 pub use units::Units;

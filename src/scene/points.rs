@@ -1,6 +1,7 @@
 //! Centrelines from files: CSV, XYZ, Geomview's VECT, PDB, NumPy, oxDNA.
 
 mod formats;
+mod smooth;
 
 use std::path::Path;
 
@@ -9,7 +10,9 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::text::{finite, read_regular, read_regular_bytes, split};
 
-/// Selection of points of a file for a centreline.
+pub use smooth::smooth_points;
+
+/// Which points of a file make a centreline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Import {
     /// CSV: names of the columns of x, y, z in the header; `None`: `x`, `y`, `z` if there are such, else the only three

@@ -86,6 +86,11 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
     }
 }
 
+/// Name of the first number that a ramp moves, as a column of tables; none for link, poses and supports.
+pub fn ramped_name(model: &Model, ramp: &Ramp) -> Option<String> {
+    numbers(model, ramp).into_iter().next().map(|(name, ..)| name)
+}
+
 fn unit_of(which: RodNumber) -> &'static str {
     match which {
         RodNumber::ContactRadius | RodNumber::Length => "L",

@@ -55,7 +55,7 @@ fn units_of_length_and_force() {
         let gap = seen.min_gap.unwrap();
         let numbers = [
             seen.energies.total / (force * unit),
-            seen.energies.bend / (force * unit),
+            seen.energies.bending / (force * unit),
             seen.links[0].writhe,
             seen.links[0].seam_moment / (force * unit),
             seen.total_contact_force / force,
@@ -100,7 +100,8 @@ fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     }
     let seen = last.unwrap();
     assert!(seen.sites.iter().any(|site| site.kind == SiteKind::Line), "{:?}", seen.sites);
-    let energies = [seen.energies.bend, seen.energies.stretch, seen.energies.shear].map(|e| e / (force * unit));
+    let energies =
+        [seen.energies.bending, seen.energies.stretching, seen.energies.shearing].map(|e| e / (force * unit));
     [energies[0], energies[1], energies[2], seen.total_contact_force / force]
 }
 
@@ -251,8 +252,8 @@ fn crossed_starts() {
         let pushed = pushed.unwrap();
         let pairs = [
             (parted.total_contact_force, pushed.total_contact_force),
-            (parted.energies.bend, pushed.energies.bend),
-            (parted.energies.stretch, pushed.energies.stretch),
+            (parted.energies.bending, pushed.energies.bending),
+            (parted.energies.stretching, pushed.energies.stretching),
         ];
         for (ours, other) in pairs {
             assert!((ours / other - 1.0).abs() < 1e-5, "at {angle}, {height} diameters: {ours} {other}");
@@ -356,7 +357,7 @@ fn curvature_at_the_thickness_limit() {
         let report = solver.step_to(&[]).unwrap();
         let seen = observed(&solver, &report);
         assert_eq!((report.status, seen.num_sites), (Status::Converged, 0), "{radius}");
-        assert!((seen.energies.bend / (0.5 * std::f64::consts::TAU.powi(2)) - 1.0).abs() < 1e-4);
+        assert!((seen.energies.bending / (0.5 * std::f64::consts::TAU.powi(2)) - 1.0).abs() < 1e-4);
     }
     let error = ring(1.0 + 1e-9).unwrap_err().to_string();
     assert!(error.contains("thicker than its own curvature"), "{error}");

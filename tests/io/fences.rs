@@ -81,18 +81,19 @@ fn more_elements_than_memory_are_refused_with_the_number() {
 #[test]
 fn a_limit_on_memory_is_heeded() {
     let dir = folder("memory");
-    let file = scene_file(&dir, &BEAM.replace("elements = 2", "elements = 100000"));
-    let check = |limit: &str| {
+    let check = |elements: &str, limit: &str| {
+        let file = scene_file(&dir, &BEAM.replace("elements = 2", &format!("elements = {elements}")));
         let program = format!("ulimit -v {limit}; exec {} check {}", env!("CARGO_BIN_EXE_supercoil"), file.display());
         Command::new("sh").args(["-c", &program]).output().unwrap()
     };
-    let output = check("1500000");
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-    assert!(
-        said(&output).contains("300000 nodes take at least 2.0 GiB, and 1.4 GiB are available"),
-        "{}",
-        said(&output)
-    );
+    for (elements, limit, reason) in [
+        ("100000", "1500000", "300000 nodes take at least 2.0 GiB, and 1.4 GiB are available"),
+        ("1000000", "8388608", "3000000 nodes take at least 19.6 GiB, and "),
+    ] {
+        let output = check(elements, limit);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        assert!(said(&output).contains(reason), "{}", said(&output));
+    }
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
@@ -133,7 +134,7 @@ fn points_come_from_regular_files_of_sensible_size() {
 fn what_is_echoed_is_cut_and_cannot_command_the_terminal() {
     let dir = folder("echo");
     let path = dir.join("points.csv");
-    std::fs::write(&path, format!("1,2,3\n1,\u{1b}[2J{},3\n", "7".repeat(1_000_000))).unwrap();
+    std::fs::write(&path, format!("1,2,3\n1,\u{1b}[2J{},3\n", "7".repeat(50_000_000))).unwrap();
     let message = read_points(&path).unwrap_err().to_string();
     assert!(message.contains("line 2: a finite number expected, found \"\\u{1b}[2J777"), "{message:.200}");
     assert!(message.len() < 2000 && message.ends_with('…'), "{}", message.len());
@@ -236,6 +237,18 @@ fn what_cannot_be_written_has_an_exit_code_of_its_own() {
     let output = supercoil(&[&"run", &file, &"--out", &out]);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     assert!(said(&output).contains("table.csv"), "{}", said(&output));
+    // nobody may write there, be it the superuser
+    #[cfg(target_os = "linux")]
+    assert_eq!(supercoil(&[&"run", &file, &"--out", &"/proc/out"]).status.code(), Some(3));
+    // no byte fits on the disk: what a limit on the size of files leaves
+    #[cfg(unix)]
+    {
+        let program = "trap '' XFSZ; ulimit -f 0; exec \"$0\" run \"$1\" --out \"$2\"";
+        let arguments = [Path::new(env!("CARGO_BIN_EXE_supercoil")), &file, &dir.join("full")];
+        let output = Command::new("sh").args(["-c", program]).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+        assert!(said(&output).contains("full"), "{}", said(&output));
+    }
     let missing = supercoil(&[&"run", &dir.join("nowhere.toml")]);
     assert_eq!(missing.status.code(), Some(2), "what cannot be read is bad input");
     std::fs::remove_dir_all(&dir).unwrap();
@@ -316,7 +329,8 @@ fn replaced_values_survive_a_resume() {
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
-/// A folder says which scene it is of; results of another are not replaced unasked.
+/// A folder says which scene it is of; results of another are not replaced unasked. What counts is the problem, not the
+/// file: an edited file is another scene, the same problem in another file is not.
 #[test]
 fn results_of_another_scene_are_kept() {
     let dir = folder("another");
@@ -328,25 +342,96 @@ fn results_of_another_scene_are_kept() {
     };
     assert!(run(&[]).status.success());
     let copy = || std::fs::read_to_string(out.join("scene_as_run.toml")).unwrap();
-    let head = format!("# supercoil {} has run\n# {file:?}\n\n", env!("CARGO_PKG_VERSION"));
+    let summary = || -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()
+    };
+    let hash = summary()["model_hash"].as_str().unwrap().to_owned();
+    let head = format!("# supercoil {} has run\n# model hash {hash}\n# {file:?}\n\n", env!("CARGO_PKG_VERSION"));
     assert_eq!(copy(), format!("{head}{BEAM}"));
-    // the same scene, edited
-    std::fs::write(&file, BEAM.replace("steps = 2", "steps = 3")).unwrap();
-    assert!(run(&[]).status.success());
-    assert!(copy().contains("steps = 3"));
-    // a variant of it, and another file
-    let output = run(&["--set", "rods.beam.elements=4"]);
+    let rod = &summary()["rods"][0]["stiffness"];
+    assert_eq!((rod["bending"][0].as_f64(), rod["stretching"].as_f64()), (Some(1.0), Some(1000.0)));
+    assert!(summary()["threads"].as_u64().unwrap() >= 1);
+    // the same problem: with another title, other outputs, threads
+    let titled = BEAM.replace("\"beam\"\nunits", "\"a beam\"\nunits").replace("[output]", "[output]\nvtk = false");
+    std::fs::write(&file, titled).unwrap();
+    assert!(run(&["--threads", "1"]).status.success());
+    assert_eq!((summary()["model_hash"].as_str(), summary()["threads"].as_u64()), (Some(hash.as_str()), Some(1)));
+    assert!(copy().contains("vtk = false"));
+    // the same file, edited
+    std::fs::write(&file, BEAM.replace("turns = 0.1", "turns = 0.2")).unwrap();
+    let output = run(&[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).contains("holds the results of another scene"), "{}", said(&output));
     assert!(said(&output).contains("beam.toml") && said(&output).contains("--force"), "{}", said(&output));
+    assert!(copy().contains("vtk = false") && summary()["model_hash"].as_str() == Some(&hash), "nothing was touched");
+    // a variant of it
+    std::fs::write(&file, BEAM).unwrap();
+    assert_eq!(run(&["--set", "rods.beam.elements=4"]).status.code(), Some(2));
+    assert!(run(&["--set", "rods.beam.elements=4", "--force"]).status.success());
+    assert!(copy().contains("# --set \"rods.beam.elements=4\"\n"), "{}", copy());
+    assert_ne!(summary()["model_hash"].as_str(), Some(hash.as_str()));
+    // a scene from no file is one, too
     let scene = Scene::from_toml(BEAM, &dir).unwrap();
     let error = run_scene(scene.clone(), &out, &mut go_on).unwrap_err().to_string();
     assert!(error.contains("holds the results of another scene"), "{error}");
-    assert!(copy().contains("steps = 3"), "nothing was touched");
-    assert!(run(&["--set", "rods.beam.elements=4", "--force"]).status.success());
-    assert!(copy().contains("# --set \"rods.beam.elements=4\"\n"), "{}", copy());
-    assert!(SceneRun { force: true, ..SceneRun::new(scene, &out) }.start(&mut go_on).is_ok());
-    assert!(!out.join("scene_as_run.toml").exists(), "a scene from no file leaves no copy of another's");
+    assert!(SceneRun { force: true, ..SceneRun::new(scene.clone(), &out) }.start(&mut go_on).is_ok());
+    assert!(run_scene(scene, &out, &mut go_on).is_ok(), "the same again");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Symptom: a preset picked a mesh that was refused before the first iteration. Natural twist, link, turns and shapes that
+/// twist quickly take as many elements as they need.
+#[test]
+fn presets_pick_meshes_that_are_taken() {
+    let ring = |keys: &str| {
+        format!(
+            "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = 100.0 }}\n\
+             section = {{ bending = 200.0, twisting = 300.0, stretching = 1e3, shearing = 1e3, contact_radius = 1.0 }}\n{keys}\n"
+        )
+    };
+    let preset = |word: &str, text: &str| format!("fidelity = \"{word}\"\n{text}");
+    let natural = ring("natural = { curvature = [0.0, 0.0], twist = 2.5 }");
+    let linked = ring("excess_link = -30.0");
+    let knot = ring("").replace("kind = \"circle\"", "kind = \"torus_knot\", windings = [2, 11]");
+    let turned = BEAM.replace("elements = 2\n", "").replace("turns = 0.1", "turns = 40.0");
+    let loaded = BEAM.replace("elements = 2\n", "").replace(
+        "[[stages]]",
+        "[[loads]]\nat = \"end\"\nmoment = [0.0, 0.0, 300.0]\n[[stages]]\nramp = { load = 1.0 }\n[[stages]]",
+    );
+    for word in ["draft", "balanced", "reference"] {
+        for text in [&natural, &linked, &knot, &turned, &loaded] {
+            let scene = Scene::from_toml(&preset(word, text), Path::new("")).unwrap();
+            let steps = scene.model.rods[0].num_elements;
+            let solver = supercoil::solve::Solver::new(scene.model, supercoil::solve::Options::default());
+            assert!(solver.is_ok(), "{word}, {steps} elements: {text}\n{:?}", solver.err());
+        }
+    }
+    // what takes more than there is is refused with the number, and says that the preset has chosen it
+    let slender = preset("reference", &ring("")).replace("contact_radius = 1.0", "contact_radius = 1e-7");
+    let message = Scene::from_toml(&slender, Path::new("")).unwrap_err().to_string();
+    assert!(message.contains("elements are too many") && message.contains("reference"), "{message}");
+}
+
+/// Advice that fits: a load beyond what a rod bears is to be a displacement, too few elements are to be more.
+#[test]
+fn advice_fits_the_cause() {
+    let dir = folder("advice");
+    let fails = |text: &str| {
+        let output = supercoil(&[&"run", &scene_file(&dir, text), &"--out", &dir.join("out"), &"--force"]);
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        said(&output)
+    };
+    // one iteration does not bring a rod round
+    let rotation = "{ rotation = { at = \"end\", axis = [1, 0, 0], turns = 0.1 } }";
+    let held = BEAM.replace("at = \"end\"\nrotation", "at = \"end\"\nposition = true\nrotation");
+    let held =
+        held.replace("elements = 2", "elements = 24").replace("[output]", "[solver]\nmax_iterations = 1\n[output]");
+    let moved = held.replace(rotation, "{ displacement = { at = \"end\", to = [-0.6, 0.2, 0.0] } }");
+    let message = fails(&moved);
+    assert!(message.contains("more solver.max_iterations") && !message.contains("limit load"), "{message}");
+    let loaded = moved.replace("[[stages]]", "[[loads]]\nat = 30\nforce = [0.0, 3.0, 0.0]\n[[stages]]");
+    let message = fails(&loaded.replace("{ displacement", "{ load = 1.0, displacement"));
+    assert!(message.contains("beyond a limit load"), "{message}");
     std::fs::remove_dir_all(&dir).unwrap();
 }
 

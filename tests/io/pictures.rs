@@ -7,7 +7,7 @@ use supercoil::io::picture::{
     Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
     film_strip, plot_lines,
 };
-use supercoil::io::vtk::{PvdWriter, VtkRod, write_vtp};
+use supercoil::io::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
 use supercoil::math::Vec3;
 
 fn torus_knot(n: usize) -> Vec<Vec3> {
@@ -255,7 +255,8 @@ fn write_paraview(folder: &Path) {
             VtkRod { points: &line, ..VtkRod::default() },
         ];
         let file = folder.join(format!("knot_{step}.vtp"));
-        write_vtp(&file, &rods, &[("TimeValue", step as f64), ("excess link", 0.5)]).expect("a file");
+        let step_data = VtkStep { numbers: vec![("TimeValue", step as f64), ("excess link", 0.5)], units: vec![] };
+        write_vtp(&file, &rods, &step_data).expect("a file");
         collection.push(step as f64, &file).expect("a collection");
     }
 }

@@ -209,7 +209,7 @@ fn a_rod_that_grows_until_it_touches_is_a_thick_rod() {
     let (_, thick) = run(&third(0.04));
     let [first, grown, thick] = [&grown[0], grown.last().unwrap(), thick.last().unwrap()];
     assert!(first.num_sites == 1 && thick.num_sites == 2, "{} {}", first.num_sites, thick.num_sites);
-    let apart = grown.energies.bend / thick.energies.bend - 1.0;
+    let apart = grown.energies.bending / thick.energies.bending - 1.0;
     assert!(apart.abs() < 1e-4, "{apart:e}");
 }
 

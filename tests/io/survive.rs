@@ -66,6 +66,8 @@ fn without_times(mut value: serde_json::Value) -> serde_json::Value {
     match &mut value {
         serde_json::Value::Object(map) => {
             map.remove("seconds");
+            // part of how it was run, as time is
+            map.remove("threads");
             map.values_mut().for_each(|inner| *inner = without_times(inner.take()));
         }
         serde_json::Value::Array(list) => list.iter_mut().for_each(|inner| *inner = without_times(inner.take())),

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-fn supercoil(arguments: &[&str]) -> Output {
+pub(crate) fn supercoil(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_supercoil")).args(arguments).output().unwrap()
 }
 
-fn folder(name: &str) -> PathBuf {
+pub(crate) fn folder(name: &str) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("supercoil_told_{}_{name}", std::process::id()));
     std::fs::remove_dir_all(&dir).ok();
     std::fs::create_dir_all(&dir).unwrap();
@@ -18,10 +18,10 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// Runs a scene; exit code, standard output, standard error.
-fn run(dir: &Path, scene: &str) -> (i32, String, String) {
+pub(crate) fn run(dir: &Path, scene: &str) -> (i32, String, String) {
     let file = dir.join("scene.toml");
     std::fs::write(&file, scene).unwrap();
-    let out = supercoil(&["run", file.to_str().unwrap(), "--out", dir.join("out").to_str().unwrap()]);
+    let out = supercoil(&["run", file.to_str().unwrap(), "--force", "--out", dir.join("out").to_str().unwrap()]);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (out.status.code().unwrap(), text(&out.stdout), text(&out.stderr))
 }
@@ -34,9 +34,9 @@ fn warnings(dir: &Path, scene: &str) -> String {
     String::from_utf8_lossy(&out.stderr).into_owned()
 }
 
-type Table = (Vec<String>, Vec<BTreeMap<String, String>>);
+pub(crate) type Table = (Vec<String>, Vec<BTreeMap<String, String>>);
 
-fn table(path: &Path) -> Table {
+pub(crate) fn table(path: &Path) -> Table {
     let mut reader = csv::Reader::from_path(path).unwrap();
     let columns: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let row = |record: csv::StringRecord| columns.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
@@ -44,7 +44,7 @@ fn table(path: &Path) -> Table {
     (columns.clone(), rows)
 }
 
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+pub(crate) fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} = {:?}", row[column]))
 }
 

@@ -23,14 +23,15 @@ fn ring(count: usize, radius: f64) -> FrameRod {
         directions: vec![Vec3::z(); count],
         pressure: (0..count).map(|i| i as f64).collect(),
         curvature: vec![1.0 / radius; count],
-        twist: vec![0.0; count],
+        twist_rate: vec![0.0; count],
+        radius: 0.5,
         seam_turns: 0.0,
     }
 }
 
 fn film(count: usize, frames: usize) -> Film {
     let frame = |step: usize| Frame { step, rods: vec![ring(count, 10.0 + step as f64)], forces: Vec::new() };
-    let rods = vec![FilmRod { name: "ring".to_owned(), radius: 0.5, closed: true }];
+    let rods = vec![FilmRod { name: "ring".to_owned(), closed: true }];
     Film { title: "rings".to_owned(), rods, frames: (0..frames).map(frame).collect(), ..Film::default() }
 }
 
@@ -114,8 +115,8 @@ fn rods_too_long_for_tubes_are_lines() {
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let mut wrong = film(10, 1);
-    wrong.frames[0].rods[0].twist.pop();
-    assert_eq!(wrong.page().unwrap_err().to_string(), "frames[0].rods[0].twist = 9: must be one a point");
+    wrong.frames[0].rods[0].twist_rate.pop();
+    assert_eq!(wrong.page().unwrap_err().to_string(), "frames[0].rods[0].twist_rate = 9: must be one a point");
     let mut wrong = film(10, 1);
     wrong.frames[0].rods[0].points[3].y = f64::NAN;
     assert_eq!(
@@ -124,7 +125,7 @@ fn what_cannot_be_shown_is_refused() {
     );
     let still = GlbOptions { seconds_per_frame: 0.0, ..GlbOptions::default() };
     assert!(matches!(film(10, 1).glb(&still), Err(InputError::Value { .. })));
-    assert_eq!(Quantity::from_name("twist").unwrap(), Quantity::Twist);
+    assert_eq!(Quantity::from_name("twist_rate").unwrap(), Quantity::TwistRate);
     assert!(Quantity::from_name("heat").unwrap_err().to_string().contains("curvature"));
     // nothing to be shown is no failure
     assert!(

@@ -73,7 +73,7 @@ fn natural_twist_is_told_apart() {
     let [before, after] = [steps[0].links[0], steps[1].links[0]];
     assert!((before.twist - 0.2).abs() < 1e-9 && before.excess_twist.abs() < 1e-9, "{before:?}");
     assert!(before.excess_link.abs() < 1e-12 && (before.link - 0.2).abs() < 1e-12, "{before:?}");
-    assert!(before.seam_moment.abs() < 1e-6 && steps[0].energies.twist < 1e-12, "{before:?}");
+    assert!(before.seam_moment.abs() < 1e-6 && steps[0].energies.twisting < 1e-12, "{before:?}");
     assert!(after.twist.abs() < 1e-9 && (after.excess_twist + 0.2).abs() < 1e-3, "{after:?}");
     assert!((after.excess_link + 0.2).abs() < 1e-12 && after.link.abs() < 1e-12, "{after:?}");
 }
@@ -116,10 +116,10 @@ fn energies_are_told_apart() {
     let steps =
         observations(ring(Natural::Straight, 2e4), Ramp::ExcessLink { rod: 0, to: 0.5 }, 1, &Options::default());
     let (start, twisted) = (steps[0].energies, steps[1].energies);
-    assert!((start.bend - 2.0 * PI * PI).abs() < 1e-5 && start.twist < 1e-12, "{start:?}");
+    assert!((start.bending - 2.0 * PI * PI).abs() < 1e-5 && start.twisting < 1e-12, "{start:?}");
     let k3 = TAU * steps[1].links[0].excess_twist;
-    assert!((twisted.twist - 0.75 * k3 * k3).abs() < 1e-6 && (k3 - PI).abs() < 0.01, "{twisted:?}");
-    assert!(twisted.shear > 0.0 && twisted.shear < 0.03 && twisted.stretch < 1e-6, "{twisted:?}");
-    let sum = twisted.stretch + twisted.shear + twisted.bend + twisted.twist + twisted.contact;
+    assert!((twisted.twisting - 0.75 * k3 * k3).abs() < 1e-6 && (k3 - PI).abs() < 0.01, "{twisted:?}");
+    assert!(twisted.shearing > 0.0 && twisted.shearing < 0.03 && twisted.stretching < 1e-6, "{twisted:?}");
+    let sum = twisted.stretching + twisted.shearing + twisted.bending + twisted.twisting + twisted.contact;
     assert_eq!(sum, twisted.total);
 }

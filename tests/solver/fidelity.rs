@@ -49,7 +49,7 @@ fn end_of(model: Model, stages: &[Stage], options: &Options, case: &str) -> (Obs
 
 fn elastic(seen: &Observation) -> f64 {
     let parts = &seen.energies;
-    parts.stretch + parts.shear + parts.bend + parts.twist
+    parts.stretching + parts.shearing + parts.bending + parts.twisting
 }
 
 /// Holds relative errors to what the preset states.

@@ -72,7 +72,7 @@ fn link_is_what_was_asked_for() {
                 (twist - (turns - found.writhe)).abs() < 1e-3 * (1.0 + found.writhe.abs()),
                 "{name}: {twist} {found:?} {turns}"
             );
-            let k3 = engine.nodal_fields(0).twist;
+            let k3 = engine.nodal_fields(0).twist_rate;
             let even = TAU * twist / plain.length;
             let uneven = k3.iter().map(|k| (k - even).abs()).fold(0.0, f64::max) * plain.length / TAU;
             // strains at nodes are extrapolated on elements that also bend and wind

@@ -153,7 +153,7 @@ impl Tweezers {
             ends: x(self.last.node) - x(0),
             moment: -reaction(self.last.node).moment[0],
             contact: seen.total_contact_force,
-            bending: seen.energies.bend,
+            bending: seen.energies.bending,
         };
         println!("{found:?}, {} sites, {} iterations", seen.num_sites, report.iterations);
         found

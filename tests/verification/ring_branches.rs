@@ -127,7 +127,7 @@ fn fold() {
 fn numbers(point: &PathPoint) -> [f64; 5] {
     let seen = observe(&point.progress);
     let moment = seen.links[0].seam_moment / TAU;
-    [point.value, seen.links[0].writhe, moment, seen.total_contact_force, seen.energies.bend / (0.5 * TAU * TAU)]
+    [point.value, seen.links[0].writhe, moment, seen.total_contact_force, seen.energies.bending / (0.5 * TAU * TAU)]
 }
 
 /// From the flat ring over the fold to first contact, round it and on; and back round it from the other side.

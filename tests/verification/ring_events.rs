@@ -137,7 +137,7 @@ impl Ring {
             fine.set_contact_law(penalty(decade, self.diameter)).unwrap();
             let report = fine.resettle();
             let seen = seen(&fine, &report);
-            let (link, bending) = (seen.links[0], seen.energies.bend / (0.5 * TAU * TAU));
+            let (link, bending) = (seen.links[0], seen.energies.bending / (0.5 * TAU * TAU));
             let of_event = indicator(&fine, &seen);
             last = [last[1], [excess_link, link.writhe, link.seam_moment / TAU, bending, of_event]];
             println!("    κ 1e{decade}: {:.8?}, {} sites, {} iterations", last[1], seen.sites.len(), report.iterations);

@@ -100,7 +100,7 @@ fn contact_forces_and_topology_of_the_thick_ring() {
 /// Writhe, twisting moment and bending energy of a plectoneme.
 fn verify_plectoneme(seen: &Observation, diameter: f64, reference: [f64; 3], tolerance: f64) {
     let case = format!("plectoneme of the twisted ring, D/L = {diameter}");
-    let measured = [seen.links[0].writhe, seen.links[0].seam_moment / TAU, seen.energies.bend / (2.0 * PI * PI)];
+    let measured = [seen.links[0].writhe, seen.links[0].seam_moment / TAU, seen.energies.bending / (2.0 * PI * PI)];
     for (k, quantity) in ["Wr", "M3 L/2πB", "bending energy over that of the ring"].into_iter().enumerate() {
         verify(&case, quantity, measured[k], reference[k], tolerance * reference[k]);
     }

@@ -80,7 +80,7 @@ impl Record {
             ColorBy::Strand => return,
             ColorBy::Pressure => format!("contact force, {force}/{length}"),
             ColorBy::Curvature => format!("curvature, 1/{length}"),
-            ColorBy::Twist => format!("twist, rad/{length}"),
+            ColorBy::TwistRate => format!("twist rate, rad/{length}"),
         };
         if let Some(range) = range {
             picture.color_bar(self.palette(), range, &title);
@@ -88,14 +88,14 @@ impl Record {
     }
 
     fn palette(&self) -> Palette {
-        if self.choice.color_by == ColorBy::Twist { Palette::CoolWarm } else { Palette::Viridis }
+        if self.choice.color_by == ColorBy::TwistRate { Palette::CoolWarm } else { Palette::Viridis }
     }
 
     /// Range of the colours over all these states: from zero; for twist symmetric about zero.
     fn range<'a>(&self, frames: impl Iterator<Item = &'a Still>) -> Option<[f64; 2]> {
         let values = frames.flat_map(|frame| &frame.rods).flat_map(|rod| &rod.values);
         let largest = values.map(|value| value.abs()).fold(0.0, f64::max);
-        let low = if self.choice.color_by == ColorBy::Twist { -largest } else { 0.0 };
+        let low = if self.choice.color_by == ColorBy::TwistRate { -largest } else { 0.0 };
         (largest > 0.0).then_some([low, largest])
     }
 
@@ -146,6 +146,13 @@ impl Record {
         self.steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0)
     }
 
+    /// The first rod whose excess link is not the same in all steps.
+    fn rod_with_changing_link(&self) -> Option<usize> {
+        let links = || self.steps.iter().flat_map(|step| &step.links);
+        let start = |rod: usize| links().find(|link| link.rod == rod).map(|link| link.excess_link);
+        links().find(|link| start(link.rod) != Some(link.excess_link)).map(|link| link.rod)
+    }
+
     fn picture(&self, frame: &Still, axes: &[Vec3; 2], range: Option<[f64; 2]>) -> TubePicture {
         const COLORS: [[u8; 3]; 4] = [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170]];
         let observation = &self.steps[frame.step];
@@ -179,12 +186,8 @@ impl Record {
     }
 
     fn write_plot(&self) -> Result<(), InputError> {
-        if !self.has_link() {
-            return Ok(());
-        }
-        let rod =
-            self.steps.iter().flat_map(|step| &step.links).find(|link| link.excess_link != 0.0).map(|link| link.rod);
-        let links = || self.steps.iter().flat_map(|step| &step.links).filter(|link| Some(link.rod) == rod);
+        let Some(rod) = self.rod_with_changing_link() else { return Ok(()) };
+        let links = || self.steps.iter().flat_map(|step| &step.links).filter(|link| link.rod == rod);
         let writhe: Vec<(f64, f64)> = links().map(|link| (link.excess_link, link.writhe)).collect();
         let twist: Vec<(f64, f64)> = links().map(|link| (link.excess_link, link.twist)).collect();
         let snapped: Vec<bool> = self.steps.iter().map(|step| step.energy_released > 0.0).collect();

@@ -58,9 +58,9 @@ impl Record {
     fn values(&self, rod: &super::RodSnapshot) -> Vec<f64> {
         match self.choice.color_by {
             ColorBy::Strand => Vec::new(),
-            ColorBy::Pressure => rod.contact_force.iter().map(Vec3::norm).collect(),
-            ColorBy::Curvature => rod.curvature.clone(),
-            ColorBy::Twist => rod.twist.clone(),
+            ColorBy::Pressure => rod.fields.contact_force.iter().map(Vec3::norm).collect(),
+            ColorBy::Curvature => rod.fields.curvature.clone(),
+            ColorBy::TwistRate => rod.fields.twist_rate.clone(),
         }
     }
 

@@ -75,8 +75,7 @@ impl Plan {
             let reason = "a sweep follows no paths: remove it, or run the scene alone".to_owned();
             return Err(InputError::Inconsistent { field: "stages.follow".to_owned(), reason }.into());
         }
-        let thermal = scene.thermal().map(|(_, unit)| unit);
-        *columns = Some(Columns::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal));
+        *columns = Some(Columns::of_scene(&scene));
         let mut options = options(&scene);
         options.newton.interrupt = interrupt.clone();
         options.threads = Some(1);
@@ -94,7 +93,7 @@ fn rows(case: &Case, end: &CaseEnd, columns: Option<&Columns>, steps: &[Observat
         let end = [(STATUS, Cell::from(end.status.as_str())), (MESSAGE, Cell::from(end.message.as_str()))];
         [(ID, Cell::from(case.id.as_str()))].into_iter().chain(own.clone()).chain(end)
     };
-    let is_there = |(_, cell): &(&str, Cell)| !matches!(cell, Cell::Text(text) if text.is_empty());
+    let is_there = |(_, cell): &(&str, Cell)| !matches!(cell, Cell::Missing) && *cell != Cell::from("");
     let mut table = SweepTable::default();
     for (columns, step) in steps.iter().filter_map(|step| Some((columns?, step))) {
         let cells = columns.names().into_iter().zip(columns.cells(step));

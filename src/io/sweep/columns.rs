@@ -94,6 +94,7 @@ impl ColumnValues {
             (Self::Whole(values), Cell::Count(value)) => values.push(Some(value as i64)),
             (Self::Text(values), Cell::Text(value)) => values.push(Some(value)),
             (Self::Number(values), Cell::Count(value)) => values.push(Some(value as f64)),
+            (values, Cell::Missing) => values.push_none(1),
             (Self::Text(values), other) => values.push(Some(other.to_string())),
             (Self::Whole(values), Cell::Number(value)) => {
                 let mut numbers: Vec<_> = values.iter().map(|value| value.map(|value| value as f64)).collect();
@@ -164,7 +165,7 @@ impl SweepTable {
     pub fn push<'a>(&mut self, row: impl IntoIterator<Item = (&'a str, Cell)>) {
         for (name, cell) in row {
             let index = self.place(name, || match cell {
-                Cell::Number(_) => ColumnValues::Number(Vec::new()),
+                Cell::Number(_) | Cell::Missing => ColumnValues::Number(Vec::new()),
                 Cell::Count(_) => ColumnValues::Whole(Vec::new()),
                 Cell::Text(_) => ColumnValues::Text(Vec::new()),
             });

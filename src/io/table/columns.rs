@@ -6,7 +6,9 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::io::csv::{Cell, write_table};
 use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
-use crate::scene::ramped::{axis_of, place_name, prescribed};
+#[cfg(feature = "scenes")]
+use crate::scene::Scene;
+use crate::scene::ramped::{axis_of, place_name, prescribed, ramped_name};
 use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
 
 type CellOfStep = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
@@ -19,11 +21,15 @@ struct RunColumn {
 }
 
 /// The columns of a run's table; those that a scene does not have are left out.
-pub struct Columns(Vec<RunColumn>);
+pub struct Columns {
+    all: Vec<RunColumn>,
+    /// Index of the first quantity that stages ramp; none where that is no number of the table.
+    ramped: Option<usize>,
+}
 
 impl fmt::Debug for Columns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.0.iter().map(|column| &column.name)).finish()
+        f.debug_list().entries(self.all.iter().map(|column| &column.name)).finish()
     }
 }
 
@@ -36,8 +42,15 @@ struct UnitNames {
 }
 
 impl Columns {
-    /// The columns for a model, its stages and units. `relaxed_links` is the link of relaxed DNA by rod, turns;
-    /// `thermal` is kT in the scene's unit of energy, if known.
+    /// Of a scene.
+    #[cfg(feature = "scenes")]
+    pub fn of_scene(scene: &Scene) -> Self {
+        let thermal = scene.thermal().map(|(_, unit)| unit);
+        Self::new(&scene.model, &scene.stages, &scene.units, &scene.relaxed_links, thermal)
+    }
+
+    /// Of a model, its stages and units; `relaxed_links` is the link of relaxed DNA by rod, turns, `thermal` kT in the
+    /// scene's unit of energy where it has one.
     pub fn new(
         model: &Model,
         stages: &[Stage],
@@ -48,7 +61,7 @@ impl Columns {
         let (length, force) = (units.length.clone(), units.force.clone());
         let names =
             UnitNames { moment: format!("{force} {length}"), pressure: format!("{force}/{length}"), length, force };
-        let mut all = Self(Vec::new());
+        let mut all = Self { all: Vec::new(), ramped: None };
         all.add("step", "", "accepted step, 0 the start", |step| step.step.into());
         all.add("stage", "", "stage, from 0", |step| step.stage.into());
         all.add("fraction", "", "part of the stage done", |step| step.fraction.into());
@@ -61,7 +74,7 @@ impl Columns {
         for (index, plane) in model.planes.iter().enumerate() {
             let meaning = "of the plane on the rods, along its normal";
             all.add(&format!("{}_force", plane.name), &names.force, meaning, move |step| {
-                step.plane_reactions.get(index).map_or_else(blank, |reaction| number(reaction.force))
+                step.plane_reactions.get(index).map_or(Cell::Missing, |reaction| number(reaction.force))
             });
         }
         all.knots(model);
@@ -78,6 +91,11 @@ impl Columns {
         all.add("seconds", "s", "wall time of the step", |step| step.seconds.into());
         all.add("status", "", "converged, overlap, or why not", |step| step.status.as_str().into());
         all.add("notes", "", "to be known before the numbers are believed", |step| step.notes.join("; ").into());
+        let first = stages.iter().flat_map(|stage| &stage.ramps).find_map(|ramp| match ramp {
+            Ramp::ExcessLink { rod, .. } => Some(of_rod(model, *rod, "excess_link")),
+            other => ramped_name(model, other),
+        });
+        all.ramped = first.and_then(|name| all.all.iter().position(|column| column.name == name));
         all
     }
 
@@ -88,7 +106,7 @@ impl Columns {
         meaning: &'static str,
         value: impl Fn(&Observation) -> Cell + Send + Sync + 'static,
     ) {
-        self.0.push(RunColumn { name: name.to_owned(), unit: unit.to_owned(), meaning, value: Box::new(value) });
+        self.all.push(RunColumn { name: name.to_owned(), unit: unit.to_owned(), meaning, value: Box::new(value) });
     }
 
     fn prescribed(&mut self, model: &Model, stages: &[Stage], names: &UnitNames) {
@@ -112,7 +130,7 @@ impl Columns {
         for rod in (0..model.rods.len()).filter(|&rod| model.rods[rod].closed) {
             let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodLink) -> f64| {
                 self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
-                    step.links.iter().find(|link| link.rod == rod).map_or_else(blank, |link| number(of(link)))
+                    step.links.iter().find(|link| link.rod == rod).map_or(Cell::Missing, |link| number(of(link)))
                 });
             };
             add("excess_link", "turns", "link beyond that of the relaxed rod", |link| link.excess_link);
@@ -124,7 +142,7 @@ impl Columns {
             if let Some(relaxed) = relaxed_links.get(rod).copied().flatten() {
                 let sigma = move |step: &Observation| {
                     let link = step.links.iter().find(|link| link.rod == rod);
-                    link.map_or_else(blank, |link| number(link.excess_link / relaxed))
+                    link.map_or(Cell::Missing, |link| number(link.excess_link / relaxed))
                 };
                 self.add(&of_rod(model, rod, "sigma"), "", "supercoiling density", sigma);
             }
@@ -135,7 +153,7 @@ impl Columns {
         for rod in (0..model.rods.len()).filter(|&rod| !model.rods[rod].closed) {
             let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodEnds) -> Option<f64>| {
                 self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
-                    step.ends.iter().find(|ends| ends.rod == rod).and_then(of).map_or_else(blank, number)
+                    step.ends.iter().find(|ends| ends.rod == rod).and_then(of).map_or(Cell::Missing, number)
                 });
             };
             let length = &names.length;
@@ -159,10 +177,10 @@ impl Columns {
 
     fn energies(&mut self, names: &UnitNames, charged: bool, thermal: Option<f64>) {
         let unit = &names.moment;
-        self.add("stretching_energy", unit, "½∫EA (Γ3 − 1)²", |step| number(step.energies.stretch));
-        self.add("shearing_energy", unit, "½∫GA Γ²", |step| number(step.energies.shear));
-        self.add("bending_energy", unit, "½∫EI K²", |step| number(step.energies.bend));
-        self.add("twisting_energy", unit, "½∫GJ K3²", |step| number(step.energies.twist));
+        self.add("stretching_energy", unit, "½∫EA (Γ3 − 1)²", |step| number(step.energies.stretching));
+        self.add("shearing_energy", unit, "½∫GA Γ²", |step| number(step.energies.shearing));
+        self.add("bending_energy", unit, "½∫EI K²", |step| number(step.energies.bending));
+        self.add("twisting_energy", unit, "½∫GJ K3²", |step| number(step.energies.twisting));
         self.add("contact_energy", unit, "stored in the contact law", |step| number(step.energies.contact));
         if charged {
             self.add("electrostatic_energy", unit, "of charges along strands", |step| {
@@ -182,7 +200,7 @@ impl Columns {
             "min_gap",
             &names.length,
             "certified lower bound of the smallest gap; blank beyond two diameters",
-            |step| step.min_gap.map_or_else(blank, |gap| number(gap.lower)),
+            |step| step.min_gap.map_or(Cell::Missing, |gap| number(gap.lower)),
         );
         self.add("penetration", &names.length, "worst penetration", |step| {
             let between = step.min_gap.map_or(0.0, |gap| (-gap.lower).max(0.0));
@@ -203,7 +221,7 @@ impl Columns {
                 |name: String, unit: &str, meaning: &'static str, of: Box<dyn Fn(&Reaction) -> f64 + Send + Sync>| {
                     self.add(&name, unit, meaning, move |step| {
                         let found = step.reactions.iter().find(|r| (r.rod, r.node) == (node.rod, node.node));
-                        found.map_or_else(blank, |reaction| number(of(reaction)))
+                        found.map_or(Cell::Missing, |reaction| number(of(reaction)))
                     });
                 };
             for k in 0..3 {
@@ -239,12 +257,12 @@ impl Columns {
                 &of_rod(model, rod, "knot"),
                 "",
                 "simplest knot with its Alexander polynomial; 0_1: none",
-                move |step| knot(step).map_or_else(blank, |knot| knot.name.into()),
+                move |step| knot(step).map_or_else(String::new, |knot| knot.name).into(),
             );
             if model.rods.len() == 1 && model.rods[rod].closed {
                 let meaning = "length over the diameter of the thickest tube; blank where nothing is near";
                 self.add("ropelength", "", meaning, move |step| {
-                    knot(step).and_then(|knot| knot.ropelength).map_or_else(blank, number)
+                    knot(step).and_then(|knot| knot.ropelength).map_or(Cell::Missing, number)
                 });
             }
         }
@@ -253,7 +271,7 @@ impl Columns {
                 let name = format!("linking_{}_{}", model.rods[a].name, model.rods[b].name);
                 self.add(&name, "", "linking number of two rods", move |step| {
                     let found = step.linking.iter().find(|pair| (pair.rod_a, pair.rod_b) == (a, b));
-                    found.map_or_else(blank, |pair| number(pair.link))
+                    found.map_or(Cell::Missing, |pair| number(pair.link))
                 });
             }
         }
@@ -261,12 +279,35 @@ impl Columns {
 
     /// Names of the columns.
     pub fn names(&self) -> Vec<&str> {
-        self.0.iter().map(|column| column.name.as_str()).collect()
+        self.all.iter().map(|column| column.name.as_str()).collect()
     }
 
     /// Cells of one step.
     pub fn cells(&self, step: &Observation) -> Vec<Cell> {
-        self.0.iter().map(|column| (column.value)(step)).collect()
+        self.all.iter().map(|column| (column.value)(step)).collect()
+    }
+
+    /// Numbers of one step by name, with their units; NaN where a cell is blank.
+    pub fn numbers<'a>(&'a self, step: &'a Observation) -> impl Iterator<Item = (&'a str, &'a str, f64)> {
+        self.all.iter().zip(self.cells(step)).filter_map(|(column, cell)| {
+            let value = match cell {
+                Cell::Number(value) => value,
+                Cell::Count(value) => value as f64,
+                Cell::Missing => f64::NAN,
+                Cell::Text(_) => return None,
+            };
+            Some((column.name.as_str(), column.unit.as_str(), value))
+        })
+    }
+
+    /// How far a run is: the value of the first quantity that stages ramp, and the name of its column. `stage + fraction`
+    /// where that is no number: poses, supports, nothing.
+    pub fn progress(&self, step: &Observation) -> (&str, f64) {
+        let column = self.ramped.map(|index| &self.all[index]);
+        match column.map(|column| (column, (column.value)(step))) {
+            Some((column, Cell::Number(value))) => (&column.name, value),
+            _ => ("stage + fraction", step.stage as f64 + step.fraction),
+        }
     }
 
     /// Writes the steps as CSV, one a line.
@@ -283,7 +324,7 @@ impl Columns {
     /// [`InputError::Write`] if the file cannot be written.
     pub fn write_legend(&self, path: &Path) -> Result<(), InputError> {
         let row = |column: &RunColumn| [column.name.as_str(), column.unit.as_str(), column.meaning].map(Cell::from);
-        write_table(path, &["column", "unit", "meaning"], self.0.iter().map(row))
+        write_table(path, &["column", "unit", "meaning"], self.all.iter().map(row))
     }
 }
 
@@ -294,10 +335,6 @@ fn of_rod(model: &Model, rod: usize, name: &str) -> String {
     } else {
         name.to_owned()
     }
-}
-
-fn blank() -> Cell {
-    Cell::from("")
 }
 
 fn number(x: f64) -> Cell {

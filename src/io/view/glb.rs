@@ -131,8 +131,8 @@ impl<'a> GlbWriter<'a> {
         let (mesh, mode) = match self.sides {
             Some(sides) => {
                 let stripe = linear(Stripe::along(Vec::new()).color);
-                let look =
-                    MeshStyle { radius: head.radius, closed: head.closed, seam_turns: rod.seam_turns, sides, stripe };
+                let FrameRod { radius, seam_turns, .. } = *rod;
+                let look = MeshStyle { radius, closed: head.closed, seam_turns, sides, stripe };
                 (tube(&nodes, &look), Mode::Triangles)
             }
             None => (line(&nodes), if head.closed { Mode::LineLoop } else { Mode::LineStrip }),

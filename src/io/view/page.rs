@@ -66,7 +66,7 @@ impl Film {
     fn head(&self) -> Value {
         let (center, axes, extent) = self.stage();
         let rows: [[f64; 3]; 3] = axes.transpose().into();
-        let rod = |rod: &FilmRod| json!({ "name": rod.name, "radius": rod.radius, "closed": rod.closed });
+        let rod = |rod: &FilmRod| json!({ "name": rod.name, "closed": rod.closed });
         let frame = |frame: &Frame| {
             let forces = frame.forces.iter().map(|[at, force]| {
                 let at = at - center;
@@ -75,6 +75,7 @@ impl Film {
             json!({
                 "step": frame.step,
                 "counts": frame.rods.iter().map(|rod| rod.points.len()).collect::<Vec<_>>(),
+                "radii": frame.rods.iter().map(|rod| rod.radius).collect::<Vec<_>>(),
                 "seams": frame.rods.iter().map(|rod| rod.seam_turns).collect::<Vec<_>>(),
                 "forces": forces.collect::<Vec<_>>(),
             })
@@ -105,7 +106,7 @@ impl Film {
             Quantity::Strand => ("strand", String::new()),
             Quantity::Pressure => ("contact force per length", format!("{force}/{length}")),
             Quantity::Curvature => ("curvature", format!("1/{length}")),
-            Quantity::Twist => ("twist", format!("rad/{length}")),
+            Quantity::TwistRate => ("twist rate", format!("rad/{length}")),
         };
         let place = |k: usize| k as f64 / (COLORS - 1) as f64;
         let colors: Vec<[u8; 3]> = (0..COLORS).map(|k| quantity.palette().color(place(k))).collect();
@@ -118,7 +119,7 @@ fn numbers(frame: &Frame, center: Vec3) -> Vec<u8> {
     let of_rod = |rod: &super::FrameRod| {
         let node = |i: usize| {
             let (p, d) = (rod.points[i] - center, rod.directions[i]);
-            [p.x, p.y, p.z, d.x, d.y, d.z, rod.pressure[i], rod.curvature[i], rod.twist[i]]
+            [p.x, p.y, p.z, d.x, d.y, d.z, rod.pressure[i], rod.curvature[i], rod.twist_rate[i]]
         };
         (0..rod.points.len()).flat_map(node).flat_map(|x| (x as f32).to_le_bytes()).collect::<Vec<u8>>()
     };

@@ -88,12 +88,12 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
             let link = observation.links.iter().find(|link| link.rod == index);
             let (rod, left_out) = thinned(data, share, run.rods[index].radius());
             tolerance = tolerance.max(left_out);
-            frame.rods.push(FrameRod { seam_turns: link.map_or(0.0, |link| link.excess_link), ..rod });
+            frame.rods.push(FrameRod { seam_turns: link.map_or(0.0, |link| link.link), ..rod });
         }
         frames.push(frame);
     }
     let note = note(&frames, files.len(), num_nodes, tolerance, run.units);
-    let head = |head: &RodHead| FilmRod { name: head.name.clone(), radius: head.radius(), closed: head.closed };
+    let head = |head: &RodHead| FilmRod { name: head.name.clone(), closed: head.closed };
     let (table, plots) = table(run.steps, run.units);
     let (title, units) = (run.title.to_owned(), run.units.clone());
     Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), frames, table, plots, note })
@@ -134,8 +134,9 @@ fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
     rods
 }
 
-/// A rod with at most the fraction `share` of its nodes, and the tolerance for nodes that were left out.
+/// A rod with at most `share` of its nodes, drawn with `radius` if its file has none, and the distance from the line drawn within which nodes were left out.
 fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
+    let radius = data.scalars.get("radius").and_then(|radii| radii.first().copied()).unwrap_or(radius);
     let num = data.points.len();
     // `within` keeps the ends of its blocks in any case
     let most = ((share * num as f64) as usize).max(num.div_ceil(BLOCK) + 1);
@@ -148,7 +149,8 @@ fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
     let numbers = |name: &str| data.scalars.get(name).unwrap_or(&empty);
     let none = Vec::new();
     let vectors = |name: &str| data.vectors.get(name).unwrap_or(&none);
-    let (curvature, twist, force) = (numbers("curvature"), numbers("twist"), vectors("contact_force"));
+    let (curvature, twist_rate) = (numbers("curvature"), numbers("twist_rate"));
+    let force = vectors("contact_force_per_length");
     let rod = FrameRod {
         points: kept.iter().map(|&i| data.points[i]).collect(),
         directions: if tolerance > 0.0 {
@@ -158,7 +160,8 @@ fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
         },
         pressure: kept.iter().filter_map(|&i| force.get(i).map(Vec3::norm)).collect(),
         curvature: kept.iter().filter_map(|&i| curvature.get(i).copied()).collect(),
-        twist: kept.iter().filter_map(|&i| twist.get(i).copied()).collect(),
+        twist_rate: kept.iter().filter_map(|&i| twist_rate.get(i).copied()).collect(),
+        radius,
         seam_turns: 0.0,
     };
     (rod, tolerance)
@@ -192,19 +195,26 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
     notes.join(" ")
 }
 
-/// The columns shown, and their plots.
+/// The columns that are looked at, named as in `table.csv`, and their plots.
 fn table(steps: &[Observation], units: &Units) -> (FilmTable, Vec<Plot>) {
     let energy = format!("{} {}", units.force, units.length);
     let (turns, none) = ("turns".to_owned(), String::new());
     let linked = steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0);
     let mut columns = vec![("step", none.clone())];
     if linked {
-        columns.extend([("ΔLk", turns.clone()), ("writhe", turns.clone()), ("twist", turns)]);
+        columns.extend([("excess_link", turns.clone()), ("writhe", turns.clone()), ("twist", turns)]);
     }
     let first = columns.len();
-    columns.extend(["bending", "twisting", "stretch", "shear"].map(|name| (name, energy.clone())));
-    columns.extend([("least gap", units.length.clone()), ("sites", none.clone()), ("contact", units.force.clone())]);
-    columns.extend([("unstable", none.clone()), ("iterations", none)]);
+    columns.extend(
+        ["bending_energy", "twisting_energy", "stretching_energy", "shearing_energy"]
+            .map(|name| (name, energy.clone())),
+    );
+    columns.extend([
+        ("min_gap", units.length.clone()),
+        ("num_sites", none.clone()),
+        ("contact_force", units.force.clone()),
+    ]);
+    columns.extend([("num_unstable", none.clone()), ("iterations", none)]);
     let row = |step: &Observation| {
         let (e, link) = (&step.energies, step.links.first());
         let mut row = vec![step.step as f64];
@@ -214,13 +224,15 @@ fn table(steps: &[Observation], units: &Units) -> (FilmTable, Vec<Plot>) {
                     .map(|x| x.unwrap_or(f64::NAN)),
             );
         }
-        row.extend([e.bend, e.twist, e.stretch, e.shear]);
+        row.extend([e.bending, e.twisting, e.stretching, e.shearing]);
         row.push(step.min_gap.map_or(f64::NAN, |gap| gap.lower));
         row.extend([step.num_sites as f64, step.total_contact_force, step.num_unstable as f64, step.iterations as f64]);
         row
     };
     let rows: Vec<Vec<f64>> = steps.iter().map(row).collect();
-    let x = usize::from(linked);
+    // against what changes
+    let varies = |column: usize| rows.windows(2).any(|pair| pair[0][column] != pair[1][column]);
+    let x = usize::from(linked && varies(1));
     let mut plots = vec![Plot { x, y: (first..first + 2).collect() }, Plot { x, y: vec![first + 6] }];
     if linked {
         plots.insert(0, Plot { x, y: vec![2, 3] });

@@ -118,7 +118,7 @@ fn unescaped(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{VtkRod, polydata};
+    use super::super::{VtkRod, VtkStep, polydata};
     use super::*;
 
     #[test]
@@ -131,7 +131,7 @@ mod tests {
             VtkRod::default(),
             VtkRod { points: &line, closed: false, scalars: vec![("twist", values.clone())], vectors: vec![] },
         ];
-        let file = polydata(&rods, &[("twist", 7.0)]);
+        let file = polydata(&rods, &VtkStep { numbers: vec![("link", 7.0)], units: vec![("link", "turns")] });
         let read = parse(&file).unwrap();
         assert_eq!(read.iter().map(|r| r.rod).collect::<Vec<_>>(), [0, 2]);
         assert!(read[0].points == ring && read[1].points == line);

@@ -6,6 +6,7 @@ use crate::rod::Rod;
 use crate::scene::{Ramp, Scene};
 
 use super::memory;
+use super::text::{RodText, ShapeText};
 
 /// Largest natural twist from node to node, turns. At 80° the error is 1 %; it falls with the sixth power.
 const MOST_NATURAL: f64 = 1.0 / 12.0;
@@ -22,6 +23,23 @@ const NODES_A_DIAMETER: f64 = 3.0;
 const ITERATIONS_A_STEP: f64 = 20.0;
 const SECONDS_A_NODE: f64 = 25e-6;
 const MIB: f64 = (1u64 << 20) as f64;
+
+/// Start link, turns, above which a curve is told not to begin relaxed.
+const WORTH_TELLING: f64 = 1e-3;
+
+/// Says that a closed curve whose file gives no link begins with that of its shape.
+pub(super) fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
+    let is_given = text.excess_link.is_some() || text.link.is_some() || text.sigma.is_some();
+    let is_curve = !matches!(text.shape, ShapeText::State { .. } | ShapeText::Frames { .. });
+    let link = rod.start_excess_link;
+    (rod.closed && is_curve && !is_given && link.abs() > WORTH_TELLING).then(|| {
+        format!(
+            "rod \"{}\" begins with an excess link of {link:.4} turns, the writhe of its shape, and no twist: its link stays. \
+             With excess_link = 0 it has the link of the relaxed rod, and the twist {:.4}",
+            rod.name, -link
+        )
+    })
+}
 
 impl Scene {
     /// Warnings: a radius probably in another unit than the length, link that the mesh cannot resolve, too much natural

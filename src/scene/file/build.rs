@@ -292,7 +292,14 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
                 return Err(InputError::inconsistent(format!("{path}.elements"), reason));
             }
         };
-        check_memory(elements)?;
+        check_memory(elements).map_err(|error| match (error, text.elements, scene.fidelity) {
+            (InputError::Inconsistent { field, reason }, None, Some(fidelity)) => {
+                let word = format!("{fidelity:?}").to_lowercase();
+                let reason = format!("{reason}; fidelity = \"{word}\" asks for them: give fewer as elements");
+                InputError::Inconsistent { field, reason }
+            }
+            (error, ..) => error,
+        })?;
         Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?
     };
     if let Some(stiffness) = stiffness {

@@ -7,7 +7,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
-use crate::scene::{Import, read_points_with};
+use crate::scene::{Import, read_points_with, smooth_points};
 
 use super::text::ShapeText;
 use super::values::List;
@@ -57,7 +57,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Helix { center, axis, radius, pitch, turns } => {
             Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
         }
-        ShapeText::Points { ref file, ref columns, frame, ref chain, every, scale } => {
+        ShapeText::Points { ref file, ref columns, frame, ref chain, every, scale, smooth } => {
             let path = base_dir.join(file);
             let three = |names: Vec<String>| {
                 let refuse =
@@ -75,6 +75,9 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
                     file: path.display().to_string(),
                     reason: "holds no points".to_owned(),
                 });
+            }
+            if let Some(length) = smooth {
+                points = smooth_points(&points, wound.closed, length).map_err(|error| within("shape", error))?;
             }
             Shape::Points(points)
         }

@@ -171,6 +171,7 @@ pub(super) enum ShapeText {
         every: usize,
         #[serde(default = "unit_scale")]
         scale: f64,
+        smooth: Option<f64>,
     },
     Frames {
         file: PathBuf,

@@ -39,6 +39,8 @@ pub struct Failure {
     pub stage: Option<usize>,
     /// Fractions of the stage between which the attempt was to lead.
     pub span: [f64; 2],
+    /// Whether the stage ramps loads or pressures, which may go beyond what the rods bear.
+    pub ramps_loads: bool,
     /// How the attempt ended.
     pub status: Status,
     /// What broke down, if anything did.
@@ -69,6 +71,7 @@ impl Failure {
         Self {
             stage: None,
             span: [0.0, 0.0],
+            ramps_loads: false,
             status: report.status,
             error: report.error.clone(),
             increment: last.map(|iteration| [iteration.increment, newton.tol_increment]),
@@ -96,6 +99,7 @@ impl Failure {
                 "no stable state was found nearby: more steps, or a small load or displacement that decides to which side"
             }
             (_, Some(SolveError::TooCoarse { .. } | SolveError::TooTwisted { .. }), _) => "more elements",
+            _ if !self.ramps_loads => "more elements, smaller steps or more solver.max_iterations",
             _ => {
                 "more elements, smaller steps or more solver.max_iterations; beyond a limit load there is no state nearby: \
                  ramp a displacement or rotation instead of a load or pressure"

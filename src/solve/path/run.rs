@@ -313,7 +313,10 @@ impl Solver {
                 let gives_up = size < full * self.options.min_step;
                 if gives_up && report.status != Status::Stopped {
                     let failure = Failure::of(&self.engine, &report, &self.options.newton);
-                    self.failure = Some(Failure { stage: Some(place.stage), span: [done, done + advance], ..failure });
+                    let is_load = |ramp: &Ramp| matches!(ramp, Ramp::Load { .. } | Ramp::Pressure { .. });
+                    let ramps_loads = stage.ramps.iter().any(is_load);
+                    let (stage, span) = (Some(place.stage), [done, done + advance]);
+                    self.failure = Some(Failure { stage, span, ramps_loads, ..failure });
                 }
                 self.restore(snapshot)?;
                 if report.status == Status::Stopped || gives_up {

@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use crate::math::Vec3;
 use crate::math::shape_functions::{ShapeTable, lagrange};
-use crate::rod::element::{Strain, raw_strains};
+use crate::math::{Quat, Vec3};
+use crate::rod::element::{ElementNodes, Strain, raw_strains};
 use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
 
@@ -15,11 +15,29 @@ use crate::solve::problem::engine::Engine;
 pub struct NodalFields {
     /// Curvature √(K1² + K2²) of the present shape, natural curvature included \[1/L\].
     pub curvature: Vec<f64>,
-    /// Twist K3 of the present shape, natural twist included \[rad/L\].
-    pub twist: Vec<f64>,
+    /// Twist K3 of the present shape a length, natural twist included \[rad/L\].
+    pub twist_rate: Vec<f64>,
     /// Contact force on the rod per reference length \[F/L\]; times the node's share of the length it sums to the
     /// resultant.
     pub contact_force: Vec<Vec3>,
+    /// Internal force n = Σ N_i d_i \[F\], in the global axes: that of the rod beyond the node on the rod before it, so tension
+    /// points towards growing s.
+    pub internal_force: Vec<Vec3>,
+    /// Internal moment m = Σ M_i d_i \[F·L\], in the global axes: likewise.
+    pub internal_moment: Vec<Vec3>,
+}
+
+/// Sums over the elements at a node.
+#[derive(Clone, Default)]
+struct NodeSum {
+    /// How many there are.
+    elements: f64,
+    /// Reference length on both sides of the node.
+    length: f64,
+    curvature: f64,
+    twist: f64,
+    force: Vec3,
+    moment: Vec3,
 }
 
 impl Engine {
@@ -50,10 +68,8 @@ impl Engine {
             let mut add = |segment: usize, u: f64| {
                 let cubic = contact_cubic(&self.state, [element.nodes[segment], element.nodes[segment + 1]], length);
                 let (n, _) = lagrange(order, (segment as f64 + u) / order as f64);
-                let q: [f64; 4] = std::array::from_fn(|k| (0..=order).map(|a| n[a] * nodes.q[a][k]).sum());
-                let frame = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]));
                 points.push(cubic.point(u));
-                directions.push(frame * Vec3::x());
+                directions.push(interpolated_frame(&nodes, &n, order) * Vec3::x());
             };
             for segment in 0..order {
                 (0..per_segment).for_each(|k| add(segment, k as f64 / per_segment as f64));
@@ -109,28 +125,50 @@ impl Engine {
         let (order, count) = (self.model.rods[rod].order, self.model.rods[rod].num_nodes());
         let (first, spacing) = (self.first_node[rod], self.element_length(rod) / order as f64);
         let extrapolation = extrapolation(self.table(rod));
-        // sums over elements: how many, length on both sides of the node, curvature, twist
-        let mut sums = vec![[0.0; 4]; count];
+        let mut sums = vec![NodeSum::default(); count];
         for e in self.elements_of(rod) {
             let strains = self.raw_strain_of(e);
+            let resultants = self.resultants_of(e);
             for a in 0..=order {
                 let kappa: [f64; 3] =
                     std::array::from_fn(|k| (0..order).map(|g| extrapolation[a][g] * strains[g][3 + k]).sum());
+                let resultant =
+                    |which: usize| (0..order).map(|g| extrapolation[a][g] * resultants[g][which]).sum::<Vec3>();
                 let share = if a == 0 || a == order { 0.5 } else { 1.0 };
-                let values = [1.0, share * spacing, kappa[0].hypot(kappa[1]), kappa[2]];
                 let sum = &mut sums[self.elements[e].nodes[a] - first];
-                (0..4).for_each(|k| sum[k] += values[k]);
+                sum.elements += 1.0;
+                sum.length += share * spacing;
+                sum.curvature += kappa[0].hypot(kappa[1]);
+                sum.twist += kappa[2];
+                sum.force += resultant(0);
+                sum.moment += resultant(1);
             }
         }
-        let force = |node: usize| match contact_gradient.get(6 * (first + node)..6 * (first + node) + 3) {
-            Some(g) => -Vec3::new(g[0], g[1], g[2]) / sums[node][1],
+        let contact_force = |node: usize| match contact_gradient.get(6 * (first + node)..6 * (first + node) + 3) {
+            Some(g) => -Vec3::new(g[0], g[1], g[2]) / sums[node].length,
             None => Vec3::zeros(),
         };
         NodalFields {
-            curvature: sums.iter().map(|s| s[2] / s[0]).collect(),
-            twist: sums.iter().map(|s| s[3] / s[0]).collect(),
-            contact_force: (0..count).map(force).collect(),
+            curvature: sums.iter().map(|s| s.curvature / s.elements).collect(),
+            twist_rate: sums.iter().map(|s| s.twist / s.elements).collect(),
+            contact_force: (0..count).map(contact_force).collect(),
+            internal_force: sums.iter().map(|s| s.force / s.elements).collect(),
+            internal_moment: sums.iter().map(|s| s.moment / s.elements).collect(),
         }
+    }
+
+    /// Force and moment at the integration points of an element, in the global axes.
+    fn resultants_of(&self, e: usize) -> [[Vec3; 2]; 3] {
+        let element = &self.elements[e];
+        let (table, nodes) = (self.table(element.rod), self.element_nodes(&self.state, element));
+        let (strain, material) = (self.element_strain(e, &self.state), self.body(e).material);
+        let mut out = [[Vec3::zeros(); 2]; 3];
+        for g in 0..table.order {
+            let stress = material.stress(g, &strain[g]);
+            let frame = interpolated_frame(&nodes, &table.n[g], table.order);
+            out[g] = [0, 3].map(|k| frame * Vec3::new(stress[k], stress[k + 1], stress[k + 2]));
+        }
+        out
     }
 
     /// Largest curvature \[1/L\] of a rod at its integration points, and the reference arc length \[L\] where it is.
@@ -157,6 +195,12 @@ impl Engine {
             self.element_length(element.rod),
         )
     }
+}
+
+/// The frame at a place of an element where its shape functions are `n`.
+fn interpolated_frame(nodes: &ElementNodes, n: &[f64; 4], order: usize) -> Quat {
+    let q: [f64; 4] = std::array::from_fn(|k| (0..=order).map(|a| n[a] * nodes.q[a][k]).sum());
+    Quat::new_normalize(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]))
 }
 
 /// Value at node a of the polynomial that is 1 at integration point g and 0 at the others: `[a][g]`.
@@ -193,8 +237,23 @@ mod tests {
             let fields = helix(order).nodal_fields(0);
             assert_eq!(fields.curvature.len(), 24 * order + 1);
             assert!(fields.curvature.iter().all(|k| (k - 0.5).abs() < tol), "{order}: {:?}", fields.curvature);
-            assert!(fields.twist.iter().all(|k| k.abs() < tol), "{order}: {:?}", fields.twist);
+            assert!(fields.twist_rate.iter().all(|k| k.abs() < tol), "{order}: {:?}", fields.twist_rate);
             assert!(fields.contact_force.iter().all(|f| *f == Vec3::zeros()));
+        }
+    }
+
+    /// A rod bent into an arc of radius r bears the moment EI/r and no force.
+    #[test]
+    fn resultants_of_an_arc_bent_by_moments() {
+        let shape =
+            Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 2.0, angle: 1.0 };
+        let section = Section::isotropic(3.0, 1.0, 50.0, 50.0, 0.0);
+        let rod = Rod::new("arc", &shape, false, section, 8, 3, Natural::Straight).unwrap();
+        let engine = Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap();
+        let fields = engine.nodal_fields(0);
+        for (force, moment) in fields.internal_force.iter().zip(&fields.internal_moment) {
+            // EI/r about the axis of bending, from x towards y; nothing else
+            assert!(force.norm() < 1e-4 && (moment - 1.5 * Vec3::z()).norm() < 1e-4, "{force:?} {moment:?}");
         }
     }
 
