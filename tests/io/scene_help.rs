@@ -65,6 +65,7 @@ fn the_reference_has_all_keys_and_no_more() {
         ("joints", accepted("[[joints]]\nzzz = 1")),
         ("loads", accepted("[[loads]]\nzzz = 1")),
         ("line_loads", accepted("[[line_loads]]\nzzz = 1")),
+        ("planes", accepted("[[planes]]\nzzz = 1")),
         ("contact", accepted("[contact]\nzzz = 1")),
         ("contact.electrostatics", accepted("[contact]\nelectrostatics = { zzz = 1 }")),
         ("stages", accepted("[[stages]]\nzzz = 1")),
