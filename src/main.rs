@@ -24,7 +24,7 @@ use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::schema::scene_schema;
 use supercoil::io::table::StepTable;
 use supercoil::io::view::{self, GlbOptions, Quantity};
-use supercoil::observe::{OVERLAP, StartOverlap, start_overlaps};
+use supercoil::observe::{StartOverlap, ending, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Interrupt, Options, RunError, Solver, Status};
@@ -465,7 +465,7 @@ fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, 
     if let Some(estimate) = &outcome.error_estimate {
         say(format_args!("{estimate}"));
     }
-    let status = if outcome.overlaps() { OVERLAP.to_owned() } else { outcome.status.to_string() };
+    let status = ending(outcome.status, outcome.steps.last());
     say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
 }
 

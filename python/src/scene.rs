@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use supercoil::io::csv::Cell;
 use supercoil::io::run::options;
 use supercoil::io::table::Columns;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
+use supercoil::observe::{ending, observe};
 use supercoil::scene;
 use supercoil::solve::{Progress, Waypoint, run_from};
 
@@ -89,7 +89,8 @@ impl Scene {
             let solution = run_from(scene.model.clone(), &scene.stages, &options, None, &mut observer)?;
             // the start state is seen whatever becomes of it
             let last = steps.last().cloned().map(|last| State::of(solution.solver.engine(), last));
-            Ok((last, steps, solution.status, solution.failure))
+            let status = ending(solution.status, steps.last());
+            Ok((last, steps, status, solution.failure))
         };
         let answer = |state: State| {
             let go_on = Python::attach(|py| {
@@ -104,6 +105,6 @@ impl Scene {
         let (last, steps, status, failure) = supervised(py, &interrupt, work, answer)?.map_err(refuse::run)?;
         let last = last.ok_or_else(|| refuse::damaged("run", "no state was seen"))?;
         let steps = serde_json::to_string(&steps).map_err(|e| refuse::damaged("run", e))?;
-        Ok((last, steps, status.to_string(), failure.map(|f| f.to_string()), started.elapsed().as_secs_f64()))
+        Ok((last, steps, status, failure.map(|f| f.to_string()), started.elapsed().as_secs_f64()))
     }
 }

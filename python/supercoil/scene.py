@@ -309,7 +309,8 @@ class Result:
         self.state = State(state)
         #: Reports of all accepted steps, the start first, as in ``summary.json``.
         self.steps: list[dict[str, Any]] = json.loads(steps)
-        #: "converged", "stopped", or why the run went no further.
+        #: "converged", "stopped", or why the run went no further; "overlap" if it arrived with tubes inside each other
+        #: where contact does not resist it.
         self.status = status
         #: What the last attempt failed at; None if it did not fail.
         self.failure = failure
@@ -319,7 +320,7 @@ class Result:
 
     @property
     def converged(self) -> bool:
-        """Whether the run arrived at its end."""
+        """Whether the run arrived at its end, no tubes inside each other."""
         return self.status == "converged"
 
     @property

@@ -148,6 +148,26 @@ def test_threads_do_not_change_the_bits(result: Result) -> None:
     assert np.array_equal(ring().run(threads=2).state.positions, result.state.positions)
 
 
+def test_tubes_inside_each_other_are_not_converged() -> None:
+    """A rod bent to 1.1 times the curvature that its contact radius allows: at rest, not to be believed."""
+    text = """
+    [[rods]]
+    shape = { kind = "line", length = 1.0 }
+    section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.2 }
+    elements = 8
+    [[supports]]
+    at = "start"
+    position = true
+    rotation = true
+    [[stages]]
+    ramp = { natural = { curvature = [CURVATURE, 0.0] } }
+    steps = 4
+    """
+    tight = Scene.from_toml(text.replace("CURVATURE", "5.5")).run()
+    assert tight.status == tight.state.status == "overlap" and not tight.converged
+    assert Scene.from_toml(text.replace("CURVATURE", "4.0")).run().converged
+
+
 def test_pickles_and_files_keep_everything(result: Result, tmp_path: Path) -> None:
     state = pickle.loads(pickle.dumps(result.state))
     assert state.observation == result.state.observation

@@ -314,10 +314,10 @@ impl Keeper {
     fn finish(mut self, result: Result<solve::Solution, RunError>) -> Result<Outcome, RunError> {
         let seconds = self.elapsed();
         let (converged, status) = match &result {
-            Ok(solution) if solution.status == Status::Converged && self.record.overlaps() => {
-                (true, observe::OVERLAP.to_owned())
+            Ok(solution) => {
+                let converged = solution.status == Status::Converged;
+                (converged, observe::ending(solution.status, self.record.steps().last()))
             }
-            Ok(solution) => (solution.status == Status::Converged, solution.status.to_string()),
             Err(error) => (false, error.to_string()),
         };
         if let Ok(solution) = &result {

@@ -12,5 +12,5 @@ mod strains;
 
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
-pub use state::{OVERLAP, contact_lines, contact_sites, observe};
+pub use state::{OVERLAP, contact_lines, contact_sites, ending, observe};
 pub use strains::{RodStrains, strains};

@@ -37,6 +37,13 @@ const ROUNDING: f64 = 1e-12;
 /// [`Observation::status`] of an equilibrium in which tubes overlap where contact does not resist it.
 pub const OVERLAP: &str = "overlap";
 
+/// The end of a run whose last step is `last`, in words: [`OVERLAP`] in place of "converged" where tubes are inside each
+/// other.
+pub fn ending(status: Status, last: Option<&Observation>) -> String {
+    let overlaps = status == Status::Converged && last.is_some_and(Observation::overlaps);
+    if overlaps { OVERLAP.to_owned() } else { status.to_string() }
+}
+
 /// The report of the state that a solver has just accepted.
 ///
 /// Takes about as long as one evaluation of the residual, plus link and the certified clearance. All numbers except

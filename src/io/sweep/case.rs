@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::InputError;
-use crate::observe::observe;
 use crate::observe::report::Observation;
+use crate::observe::{ending, observe};
 use crate::scene::file::value_of;
 use crate::solve::{self, Interrupt, Progress, RunError, Status};
 
@@ -46,12 +46,7 @@ impl Plan {
             Ok(Ok(solution)) if solution.status == Status::Stopped && interrupt.is_raised() => return None,
             Ok(Ok(solution)) => {
                 let message = solution.failure.as_ref().map(ToString::to_string).unwrap_or_default();
-                // an equilibrium may overlap
-                let status = steps.last().filter(|_| solution.status == Status::Converged);
-                CaseEnd {
-                    status: status.map_or_else(|| solution.status.to_string(), |step| step.status.clone()),
-                    message,
-                }
+                CaseEnd { status: ending(solution.status, steps.last()), message }
             }
             Ok(Err(RunError::Input(error))) => CaseEnd { status: "refused".to_owned(), message: error.to_string() },
             Ok(Err(RunError::Solve(error))) => CaseEnd { status: "broke down".to_owned(), message: error.to_string() },
