@@ -32,12 +32,12 @@ const MOST_TURNED: f64 = 0.9 * PI;
 
 /// A place on a rod at rest.
 #[derive(Clone, Copy)]
-struct Place {
+struct RestPose {
     position: Vec3,
     frame: Quat,
 }
 
-impl Place {
+impl RestPose {
     const START: Self = Self {
         position: Vec3::new(0.0, 0.0, 0.0),
         frame: Quat::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
@@ -95,7 +95,7 @@ impl Helix {
         let turns = self.turns.round();
         let rate = TAU * turns / self.length;
         let (mut ends, mut natural, mut stiffness) = (Vec::new(), Vec::new(), Vec::new());
-        let mut here = Place::START;
+        let mut here = RestPose::START;
         for block in 0..blocks {
             let [first, last] = [block, block + 1].map(|k| k * count / blocks);
             let parts = (first..last).map(|k| self.natural.at((k as f64 + 0.5) * spacing));
@@ -141,7 +141,7 @@ impl Helix {
         &self,
         steps: std::ops::Range<usize>,
         strains: &NaturalStrains,
-        (mut here, start): (Place, Place),
+        (mut here, start): (RestPose, RestPose),
     ) -> Stiffness {
         let (spacing, rule) = (self.length / self.num_steps as f64, gauss(POINTS));
         let (first, count) = (steps.start, steps.len() as f64);
@@ -188,7 +188,7 @@ mod tests {
         let spacing = fine.length / 81.0;
         for size in [1, 5, 11, 27, 81] {
             let coarse = fine.in_blocks(size).unwrap();
-            let (mut pair, mut axis) = (Place::START, Place::START);
+            let (mut pair, mut axis) = (RestPose::START, RestPose::START);
             for k in 0..steps {
                 let middle = (f64::from(k) + 0.5) * spacing;
                 pair = pair.along(&fine.natural.at(middle), spacing);
@@ -214,11 +214,12 @@ mod tests {
         let stress = Vector6::new(3.0, -2.0, 5.0, 12.0, -7.0, 9.0);
         for block in [0, 4, 8] {
             let from = 9.0 * f64::from(block) * spacing;
-            let to = Place::along;
+            let to = RestPose::along;
             let walk = |helix: &Helix, s: f64| {
                 let whole = (s / spacing).floor() as usize;
-                let start = (0..whole)
-                    .fold(Place::START, |place, k| to(&place, &helix.natural.at((k as f64 + 0.5) * spacing), spacing));
+                let start = (0..whole).fold(RestPose::START, |place, k| {
+                    to(&place, &helix.natural.at((k as f64 + 0.5) * spacing), spacing)
+                });
                 to(&start, &helix.natural.at((whole as f64 + 0.5) * spacing), s - whole as f64 * spacing)
             };
             let (parts, mut sum) = (9 * 40, 0.0);

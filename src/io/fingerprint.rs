@@ -45,14 +45,14 @@ impl Fingerprint {
 
 /// Hash of a value's debug form, which has every field (those yet to come too) and every bit of every number.
 fn hash(value: &impl Debug) -> u128 {
-    struct Sink(XxHash3_128);
-    impl std::fmt::Write for Sink {
+    struct HashSink(XxHash3_128);
+    impl std::fmt::Write for HashSink {
         fn write_str(&mut self, text: &str) -> std::fmt::Result {
             self.0.write(text.as_bytes());
             Ok(())
         }
     }
-    let mut sink = Sink(XxHash3_128::new());
+    let mut sink = HashSink(XxHash3_128::new());
     // the sink takes everything
     let _ = std::fmt::write(&mut sink, format_args!("{value:?}"));
     sink.0.finish_128()

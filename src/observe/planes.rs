@@ -12,7 +12,7 @@ use super::sites::Layer;
 const NEAR: f64 = 2.0;
 
 /// Pieces of contact that follow each other on one rod and one plane, with the arc lengths that they span.
-struct Run {
+struct PlaneRun {
     curve: usize,
     plane: usize,
     /// Ascending; over the seam of a closed rod beyond its length \[L\].
@@ -28,11 +28,11 @@ pub(super) fn plane_sites(
     rods: &[usize],
     layer: &Layer,
 ) -> Vec<PlaneSite> {
-    let mut runs: Vec<Run> = plane_runs(set, contacts).into_iter().map(|pieces| run(set, pieces)).collect();
+    let mut runs: Vec<PlaneRun> = plane_runs(set, contacts).into_iter().map(|pieces| run(set, pieces)).collect();
     runs.sort_by(|x, y| (x.plane, x.curve).cmp(&(y.plane, y.curve)).then(x.arc[0].total_cmp(&y.arc[0])));
-    let mut joined: Vec<Run> = Vec::new();
+    let mut joined: Vec<PlaneRun> = Vec::new();
     for run in runs {
-        let near = |last: &Run| {
+        let near = |last: &PlaneRun| {
             let reach = NEAR * layer.width_on_plane(run.curve);
             (last.plane, last.curve) == (run.plane, run.curve) && arc::apart(last.arc, run.arc, None) <= reach
         };
@@ -47,16 +47,16 @@ pub(super) fn plane_sites(
     joined.iter().map(|run| site(set, planes, run, rods, layer)).collect()
 }
 
-fn run(set: &CurveSet, pieces: Vec<PlanePiece>) -> Run {
+fn run(set: &CurveSet, pieces: Vec<PlanePiece>) -> PlaneRun {
     let (first, last) = (pieces[0], pieces[pieces.len() - 1]);
     let curve = set.curve_of(first.segment);
     let start = set.arc_length(first.segment, first.zone.u[0]);
     let end = set.arc_length(last.segment, last.zone.u[1]);
     let end = if end < start { end + set.period(curve).unwrap_or(0.0) } else { end };
-    Run { curve, plane: first.plane, arc: [start, end], pieces }
+    PlaneRun { curve, plane: first.plane, arc: [start, end], pieces }
 }
 
-fn site(set: &CurveSet, planes: &[HalfSpace], run: &Run, rods: &[usize], layer: &Layer) -> PlaneSite {
+fn site(set: &CurveSet, planes: &[HalfSpace], run: &PlaneRun, rods: &[usize], layer: &Layer) -> PlaneSite {
     let force: f64 = run.pieces.iter().map(|piece| piece.zone.moments[0]).sum();
     let deeper =
         |best: PlanePiece, piece: &PlanePiece| if piece.zone.min_gap < best.zone.min_gap { *piece } else { best };

@@ -22,7 +22,7 @@ const AT_POINTS: f64 = 1.5;
 
 /// A run of segments of one strand that touch another.
 #[derive(Debug)]
-struct Run {
+struct ContactRun {
     segments: Vec<usize>,
     /// Length of the zone \[L\].
     length: f64,
@@ -113,13 +113,13 @@ impl Solver {
     }
 
     /// Runs of segments that touch.
-    fn runs(&self, felt: &[Felt]) -> Vec<Run> {
+    fn runs(&self, felt: &[Felt]) -> Vec<ContactRun> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let touches = |segment: usize| felt[segment].depth > 0.0;
         let begins = |segment: &usize| touches(*segment) && !side.set.prev(*segment).is_some_and(touches);
         let run = |first: usize| {
             let shortest_line = felt[first].shortest_line;
-            let mut run = Run { segments: vec![first], length: 0.0, force: 0.0, depth: 0.0, shortest_line };
+            let mut run = ContactRun { segments: vec![first], length: 0.0, force: 0.0, depth: 0.0, shortest_line };
             while let Some(next) = side.set.next(run.segments[run.segments.len() - 1]).filter(|k| touches(*k)) {
                 run.segments.push(next);
             }
@@ -145,7 +145,7 @@ struct Felt {
 }
 
 /// Offsets lowered by as much as the strands of each run move apart.
-fn lowered(side: Option<&ContactSide>, own: &ContactField, runs: &[Run], left: &[f64]) -> ContactField {
+fn lowered(side: Option<&ContactSide>, own: &ContactField, runs: &[ContactRun], left: &[f64]) -> ContactField {
     let mut offsets = own.clone();
     let Some(side) = side else { return offsets };
     for (run, left) in runs.iter().zip(left) {

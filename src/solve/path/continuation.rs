@@ -24,7 +24,7 @@ use std::ops::ControlFlow;
 use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::load_step::step_report::StepReport;
-use crate::solve::path::continuation::corrector::{Plane, Point, Tracer};
+use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
 use crate::solve::path::continuation::parameter::Parameter;
 use crate::solve::path::run::{Progress, Solver};
@@ -392,7 +392,7 @@ fn begin(
     let direction = if forwards { direction } else { direction.scaled(-1.0) };
     let mut size = options.step;
     while size >= options.min_step {
-        let plane = Plane { normal: &direction, distance: size };
+        let plane = Hyperplane { normal: &direction, distance: size };
         // deflections are found when the chord is about as long as asked for: else Newton went elsewhere
         let found = tracer.correct(&crossing, &direction.scaled(size), &plane).unwrap_or(None);
         if let Some(point) = found.filter(|p| p.chord <= MAX_CHORD * size) {

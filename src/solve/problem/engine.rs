@@ -363,7 +363,7 @@ impl Engine {
         let mut nodes = ElementNodes::default();
         for a in 0..count {
             let node = element.nodes[a];
-            nodes.r[a] = state.way(element.nodes[0], node).into();
+            nodes.r[a] = state.chord(element.nodes[0], node).into();
             let frame =
                 if element.closes && a + 1 == count { state.seam_frame(element.rod, node) } else { state.frames[node] };
             nodes.q[a] = to_array(&frame);

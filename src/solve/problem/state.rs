@@ -181,7 +181,7 @@ impl State {
     }
 
     /// From one node to another \[L\], right to rounding of the distance however far from the origin they are.
-    pub(crate) fn way(&self, from: usize, to: usize) -> Vec3 {
+    pub(crate) fn chord(&self, from: usize, to: usize) -> Vec3 {
         (self.positions[to] - self.positions[from]) + (self.remainders[to] - self.remainders[from])
     }
 

@@ -95,7 +95,7 @@ pub(crate) struct Workspace {
 
 /// What a search sets out with: motions of supports, and the shear forces and the tension of the first linearisation, if
 /// there are any.
-type Start<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
+type SearchStart<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
 
 /// Iterations of the plain search at most.
 const MAX_DIRECT: usize = 15;
@@ -164,7 +164,7 @@ impl Workspace {
     fn direct_apart(
         &mut self,
         engine: &mut Engine,
-        start: Start,
+        start: SearchStart,
         options: &NewtonOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
@@ -176,7 +176,7 @@ impl Workspace {
         // numbers that broke down on the way are for the other searches to mend
         let Ok(mut report) = outcome else { return Ok(None) };
         if report.converged
-            && timed(&mut self.timings.detection, || engine.is_way_free(&before)).unwrap_or(false)
+            && timed(&mut self.timings.detection, || engine.is_path_free(&before)).unwrap_or(false)
             && !engine.is_touching()
         {
             if engine.contact.as_ref().is_some_and(ContactSide::is_near) {
@@ -193,7 +193,7 @@ impl Workspace {
     fn direct_in_contact(
         &mut self,
         engine: &mut Engine,
-        start: Start,
+        start: SearchStart,
         options: &NewtonOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
@@ -216,7 +216,7 @@ impl Workspace {
     fn direct(
         &mut self,
         engine: &mut Engine,
-        (drive, forces): Start,
+        (drive, forces): SearchStart,
         options: &NewtonOptions,
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {

@@ -3,13 +3,13 @@
 //! Control points move by at most the chord of their linear motion plus the second-order part of the rotation, and the
 //! relative motion of two cubics is bounded by that of their control points (convex hulls). A step fraction t keeps
 //! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are
-//! looked for in a `tree`, in which parts that move together, far from each other or along an arc too straight to close
-//! are done with as a whole: where nothing is near, a step of any length is free. `way` joins such steps to a way from
+//! looked for in a `tree`, which settles parts that move together, are far from each other or lie along an arc too
+//! straight to close as a whole: where nothing is near, a step of any length is free. `isotopy` joins such steps to a path from
 //! one state to another. Planes, which do not move, are looked at in `planes`.
 
+mod isotopy;
 mod planes;
 mod tree;
-mod way;
 
 use std::f64::consts::TAU;
 
@@ -67,9 +67,9 @@ impl Engine {
         }
     }
 
-    /// Largest t ≤ 1 up to which strands keep apart on the way of an increment: the way is bounded anew from where the
-    /// bound allows it to (conservative advancement), so that strands which turn round each other in contact are free.
-    /// Contact geometry is anybody's afterwards.
+    /// Largest t ≤ 1 up to which strands keep apart along an increment, by conservative advancement: the rest of the
+    /// increment is bounded anew from the state that the bound before allows, so that strands which turn round each
+    /// other in contact are free. Afterwards contact geometry is that of some state on the way.
     pub(crate) fn free_fraction(&mut self, state: &State, increment: &[f64]) -> Result<f64, SolveError> {
         self.advance(state, increment, PREDICTED)
     }
@@ -79,7 +79,7 @@ impl Engine {
         let mut t = 0.0;
         for _ in 0..MAX_ADVANCES {
             let here = state.retract(increment, t);
-            self.look_at(&here)?;
+            self.place_curves(&here)?;
             let Some(side) = &self.contact else { return Ok(longest) };
             let rest: Vec<f64> = increment.iter().map(|x| x * (1.0 - t)).collect();
             let part = self.install(|| side.passage_fraction(&here, &rest, keep))?;
@@ -97,8 +97,8 @@ impl Engine {
         Ok(t)
     }
 
-    /// Brings to a state what the step bound looks at: curves and their turning, not the candidates.
-    fn look_at(&mut self, state: &State) -> Result<(), SolveError> {
+    /// Moves the curves to a state and updates their turning, which the bound needs; not the candidates.
+    fn place_curves(&mut self, state: &State) -> Result<(), SolveError> {
         let Some(mut side) = self.contact.take() else { return Ok(()) };
         let turned = self.install(|| {
             side.place(state);
@@ -144,7 +144,7 @@ fn rotation(increment: &[f64], node: usize) -> Vec3 {
 }
 
 /// Linear motion of the four control points of a segment and the bound of what is left out.
-pub(in crate::solve) struct Motion {
+pub(in crate::solve) struct SegmentMotion {
     pub(in crate::solve) linear: [Vec3; 4],
     second_order: f64,
 }
@@ -153,7 +153,8 @@ impl ContactSide {
     fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let (lengths, nodes) = (&self.set.lengths, &self.nodes);
         let motions = parallel::map(nodes.len(), 256, &|k| motion(state, increment, nodes[k], lengths[k] / 3.0));
-        let not_finite = |m: &Motion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
+        let not_finite =
+            |m: &SegmentMotion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
         if let Some(index) = motions.iter().position(not_finite) {
             return Err(SolveError::NotFinite { iteration: 0, quantity: "increment", index, value: f64::NAN });
         }
@@ -166,15 +167,15 @@ impl ContactSide {
     }
 }
 
-pub(in crate::solve) fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> Motion {
+pub(in crate::solve) fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> SegmentMotion {
     let (da, db) = (displacement(increment, a), displacement(increment, b));
     let (ta, tb) = (rotation(increment, a), rotation(increment, b));
     let d3 = |n: usize| state.frames[n] * Vec3::z();
     let linear = [da, da + ta.cross(&d3(a)) * lever, db - tb.cross(&d3(b)) * lever, db];
-    Motion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
+    SegmentMotion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
 }
 
-fn relative_motion(a: &Motion, b: &Motion) -> f64 {
+fn relative_motion(a: &SegmentMotion, b: &SegmentMotion) -> f64 {
     let mut largest = 0.0f64;
     for x in &a.linear {
         for y in &b.linear {
@@ -341,7 +342,7 @@ mod tests {
                 let frame = exp(&(Vec3::z() * turn)) * engine.state.frames[node];
                 engine.state.frames[node] = frame * spin(20.0 * s);
             }
-            assert_eq!(engine.is_way_free(&start).unwrap(), free, "bar {bar}, {angle} rad");
+            assert_eq!(engine.is_path_free(&start).unwrap(), free, "bar {bar}, {angle} rad");
         }
     }
 

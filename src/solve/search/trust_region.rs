@@ -31,8 +31,8 @@ use crate::solve::search::newton::{
 use convergence::{Accepted, Convergence};
 use corrected_step::CorrectedStep;
 use progress::SearchProgress;
-use radius::{Outcome, TrustRegion};
-use step::Step;
+use radius::{StepOutcome, TrustRegion};
+use step::ModelStep;
 
 /// Rejected or stuck steps in a row after which the search gives up. Thirty reductions shorten a step to rounding.
 const MAX_REJECTIONS: usize = 30;
@@ -196,7 +196,7 @@ impl Workspace {
         engine: &mut Engine,
         search: &Search,
         residual: &Residual,
-        step: &Step,
+        step: &ModelStep,
         (size, longest): (f64, f64),
     ) -> Result<CorrectedStep, SolveError> {
         let pushed = search.is_pushed();
@@ -217,11 +217,11 @@ impl Workspace {
         engine: &mut Engine,
         search: &mut Search,
         residual: &Residual,
-        (step, trial): (&Step, CorrectedStep),
+        (step, trial): (&ModelStep, CorrectedStep),
     ) {
         let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
         let unseen = trial.expected.abs() <= unseen(residual);
-        search.trust.accept(Outcome {
+        search.trust.accept(StepOutcome {
             extent: step.extent,
             fraction: trial.fraction,
             rounds: trial.rounds,

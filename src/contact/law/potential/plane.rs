@@ -129,7 +129,7 @@ pub(crate) fn term(
     let length = set.lengths[segment];
     let offset = (pressures.offset)(segment, plane);
     let law = PairLaw { pressures, contact_distance, length, reach, offset, straight: false, span: length };
-    let mut sum = Sum::default();
+    let mut sum = PlaneSum::default();
     let mut contact = PlaneContact { segment, plane, zones: Vec::new(), points: Vec::new() };
     for u in intervals {
         let mut moments = [0.0; 3];
@@ -205,7 +205,7 @@ pub(crate) fn least(coeffs: &[f64; 4], [start, end]: [f64; 2]) -> (f64, f64) {
 
 /// Sums over the quadrature points of a term.
 #[derive(Debug, Default)]
-struct Sum {
+struct PlaneSum {
     energy: f64,
     /// ∫p w_m ds of the four control points \[F\].
     force: [f64; 4],
@@ -213,7 +213,7 @@ struct Sum {
     stiffness: [[f64; 4]; 4],
 }
 
-impl Sum {
+impl PlaneSum {
     fn add(&mut self, u: f64, energy: f64, force: f64, stiffness: f64) {
         self.energy += energy;
         let w = cubic_weights(u);
@@ -255,7 +255,7 @@ impl Ends {
         std::array::from_fn(|i| rates[i / 3][i % 3] * shares[i / 3])
     }
 
-    fn tangent(&self, sum: &Sum) -> Box<PairTangent> {
+    fn tangent(&self, sum: &PlaneSum) -> Box<PairTangent> {
         let mut tangent: Box<PairTangent> = Box::new([[0.0; 24]; 24]);
         let rates = self.rates();
         for (i, j) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {

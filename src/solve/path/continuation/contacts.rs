@@ -13,22 +13,22 @@ const MEETING: f64 = 2e-2;
 
 /// Arcs on two strands, each with its curve; ends ascending \[L\].
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct ArcPair {
     curves: [usize; 2],
     arcs: [[f64; 2]; 2],
 }
 
 /// The contacts of a state.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Contacts {
+pub(super) struct LabelledContacts {
     /// Pieces with the contact that each belongs to.
-    places: Vec<(Place, usize)>,
+    places: Vec<(ArcPair, usize)>,
     /// Candidate pairs with the contact that each belongs to (the last, if several do).
     pairs: Vec<([u32; 2], usize)>,
     count: usize,
 }
 
-impl Contacts {
+impl LabelledContacts {
     /// Of the engine's state, for which contact must be up to date.
     pub(super) fn of(solver: &Solver) -> Self {
         let engine = &solver.engine;
@@ -45,7 +45,7 @@ impl Contacts {
             }
             let ends = [term.slave as u32, term.master as u32];
             for ChainPiece { curves, arcs, .. } in pieces(&side.set, term) {
-                places.push(Place { curves, arcs: arcs.map(ascending) });
+                places.push(ArcPair { curves, arcs: arcs.map(ascending) });
                 pairs.push([ends[0].min(ends[1]), ends[0].max(ends[1])]);
             }
         }
@@ -64,7 +64,7 @@ impl Contacts {
     pub(super) fn found_among(&self, others: &Self, set: &CurveSet, reach: f64) -> Vec<bool> {
         let mut found = vec![false; self.count];
         for (place, contact) in &self.places {
-            let meets = |(other, _): &(Place, usize)| {
+            let meets = |(other, _): &(ArcPair, usize)| {
                 near(set, place, other, reach) || near(set, place, &transposed(other), reach)
             };
             found[*contact] = found[*contact] || others.places.iter().any(meets);
@@ -90,28 +90,28 @@ impl Contacts {
     }
 }
 
-fn transposed(place: &Place) -> Place {
+fn transposed(place: &ArcPair) -> ArcPair {
     let ([a, b], [x, y]) = (place.curves, place.arcs);
-    Place { curves: [b, a], arcs: [y, x] }
+    ArcPair { curves: [b, a], arcs: [y, x] }
 }
 
 /// Whether two places come within `reach` of each other on both strands, taken in their order.
-fn near(set: &CurveSet, x: &Place, y: &Place, reach: f64) -> bool {
+fn near(set: &CurveSet, x: &ArcPair, y: &ArcPair, reach: f64) -> bool {
     let close = |k: usize| arc::apart(x.arcs[k], y.arcs[k], set.period(x.curves[k])) <= reach;
     x.curves == y.curves && close(0) && close(1)
 }
 
 /// Numbers of the groups of places that are connected by steps of no more than `reach`, counted from 0.
-fn groups(set: &CurveSet, places: &[Place], reach: f64) -> Vec<usize> {
+fn groups(set: &CurveSet, places: &[ArcPair], reach: f64) -> Vec<usize> {
     // along their first strand, seen both ways round; closed strands go on beyond their seam by as much as can matter
     let longest = places.iter().flat_map(|p| p.arcs).map(|arc| arc[1] - arc[0]).fold(0.0, f64::max) + reach;
-    let mut along: Vec<(Place, usize)> = Vec::new();
+    let mut along: Vec<(ArcPair, usize)> = Vec::new();
     for (index, place) in places.iter().enumerate() {
         for seen in [*place, transposed(place)] {
             along.push((seen, index));
             if let Some(period) = set.period(seen.curves[0]).filter(|_| seen.arcs[0][0] <= longest) {
                 let arcs = [seen.arcs[0].map(|s| s + period), seen.arcs[1]];
-                along.push((Place { arcs, ..seen }, index));
+                along.push((ArcPair { arcs, ..seen }, index));
             }
         }
     }
@@ -120,7 +120,7 @@ fn groups(set: &CurveSet, places: &[Place], reach: f64) -> Vec<usize> {
     let mut groups = Groups::apart(places.len(), &mut scratch);
     for (k, (place, index)) in along.iter().enumerate() {
         let end = place.arcs[0][1] + reach;
-        let in_reach = |other: &&(Place, usize)| other.0.curves == place.curves && other.0.arcs[0][0] <= end;
+        let in_reach = |other: &&(ArcPair, usize)| other.0.curves == place.curves && other.0.arcs[0][0] <= end;
         for (other, partner) in along[k + 1..].iter().take_while(in_reach) {
             if near(set, place, other, reach) {
                 groups.join(*index, *partner);
@@ -155,8 +155,8 @@ mod tests {
         set
     }
 
-    fn place(curves: [usize; 2], arcs: [[f64; 2]; 2]) -> Place {
-        Place { curves, arcs }
+    fn place(curves: [usize; 2], arcs: [[f64; 2]; 2]) -> ArcPair {
+        ArcPair { curves, arcs }
     }
 
     /// Groups against all pairs; over the seam, from both strands, within reach and not beyond it.
@@ -180,10 +180,10 @@ mod tests {
     #[test]
     fn contacts_are_found_again() {
         let set = strands();
-        let contacts = |places: &[Place]| {
+        let contacts = |places: &[ArcPair]| {
             let numbered = places.iter().copied().zip(groups(&set, places, 0.01));
             let pairs = vec![([0, 1], 0)];
-            Contacts { places: numbered.collect(), pairs, count: places.len() }
+            LabelledContacts { places: numbered.collect(), pairs, count: places.len() }
         };
         let some = contacts(&[place([0, 0], [[1.0, 1.1], [5.0, 5.1]]), place([0, 1], [[1.0, 1.1], [5.0, 5.1]])]);
         let moved = contacts(&[place([0, 0], [[5.15, 5.2], [1.05, 1.2]])]);

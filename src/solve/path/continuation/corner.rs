@@ -11,8 +11,8 @@
 //! So the first point beyond is predicted with the overlap under which the contact law exerts the force expected there.
 
 use crate::error::SolveError;
-use crate::solve::path::continuation::contacts::Contacts;
-use crate::solve::path::continuation::corrector::{Motion, Plane, Point, Tracer};
+use crate::solve::path::continuation::contacts::LabelledContacts;
+use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
 use crate::solve::path::continuation::{MAX_CHORD, MAX_TURN};
 
 /// Halvings of an interval in which contact begins or ends, or an overlap is sought.
@@ -35,15 +35,15 @@ pub(super) struct Corner {
 struct Change {
     begins: bool,
     /// If they begin: the others, that were there before; if they end: they themselves, as they were.
-    known: Contacts,
+    known: LabelledContacts,
 }
 
 /// The tangent beyond a corner and the rate of the contact force along it.
 struct Beyond {
-    tangent: Motion,
+    tangent: PathMotion,
     force_rate: f64,
     /// A motion that presses the strands together: positive work against the pattern.
-    press: Motion,
+    press: PathMotion,
 }
 
 impl Tracer<'_> {
@@ -95,7 +95,7 @@ impl Tracer<'_> {
     fn next_change(&mut self, here: &Point, reach: f64) -> Result<Option<(Change, f64)>, SolveError> {
         let at = |s: f64| here.tangent.scaled(s);
         let before = self.contacts_after(here, &at(0.0))?;
-        let missing = |tracer: &Self, some: &Contacts, others: &Contacts| -> Vec<bool> {
+        let missing = |tracer: &Self, some: &LabelledContacts, others: &LabelledContacts| -> Vec<bool> {
             let Some(side) = &tracer.solver.engine.contact else { return Vec::new() };
             some.found_among(others, &side.set, side.min_radius).iter().map(|found| !found).collect()
         };
@@ -122,7 +122,7 @@ impl Tracer<'_> {
     }
 
     /// A point moved from another, without tangent.
-    fn moved(&self, base: &Point, motion: &Motion) -> Point {
+    fn moved(&self, base: &Point, motion: &PathMotion) -> Point {
         let mut point = Point { iterations: 0, augmentations: 0, penetration: 0.0, ..base.clone() };
         point.state = base.state.retract(&motion.field, 1.0);
         self.parameter.advance(&mut point.state, motion.parameter);
@@ -131,16 +131,16 @@ impl Tracer<'_> {
     }
 
     /// The contacts at a point moved from another; the engine is left there.
-    fn contacts_after(&mut self, base: &Point, motion: &Motion) -> Result<Contacts, SolveError> {
+    fn contacts_after(&mut self, base: &Point, motion: &PathMotion) -> Result<LabelledContacts, SolveError> {
         let state = self.moved(base, motion).state;
         let solver = &mut *self.solver;
         solver.engine.update_contact(&state)?;
         solver.engine.state = state;
-        Ok(Contacts::of(solver))
+        Ok(LabelledContacts::of(solver))
     }
 
     /// Gradient of the contact potential at a point moved from another, of the contacts that begin or end.
-    fn changing_force(&mut self, base: &Point, motion: &Motion, change: &Change) -> Result<Vec<f64>, SolveError> {
+    fn changing_force(&mut self, base: &Point, motion: &PathMotion, change: &Change) -> Result<Vec<f64>, SolveError> {
         let there = self.contacts_after(base, motion)?;
         let engine = &self.solver.engine;
         let Some(side) = &engine.contact else { return Ok(Vec::new()) };
@@ -157,8 +157,8 @@ impl Tracer<'_> {
         let mut along = self.response_to_parameter(&free.state, &stress);
         let force: Vec<f64> = pattern.iter().map(|f| -f).collect();
         let solver = &mut *self.solver;
-        let apart = Motion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
-        let work = |motion: &Motion| motion.field.iter().zip(pattern).map(|(x, f)| x * f).sum::<f64>();
+        let apart = PathMotion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
+        let work = |motion: &PathMotion| motion.field.iter().zip(pattern).map(|(x, f)| x * f).sum::<f64>();
         let mut force_rate = 0.0;
         // the force rises, or the gap opens
         let mut sense = -work(&along);
@@ -177,7 +177,7 @@ impl Tracer<'_> {
     fn first_beyond(
         &mut self,
         here: &Point,
-        to_corner: &Motion,
+        to_corner: &PathMotion,
         beyond: &Beyond,
         (pattern, change): (&[f64], &Change),
         after: f64,
@@ -192,7 +192,7 @@ impl Tracer<'_> {
             };
             first = pressed;
         }
-        let plane = Plane { normal: &beyond.tangent, distance: self.dot(&beyond.tangent, &first) };
+        let plane = Hyperplane { normal: &beyond.tangent, distance: self.dot(&beyond.tangent, &first) };
         let found = self.correct(here, &first, &plane)?;
         let along = |point: &Point| self.dot(&point.tangent, &beyond.tangent) >= MAX_TURN.cos();
         Ok(found
@@ -203,11 +203,11 @@ impl Tracer<'_> {
     fn pressed(
         &mut self,
         here: &Point,
-        motion: &Motion,
+        motion: &PathMotion,
         beyond: &Beyond,
         (pattern, change): (&[f64], &Change),
         force: f64,
-    ) -> Result<Option<Motion>, SolveError> {
+    ) -> Result<Option<PathMotion>, SolveError> {
         let radius = self.solver.engine.contact.as_ref().map_or(0.0, |side| side.min_radius);
         let largest = beyond.press.field.chunks(6).flat_map(|node| &node[..3]).fold(0.0f64, |a, b| a.max(b.abs()));
         let with = |amount: f64| {

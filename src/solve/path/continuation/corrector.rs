@@ -4,7 +4,7 @@ use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::multipliers::SecantSteps;
-use crate::solve::path::continuation::contacts::Contacts;
+use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::parameter::Parameter;
 use crate::solve::path::run::Solver;
 use crate::solve::problem::assembly::Residual;
@@ -29,13 +29,13 @@ const CRITICAL_ROUNDS: usize = 12;
 
 /// A motion of all unknowns and of the parameter.
 #[derive(Debug, Clone)]
-pub(super) struct Motion {
+pub(super) struct PathMotion {
     /// Six per node.
     pub(super) field: Vec<f64>,
     pub(super) parameter: f64,
 }
 
-impl Motion {
+impl PathMotion {
     pub(super) fn scaled(&self, factor: f64) -> Self {
         Self { field: self.field.iter().map(|x| x * factor).collect(), parameter: self.parameter * factor }
     }
@@ -55,7 +55,7 @@ pub(super) struct Point {
     /// The parameter.
     pub(super) value: f64,
     /// Unit tangent, oriented along the path.
-    pub(super) tangent: Motion,
+    pub(super) tangent: PathMotion,
     pub(super) num_unstable: usize,
     /// Contacts that can be told apart.
     pub(super) num_contacts: usize,
@@ -69,8 +69,8 @@ pub(super) struct Point {
 }
 
 /// A plane `normal` · (x − base) = distance in which the next point is sought.
-pub(super) struct Plane<'a> {
-    pub(super) normal: &'a Motion,
+pub(super) struct Hyperplane<'a> {
+    pub(super) normal: &'a PathMotion,
     pub(super) distance: f64,
 }
 
@@ -86,7 +86,7 @@ pub(super) struct Tracer<'a> {
 
 impl Tracer<'_> {
     /// Inner product of the arc length: ds² = mean |δr|²/L² + mean |θ|² over the nodes + (δparameter/range)².
-    pub(super) fn dot(&self, a: &Motion, b: &Motion) -> f64 {
+    pub(super) fn dot(&self, a: &PathMotion, b: &PathMotion) -> f64 {
         let engine = &self.solver.engine;
         let weight = 1.0 / engine.num_nodes() as f64;
         let weights = [weight / engine.scales.length.powi(2), weight];
@@ -95,7 +95,7 @@ impl Tracer<'_> {
         unknowns + a.parameter * b.parameter / self.parameter.range().powi(2)
     }
 
-    fn normalise(&self, mut motion: Motion) -> Option<Motion> {
+    fn normalise(&self, mut motion: PathMotion) -> Option<PathMotion> {
         let norm = self.dot(&motion, &motion).sqrt();
         motion = motion.scaled(1.0 / norm);
         motion.field.iter().all(|x| x.is_finite()).then_some(motion).filter(|m| m.parameter.is_finite())
@@ -104,16 +104,16 @@ impl Tracer<'_> {
     /// The first point: the solver's present state brought to equilibrium at its parameter.
     pub(super) fn start(&mut self, value: f64) -> Result<Option<Point>, SolveError> {
         let here = self.bare(value);
-        let still = Motion { field: vec![0.0; 6 * self.solver.engine.num_nodes()], parameter: 0.0 };
-        let hold = Motion { field: still.field.clone(), parameter: 1.0 };
-        self.correct(&here, &still, &Plane { normal: &hold, distance: 0.0 })
+        let still = PathMotion { field: vec![0.0; 6 * self.solver.engine.num_nodes()], parameter: 0.0 };
+        let hold = PathMotion { field: still.field.clone(), parameter: 1.0 };
+        self.correct(&here, &still, &Hyperplane { normal: &hold, distance: 0.0 })
     }
 
     /// A point near `point` at the given value of the parameter.
     pub(super) fn at_value(&mut self, point: &Point, value: f64) -> Result<Option<Point>, SolveError> {
-        let still = Motion { field: vec![0.0; point.tangent.field.len()], parameter: 0.0 };
-        let hold = Motion { field: still.field.clone(), parameter: self.parameter.range().powi(2) };
-        let plane = Plane { normal: &hold, distance: value - point.value };
+        let still = PathMotion { field: vec![0.0; point.tangent.field.len()], parameter: 0.0 };
+        let hold = PathMotion { field: still.field.clone(), parameter: self.parameter.range().powi(2) };
+        let plane = Hyperplane { normal: &hold, distance: value - point.value };
         let found = self.correct(point, &still, &plane)?;
         Ok(found.map(|mut found| {
             // exactly there, not but for the last rounding
@@ -132,7 +132,7 @@ impl Tracer<'_> {
             state: engine.state.clone(),
             offsets: engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone()),
             value,
-            tangent: Motion { field: Vec::new(), parameter: 0.0 },
+            tangent: PathMotion { field: Vec::new(), parameter: 0.0 },
             num_unstable: 0,
             num_contacts: 0,
             iterations: 0,
@@ -155,10 +155,15 @@ impl Tracer<'_> {
 
     /// The point of the path in a plane, from `base` with `first` as the first step; `None` if Newton does not
     /// converge. The tangent is oriented along `first`, or along the normal where the first step is nothing.
-    pub(super) fn correct(&mut self, base: &Point, first: &Motion, plane: &Plane) -> Result<Option<Point>, SolveError> {
+    pub(super) fn correct(
+        &mut self,
+        base: &Point,
+        first: &PathMotion,
+        plane: &Hyperplane,
+    ) -> Result<Option<Point>, SolveError> {
         self.enter(base)?;
         let mut point = Point { iterations: 0, augmentations: 0, penetration: 0.0, ..base.clone() };
-        let mut moved = Motion { field: vec![0.0; first.field.len()], parameter: 0.0 };
+        let mut moved = PathMotion { field: vec![0.0; first.field.len()], parameter: 0.0 };
         if !self.newton(&mut point, &mut moved, first, plane)? {
             return Ok(None);
         }
@@ -176,9 +181,9 @@ impl Tracer<'_> {
     fn newton(
         &mut self,
         point: &mut Point,
-        moved: &mut Motion,
-        first: &Motion,
-        plane: &Plane,
+        moved: &mut PathMotion,
+        first: &PathMotion,
+        plane: &Hyperplane,
     ) -> Result<bool, SolveError> {
         let tol = self.solver.options.newton.tol_increment;
         let mut step = first.clone();
@@ -235,32 +240,37 @@ impl Tracer<'_> {
         state: &State,
         stress: &[[Stress; 3]],
         residual: &Residual,
-        moved: &Motion,
-        plane: &Plane,
-    ) -> Motion {
+        moved: &PathMotion,
+        plane: &Hyperplane,
+    ) -> PathMotion {
         let along = self.response_to_parameter(state, stress);
         let solver = &mut *self.solver;
         let force: Vec<f64> = residual.gradient.iter().map(|g| -g).collect();
-        let mut step = Motion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
+        let mut step = PathMotion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
         let missing = plane.distance - self.dot(plane.normal, moved) - self.dot(plane.normal, &step);
         let part = missing / self.dot(plane.normal, &along);
         step.subtract(&along, -part);
         step
     }
 
-    /// Motion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
-    pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Stress; 3]]) -> Motion {
+    /// PathMotion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
+    pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Stress; 3]]) -> PathMotion {
         let solver = &mut *self.solver;
         let driven = &solver.workspace.tangent.drive;
         let rate = self.parameter.rate(&solver.engine, state, stress, driven);
         let force: Vec<f64> = rate.iter().map(|c| -c).collect();
         let mut field = solver.workspace.respond(&solver.engine, &force);
         self.parameter.drive().add_to(&mut field);
-        Motion { field, parameter: 1.0 }
+        PathMotion { field, parameter: 1.0 }
     }
 
     /// Raises the offsets of an augmented Lagrangian until gaps are met, staying in the plane.
-    fn enforce_gaps(&mut self, point: &mut Point, moved: &mut Motion, plane: &Plane) -> Result<bool, SolveError> {
+    fn enforce_gaps(
+        &mut self,
+        point: &mut Point,
+        moved: &mut PathMotion,
+        plane: &Hyperplane,
+    ) -> Result<bool, SolveError> {
         if self.solver.engine.contact.is_none() {
             return Ok(true);
         }
@@ -279,7 +289,7 @@ impl Tracer<'_> {
             }
             point.augmentations += 1;
             self.solver.augment(&gaps, &mut secant_steps);
-            let still = Motion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
+            let still = PathMotion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);
             }
@@ -290,9 +300,9 @@ impl Tracer<'_> {
     }
 
     /// Tangent and inertia at a point in which the solver stands; `None` where the tangent has no size.
-    pub(super) fn analyse(&mut self, mut point: Point, along: &Motion) -> Result<Option<Point>, SolveError> {
+    pub(super) fn analyse(&mut self, mut point: Point, along: &PathMotion) -> Result<Option<Point>, SolveError> {
         point.num_unstable = self.linearise_there(&point.state)?;
-        point.num_contacts = Contacts::of(self.solver).count();
+        point.num_contacts = LabelledContacts::of(self.solver).count();
         let stress = self.solver.engine.actual_stress(&point.state);
         let response = self.response_to_parameter(&point.state, &stress);
         let Some(tangent) = self.normalise(response) else { return Ok(None) };
@@ -318,7 +328,7 @@ impl Tracer<'_> {
     }
 
     /// Unit critical direction at a branch point in which the solver stands, normal to the path through it.
-    pub(super) fn branching_direction(&mut self, value: f64) -> Result<Option<Motion>, SolveError> {
+    pub(super) fn branching_direction(&mut self, value: f64) -> Result<Option<PathMotion>, SolveError> {
         let bare = self.bare(value);
         self.enter(&bare)?;
         self.linearise_there(&bare.state)?;
@@ -329,7 +339,7 @@ impl Tracer<'_> {
         let solver = &mut *self.solver;
         // one more inverse iteration, which takes the neutral motions out
         let force: Vec<f64> = solver.workspace.softest.iter().zip(&solver.engine.metric).map(|(x, m)| x * m).collect();
-        let mut critical = Motion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
+        let mut critical = PathMotion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
         // the path's own direction: at the branch point rounding decides over its critical part, which is taken out
         let stress = self.solver.engine.actual_stress(&bare.state);
         let mut along = self.response_to_parameter(&bare.state, &stress);

@@ -3,7 +3,7 @@
 
 use crate::error::SolveError;
 use crate::solve::path::continuation::PointKind;
-use crate::solve::path::continuation::corrector::{Motion, Plane, Point, Tracer};
+use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
 
 /// Trials per location; halving alone would need 50.
 const MAX_TRIALS: usize = 60;
@@ -59,7 +59,7 @@ impl Event {
 impl Tracer<'_> {
     /// The point at `distance` from `base` along its tangent.
     pub(super) fn ahead(&mut self, base: &Point, distance: f64) -> Result<Option<Point>, SolveError> {
-        self.correct(base, &base.tangent.scaled(distance), &Plane { normal: &base.tangent, distance })
+        self.correct(base, &base.tangent.scaled(distance), &Hyperplane { normal: &base.tangent, distance })
     }
 
     /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order.
@@ -88,7 +88,7 @@ impl Tracer<'_> {
     fn apart(&self, x: &Point, y: &Point) -> f64 {
         let nodes = x.state.positions.iter().zip(&y.state.positions).map(|(a, b)| b - a);
         let field = nodes.flat_map(|d| [d.x, d.y, d.z, 0.0, 0.0, 0.0]).collect();
-        let motion = Motion { field, parameter: y.value - x.value };
+        let motion = PathMotion { field, parameter: y.value - x.value };
         self.dot(&motion, &motion).sqrt()
     }
 
@@ -99,7 +99,7 @@ impl Tracer<'_> {
         while high.distance - low.distance > tol {
             let distance = 0.5 * (low.distance + high.distance);
             let (normal, left) = (&base.tangent, distance - low.distance);
-            let found = self.correct(&low.point, &normal.scaled(left), &Plane { normal, distance: left });
+            let found = self.correct(&low.point, &normal.scaled(left), &Hyperplane { normal, distance: left });
             let Ok(Some(point)) = found else { break };
             let end = End { distance, value: None, point };
             let before = end.point.num_contacts == low.point.num_contacts;

@@ -15,7 +15,7 @@ use crate::solve::problem::state::{PrescribedMotion, State};
 
 /// What the parameter moves; per unit of the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Quantity {
+enum PrescribedQuantity {
     Load,
     Pressure(usize),
     /// Excess link of a rod, turns.
@@ -27,7 +27,7 @@ enum Quantity {
 /// A ramp, its present value and its target, in the ramp's own unit; displacements count along the line to the target.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Parameter {
-    quantity: Quantity,
+    quantity: PrescribedQuantity,
     pub(super) start: f64,
     pub(super) target: f64,
 }
@@ -46,15 +46,15 @@ impl Parameter {
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
         let (quantity, start, target) = match ramp {
-            Ramp::Load { to } => (Quantity::Load, state.load_factor, *to),
-            Ramp::Pressure { rod, to } => (Quantity::Pressure(*rod), state.pressures[*rod], *to),
+            Ramp::Load { to } => (PrescribedQuantity::Load, state.load_factor, *to),
+            Ramp::Pressure { rod, to } => (PrescribedQuantity::Pressure(*rod), state.pressures[*rod], *to),
             Ramp::ExcessLink { rod, to } => {
                 let natural = solver.engine.model.rods[*rod].natural_link();
-                (Quantity::Link(*rod), state.seams[*rod] / TAU - natural, *to)
+                (PrescribedQuantity::Link(*rod), state.seams[*rod] / TAU - natural, *to)
             }
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.moved.turned.get(&index(node)).copied().unwrap_or(0.0);
-                (Quantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
+                (PrescribedQuantity::Node(index(node), Vec3::zeros(), unit(axis) * TAU), turned, *to)
             }
             Ramp::RotationAbout { .. } => {
                 let reason =
@@ -73,7 +73,7 @@ impl Parameter {
                 let here = solver.moved.displaced.get(&index(node)).copied().unwrap_or_default();
                 let way = to - here;
                 let along = if way == Vec3::zeros() { way } else { unit(&way) };
-                (Quantity::Node(index(node), along, Vec3::zeros()), here.dot(&along), to.dot(&along))
+                (PrescribedQuantity::Node(index(node), along, Vec3::zeros()), here.dot(&along), to.dot(&along))
             }
         };
         if target == start {
@@ -91,7 +91,7 @@ impl Parameter {
     /// Motion of supports per unit.
     pub(super) fn drive(&self) -> PrescribedMotion {
         match self.quantity {
-            Quantity::Node(node, displacement, rotation) => {
+            PrescribedQuantity::Node(node, displacement, rotation) => {
                 PrescribedMotion { nodes: vec![(node, displacement, rotation)], seams: Vec::new() }
             }
             _ => PrescribedMotion::default(),
@@ -101,16 +101,16 @@ impl Parameter {
     /// Moves what is no unknown and no support: load factor, pressure, seam.
     pub(super) fn advance(&self, state: &mut State, by: f64) {
         match self.quantity {
-            Quantity::Load => state.load_factor += by,
-            Quantity::Pressure(rod) => state.pressures[rod] += by,
-            Quantity::Link(rod) => state.seams[rod] += TAU * by,
-            Quantity::Node(..) => {}
+            PrescribedQuantity::Load => state.load_factor += by,
+            PrescribedQuantity::Pressure(rod) => state.pressures[rod] += by,
+            PrescribedQuantity::Link(rod) => state.seams[rod] += TAU * by,
+            PrescribedQuantity::Node(..) => {}
         }
     }
 
     /// Tells the solver how far its ramps have come.
     pub(super) fn record(&self, solver: &mut Solver, by: f64) {
-        let Quantity::Node(node, displacement, rotation) = self.quantity else { return };
+        let PrescribedQuantity::Node(node, displacement, rotation) = self.quantity else { return };
         if rotation == Vec3::zeros() {
             *solver.moved.displaced.entry(node).or_default() += displacement * by;
         } else {
@@ -121,17 +121,17 @@ impl Parameter {
     /// ∂gradient/∂parameter for fixed unknowns; `driven` is the part of moved supports, from the tangent.
     pub(super) fn rate(&self, engine: &Engine, state: &State, stress: &[[Stress; 3]], driven: &[f64]) -> Vec<f64> {
         match self.quantity {
-            Quantity::Node(..) => driven.to_vec(),
-            Quantity::Load => loads_alone(engine, state, 1.0, None),
-            Quantity::Pressure(rod) => loads_alone(engine, state, 0.0, Some(rod)),
-            Quantity::Link(rod) => link_rate(engine, rod, state, stress),
+            PrescribedQuantity::Node(..) => driven.to_vec(),
+            PrescribedQuantity::Load => loads_alone(engine, state, 1.0, None),
+            PrescribedQuantity::Pressure(rod) => loads_alone(engine, state, 0.0, Some(rod)),
+            PrescribedQuantity::Link(rod) => link_rate(engine, rod, state, stress),
         }
     }
 
     /// Stresses that mixed-integration-point Newton predicts for a step, the turn of the seam included.
     pub(super) fn predicted_stress(&self, engine: &Engine, state: &State, step: &[f64], by: f64) -> Vec<[Stress; 3]> {
         let mut stress = engine.predicted_stress(state, step);
-        let Quantity::Link(rod) = self.quantity else { return stress };
+        let PrescribedQuantity::Link(rod) = self.quantity else { return stress };
         let Some(e) = closing_element(engine, rod) else { return stress };
         let element = &engine.elements[e];
         let mut local = engine.local_increment(element, step);

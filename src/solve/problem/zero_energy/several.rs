@@ -12,13 +12,13 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
 /// Six numbers for each node of some rods, rod by rod; with the rod.
-type Motion = Vec<(usize, Vec<f64>)>;
+type NodalMotions = Vec<(usize, Vec<f64>)>;
 
 /// The motions at one state.
 #[derive(Debug, Default)]
 pub(super) struct Several {
     /// Orthonormal in the product with these weights of displacements and rotations.
-    motions: Vec<Motion>,
+    motions: Vec<NodalMotions>,
     weights: [f64; 2],
     first_node: Vec<usize>,
     /// One rod of each group that moves freely.
@@ -83,7 +83,7 @@ impl Several {
     }
 
     /// Normalises a motion after what it has of those from `start` on, which its rods may share, has been taken out.
-    fn add(&mut self, start: usize, mut motion: Motion) {
+    fn add(&mut self, start: usize, mut motion: NodalMotions) {
         // twice is enough
         for _ in 0..2 {
             for earlier in &self.motions[start..] {
@@ -101,7 +101,7 @@ impl Several {
 }
 
 /// A motion of the nodes of some rods, rod by rod.
-fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> Motion {
+fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> NodalMotions {
     let mut rest = motion;
     let piece = |&rod: &usize| {
         let (own, others) = rest.split_at(6 * engine.nodes(rod).len());

@@ -6,7 +6,7 @@
 //! nearest tells how far the step may go, until it is no other one. What is left out, the second-order part of the
 //! rotations, is bounded as between strands.
 
-use super::{Keep, Motion};
+use super::{Keep, SegmentMotion};
 use crate::contact::curve::CurveSet;
 use crate::contact::potential::plane::{HalfSpace, least};
 use crate::math::bernstein::eval;
@@ -16,12 +16,12 @@ const MAX_ITERATIONS: usize = 8;
 
 /// Largest t ≤ 1 for which no point of a strand comes nearer to a plane than is to be kept. Strands that are beyond one
 /// already are pushed back, and may move.
-pub(super) fn fraction(set: &CurveSet, planes: &[HalfSpace], motions: &[Motion], keep: Keep) -> f64 {
+pub(super) fn fraction(set: &CurveSet, planes: &[HalfSpace], motions: &[SegmentMotion], keep: Keep) -> f64 {
     planes.iter().fold(1.0, |t, plane| (0..set.len()).fold(t, |t, k| of_segment(set, plane, k, &motions[k], keep, t)))
 }
 
 /// The fraction t, or less if this segment needs it.
-fn of_segment(set: &CurveSet, plane: &HalfSpace, segment: usize, motion: &Motion, keep: Keep, t: f64) -> f64 {
+fn of_segment(set: &CurveSet, plane: &HalfSpace, segment: usize, motion: &SegmentMotion, keep: Keep, t: f64) -> f64 {
     let distances = plane.distances(set, segment);
     let rates: [f64; 4] = std::array::from_fn(|m| plane.normal.dot(&motion.linear[m]) - motion.second_order);
     if rates.iter().all(|rate| *rate >= 0.0) {

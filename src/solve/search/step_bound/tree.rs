@@ -9,7 +9,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Keep, Motion, TOL_DISTANCE, relative_motion};
+use super::{Keep, SegmentMotion, TOL_DISTANCE, relative_motion};
 use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
@@ -26,7 +26,7 @@ const SHARES: usize = 256;
 const SMALL: usize = 2048;
 
 /// A run of segments, or of whole curves.
-struct Run {
+struct SegmentRun {
     first: usize,
     end: usize,
     /// The curve, if it is one.
@@ -44,13 +44,13 @@ struct Run {
 /// Everything a step bound looks at.
 pub(super) struct PassageTree<'a> {
     set: &'a CurveSet,
-    motions: &'a [Motion],
+    motions: &'a [SegmentMotion],
     capsules: Vec<Capsule>,
     /// Turning on the way, accumulated along each curve: to the start and to the end of each segment, and per curve in
     /// all.
     turning: Vec<[f64; 2]>,
     totals: Vec<f64>,
-    runs: Vec<Run>,
+    runs: Vec<SegmentRun>,
     keep: Keep,
 }
 
@@ -60,7 +60,7 @@ impl<'a> PassageTree<'a> {
     pub(super) fn new(
         set: &'a CurveSet,
         exclusion: &Exclusion,
-        motions: &'a [Motion],
+        motions: &'a [SegmentMotion],
         relative: &[f64],
         keep: Keep,
     ) -> Self {
@@ -119,14 +119,14 @@ impl<'a> PassageTree<'a> {
     fn reserve(&mut self, curve: Option<usize>, first: usize, end: usize) -> usize {
         let nothing = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
         let (second_order, radius) = (0.0, 0.0);
-        let run = Run { first, end, curve, second: 0, bounds: nothing, motion: nothing, second_order, radius };
+        let run = SegmentRun { first, end, curve, second: 0, bounds: nothing, motion: nothing, second_order, radius };
         self.runs.push(run);
         self.runs.len() - 1
     }
 
     fn join(&mut self, at: usize, a: usize, b: usize) {
         for part in [a, b] {
-            let Run { end, bounds, motion, second_order, radius, .. } = self.runs[part];
+            let SegmentRun { end, bounds, motion, second_order, radius, .. } = self.runs[part];
             let run = &mut self.runs[at];
             widen(&mut run.bounds, &bounds);
             widen(&mut run.motion, &motion);
@@ -183,7 +183,7 @@ impl<'a> PassageTree<'a> {
         (open.split_off(at.min(open.len())), t)
     }
 
-    fn cannot_close(&self, p: &Run, q: &Run) -> bool {
+    fn cannot_close(&self, p: &SegmentRun, q: &SegmentRun) -> bool {
         let (Some(curve), true) = (p.curve, p.curve == q.curve) else { return false };
         self.arc_is_open(curve, p.first, q.end - 1)
             || p.end <= q.first && self.arc_around_is_open(curve, p.end - 1, q.first)
@@ -204,7 +204,7 @@ impl<'a> PassageTree<'a> {
         1e-12 * (1.0 + self.totals[curve])
     }
 
-    fn far_apart(&self, p: &Run, q: &Run, t: f64) -> bool {
+    fn far_apart(&self, p: &SegmentRun, q: &SegmentRun, t: f64) -> bool {
         let apart = |[lo, hi]: &[Vec3; 2], [other_lo, other_hi]: &[Vec3; 2]| {
             (lo - other_hi).sup(&(other_lo - hi)).sup(&Vec3::zeros()).norm()
         };
@@ -218,7 +218,7 @@ impl<'a> PassageTree<'a> {
         (distance - self.keep.distance * contact_distance).max(self.keep.deep * distance)
     }
 
-    fn within(&self, run: &Run, mut t: f64) -> f64 {
+    fn within(&self, run: &SegmentRun, mut t: f64) -> f64 {
         for i in run.first..run.end {
             for j in i + 1..run.end {
                 t = self.pair(i, j, t);
@@ -227,7 +227,7 @@ impl<'a> PassageTree<'a> {
         t
     }
 
-    fn between(&self, p: &Run, q: &Run, mut t: f64) -> f64 {
+    fn between(&self, p: &SegmentRun, q: &SegmentRun, mut t: f64) -> f64 {
         for i in p.first..p.end {
             for j in q.first..q.end {
                 t = self.pair(i, j, t);

@@ -1,7 +1,7 @@
 //! When a guarded search has come to rest.
 
 use super::corrected_step::CorrectedStep;
-use super::step::Step;
+use super::step::ModelStep;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 
@@ -69,7 +69,7 @@ impl Convergence {
         &mut self,
         engine: &Engine,
         residual: &Residual,
-        (step, trial): (&Step, &CorrectedStep),
+        (step, trial): (&ModelStep, &CorrectedStep),
         accepted: &Accepted,
     ) -> bool {
         let tiny = self.is_tiny(accepted.size, trial);

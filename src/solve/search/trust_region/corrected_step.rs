@@ -1,7 +1,7 @@
 //! A step brought back to the surface that stretch and contact confine the motion to, by corrections on the
 //! factorisation at hand.
 
-use super::step::Step;
+use super::step::ModelStep;
 use super::{gain, noise};
 use crate::error::SolveError;
 use crate::rod::element::{Strain, Stress};
@@ -48,7 +48,7 @@ impl Workspace {
         engine: &mut Engine,
         state: &State,
         residual: &Residual,
-        step: &Step,
+        step: &ModelStep,
         longest: f64,
         pushed: bool,
     ) -> Result<CorrectedStep, SolveError> {

@@ -20,7 +20,7 @@ const REJECTED: f64 = 0.25;
 
 /// What a step came to.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Outcome {
+pub(super) struct StepOutcome {
     /// Largest rotation, rad, or relative displacement of strands in contact over their contact distance, of the whole
     /// step.
     pub(super) extent: f64,
@@ -45,7 +45,7 @@ impl TrustRegion {
     }
 
     /// After an accepted step.
-    pub(super) fn accept(&mut self, step: Outcome) {
+    pub(super) fn accept(&mut self, step: StepOutcome) {
         let taken = step.fraction * step.extent;
         if step.gain.is_none_or(|gain| step.rounds <= FEW_ROUNDS && FORESEEN.contains(&gain)) {
             self.radius = self.radius.max(GROWTH * taken).min(LARGEST);
@@ -66,31 +66,31 @@ impl TrustRegion {
 mod tests {
     use super::*;
 
-    const STEP: Outcome = Outcome { extent: 0.1, fraction: 1.0, rounds: 1, gain: Some(1.0) };
+    const STEP: StepOutcome = StepOutcome { extent: 0.1, fraction: 1.0, rounds: 1, gain: Some(1.0) };
 
     #[test]
     fn what_was_foreseen_makes_it_larger() {
         let mut trust = TrustRegion::new();
         trust.reject(0.01);
         assert_eq!(trust.radius, 0.0025);
-        trust.accept(Outcome { extent: 0.0025, ..STEP });
+        trust.accept(StepOutcome { extent: 0.0025, ..STEP });
         assert_eq!(trust.radius, 0.0075);
-        trust.accept(Outcome { extent: 10.0, ..STEP });
+        trust.accept(StepOutcome { extent: 10.0, ..STEP });
         assert_eq!(trust.radius, LARGEST);
     }
 
     #[test]
     fn what_was_not_foreseen_makes_it_smaller() {
-        let after = |step: Outcome| {
+        let after = |step: StepOutcome| {
             let mut trust = TrustRegion::new();
             trust.accept(step);
             trust.radius
         };
         assert_eq!(after(STEP), 0.5); // larger than three times what was taken
-        assert_eq!(after(Outcome { gain: Some(0.1), ..STEP }), 0.05);
-        assert_eq!(after(Outcome { gain: Some(0.5), fraction: 0.2, ..STEP }), 0.2 * 0.1);
-        assert_eq!(after(Outcome { gain: Some(0.5), ..STEP }), 0.5);
-        assert_eq!(after(Outcome { gain: Some(1.0), rounds: 9, fraction: 0.5, ..STEP }), 0.05);
-        assert_eq!(after(Outcome { gain: None, rounds: 9, ..STEP }), 0.5);
+        assert_eq!(after(StepOutcome { gain: Some(0.1), ..STEP }), 0.05);
+        assert_eq!(after(StepOutcome { gain: Some(0.5), fraction: 0.2, ..STEP }), 0.2 * 0.1);
+        assert_eq!(after(StepOutcome { gain: Some(0.5), ..STEP }), 0.5);
+        assert_eq!(after(StepOutcome { gain: Some(1.0), rounds: 9, fraction: 0.5, ..STEP }), 0.05);
+        assert_eq!(after(StepOutcome { gain: None, rounds: 9, ..STEP }), 0.5);
     }
 }

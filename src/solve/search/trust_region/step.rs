@@ -18,7 +18,7 @@ const MAX_SHIFT: f64 = 1e30;
 const MAX_SHORTENINGS: usize = 3;
 
 /// A step and the quadratic model along it.
-pub(super) struct Step {
+pub(super) struct ModelStep {
     pub(super) increment: Vec<f64>,
     /// The increment as it was solved for, neutral motions in it.
     raw: Vec<f64>,
@@ -32,7 +32,7 @@ pub(super) struct Step {
     pub(super) inertia: f64,
 }
 
-impl Step {
+impl ModelStep {
     /// Goes on along the step to where the model is lowest within the radius, if it falls on the way by more than
     /// `unseen`. A shift that one direction asks for shortens steps in all: down a valley that hardly falls, a hundredfold.
     fn lengthen(&mut self, radius: f64, unseen: f64) {
@@ -88,14 +88,14 @@ impl Workspace {
         residual: &Residual,
         drive: &PrescribedMotion,
         iteration: usize,
-    ) -> Result<Step, SolveError> {
+    ) -> Result<ModelStep, SolveError> {
         let raw = self.raw_step(engine, residual);
         let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
         let work = -slope - self.free_dot(engine, &raw, |i| self.tangent.drive[i]);
         let inertia = self.free_dot(engine, &raw, |i| engine.metric[i] * raw[i]);
         let increment = self.finished_step(raw.clone(), drive, iteration)?;
         let extent = extent(engine, residual, &increment);
-        Ok(Step { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
+        Ok(ModelStep { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
     }
 
     /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is
@@ -107,7 +107,7 @@ impl Workspace {
         drive: &PrescribedMotion,
         radius: f64,
         at: usize,
-    ) -> Result<Step, SolveError> {
+    ) -> Result<ModelStep, SolveError> {
         self.convexify(engine, at)?;
         let mut step = self.model_step(engine, residual, drive, at)?;
         for _ in 0..MAX_SHORTENINGS {
@@ -126,7 +126,7 @@ impl Workspace {
 
     /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that
     /// the step has.
-    pub(super) fn shift_for(&self, step: &Step, shorter: f64) -> f64 {
+    pub(super) fn shift_for(&self, step: &ModelStep, shorter: f64) -> f64 {
         let ratio = step.curvature / step.inertia;
         let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
         ((stiffness + self.shift) * shorter - stiffness).max(FIRST_SHIFT)

@@ -1,8 +1,8 @@
-//! Whether a way leads from one state to another on which no strand passes through another.
+//! An isotopy between two states: a path from one to the other on which no strand passes through another.
 //!
-//! The way turns every chord between nodes as its frames turn, so that rods keep their lengths on it however far they
-//! swing (a straight line between the states would squeeze a rod that rolls up to nothing), in legs of so small
-//! rotations that each is nearly a straight line. Any way will do: one that is free keeps knots and links.
+//! The path turns every chord between nodes as its frames turn, so that rods keep their lengths on it however far they
+//! swing (a straight line between the states would squeeze a rod that rolls up to nothing), in parts of so small
+//! rotations that each is nearly a straight line. Any free path is a proof that knots and links are kept.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,35 +13,35 @@ use crate::math::{Quat, Vec3};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
-/// Largest rotation of a leg, rad: within it a chord stands for the arc.
-const LEG: f64 = 0.5;
-/// Legs at most. Motions that turn further are not examined, and refused.
-const MAX_LEGS: f64 = 64.0;
+/// Largest rotation of a part, rad, because within it a chord stands for the arc.
+const PART: f64 = 0.5;
+/// Largest number of parts. Longer motions are refused without a look.
+const MAX_PARTS: f64 = 64.0;
 
 impl Engine {
-    /// Whether no strand passes another on the way from `start` to the engine's state, as far as one way tells; contact
+    /// Whether no strand passes another on the path from `start` to the engine's state; contact
     /// geometry is that of the engine's state afterwards.
     ///
     /// # Errors
     /// Contact geometry that breaks down at the engine's state.
-    pub(crate) fn is_way_free(&mut self, start: &State) -> Result<bool, SolveError> {
+    pub(crate) fn is_path_free(&mut self, start: &State) -> Result<bool, SolveError> {
         let end = self.state.clone();
-        // curves too coarse for contact on the way say nothing about its end
-        let free = self.walk(start, &end).unwrap_or(false);
+        // curves too coarse for contact on the path say nothing about its end
+        let free = self.is_free_between(start, &end).unwrap_or(false);
         self.update_contact(&end)?;
         Ok(free)
     }
 
-    fn walk(&mut self, start: &State, end: &State) -> Result<bool, SolveError> {
+    fn is_free_between(&mut self, start: &State, end: &State) -> Result<bool, SolveError> {
         let increment = self.swings(start, end);
         let largest = (0..self.num_nodes()).map(|n| rotation(&increment, n).norm()).fold(0.0, f64::max);
-        let legs = (largest / LEG).ceil().max(1.0);
-        if legs.is_nan() || legs > MAX_LEGS {
+        let parts = (largest / PART).ceil().max(1.0);
+        if parts.is_nan() || parts > MAX_PARTS {
             return Ok(false);
         }
         let mut state = start.clone();
-        for leg in 1..=legs as usize {
-            let to = self.between(start, end, &increment, leg as f64 / legs);
+        for part in 1..=parts as usize {
+            let to = self.between(start, end, &increment, part as f64 / parts);
             let rest = to.increment_since(&state);
             if self.advance(&state, &rest, STEP)? < 1.0 {
                 return Ok(false);
@@ -72,7 +72,7 @@ impl Engine {
         increment
     }
 
-    /// The state at t between 0 and 1 on the way.
+    /// The state at t between 0 and 1 on the path.
     fn between(&self, start: &State, end: &State, increment: &[f64], t: f64) -> State {
         let mut state = start.retract(increment, t);
         for (index, rod) in self.model.rods.iter().enumerate() {
