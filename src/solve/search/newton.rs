@@ -13,17 +13,17 @@ use crate::solve::search::interrupt::Interrupt;
 use crate::solve::search::timing::{Timings, timed};
 use crate::sparse::{Factor, Pattern};
 
-/// Choices of one equilibrium search; lengths are relative to the node spacing, rotations in rad.
+/// Options of an equilibrium search; lengths are relative to the node spacing, rotations in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewtonOptions {
     /// Converged when a full step moves no node by more than this × node spacing and turns none by more (rad).
     pub tol_increment: f64,
-    /// Give up after so many iterations in which the potential hardly fell (by less than 1e-2 of what is stored): a
-    /// search that still descends goes on. Searches without a potential to descend give up after so many in all.
+    /// Largest number of iterations in a row without progress (decrease of the potential by 1e-2 of the stored energy).
+    /// For searches without a potential: largest number of iterations.
     pub max_iterations: usize,
-    /// Shift the tangent until it has no negative eigenvalue: seeks minima. Off: seeks any equilibrium.
+    /// Search for minima, with the tangent shifted until it has no negative eigenvalue. Off: for any equilibrium.
     pub stable_only: bool,
-    /// Asks the search to give up between two iterations.
+    /// Stops the search between two iterations.
     pub interrupt: Interrupt,
 }
 
@@ -50,19 +50,19 @@ pub struct Iteration {
     pub rounds: usize,
 }
 
-/// How an equilibrium search ended.
+/// Result of an equilibrium search.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub(crate) struct NewtonReport {
-    /// Met the tolerance.
+    /// Whether the tolerance was met.
     pub(crate) converged: bool,
-    /// History.
+    /// All iterations.
     pub(crate) iterations: Vec<Iteration>,
     /// Unstable directions of the last tangent (without shift).
     pub(crate) num_unstable: usize,
 }
 
-/// Matrix, factorisation and their life between calls.
+/// Matrix, factorisation and other data that searches share.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     pattern: Option<Pattern>,
@@ -71,49 +71,48 @@ pub(crate) struct Workspace {
     /// Neutral motions at the last linearisation.
     pub(crate) zero_energy: ZeroEnergyModes,
     border: Option<Border>,
-    /// Candidate list the pattern was made for.
+    /// Generation of the candidates that the pattern belongs to.
     generation: u64,
     pub(crate) shift: f64,
     /// Diagonal of the tangent while a shift is in it.
     unshifted: Vec<f64>,
     /// Last estimate of the softest direction.
     pub(crate) softest: Vec<f64>,
-    /// Where the time went.
+    /// Times of the parts of all searches.
     pub(crate) timings: Timings,
-    /// The extent of a step with which a search ends that only prepares the next one.
+    /// Extent of the last step of a rough search, whose result is the start of the next one; `None`: not rough.
     pub(crate) rough: Option<f64>,
-    /// Shear forces and tension, per element and integration point, that the next search starts from instead of those
-    /// of the state; empty: of the state.
+    /// Shear forces and tension, per element and integration point, of the first linearisation of the next search;
+    /// empty: those of the state.
     pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
-    /// The next search starts from a state at rest under pressures that are hardly others: its first steps are plain.
+    /// The next search starts from an equilibrium under slightly different pressures: its first steps are plain.
     pub(crate) near_rest: bool,
     /// Bases of the unknowns of the last linearisation.
     bases: Bases,
-    /// A search was given up because it was asked to.
+    /// A search was interrupted.
     pub(crate) interrupted: bool,
 }
 
-/// What a search sets out with: motions of supports, and the shear forces and the tension of the first linearisation, if
-/// there are any.
+/// Prescribed motions, and the shear forces and the tension of the first linearisation (empty: those of the state).
 type SearchStart<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
 
-/// Iterations of the plain search at most.
+/// Largest number of iterations of the plain search.
 const MAX_DIRECT: usize = 15;
 /// Ratio of two increments above which Newton's method does not converge yet. Near a state at rest, two such ratios in
 /// a row end the plain search.
 const CONTRACTION: f64 = 0.5;
 
 impl Workspace {
-    /// Finds an equilibrium from the engine's state with `drive` applied on the way; the engine keeps the last iterate.
+    /// Finds an equilibrium from the engine's state with the motions of `drive`; the engine keeps the last iterate.
     ///
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
-    /// one step, passing tangents that are indefinite although both ends of the way are stable. It comes first, too,
-    /// near a state at rest. If it does not converge, or if strands would touch or pass each other, or when leaving an
-    /// unstable state (`leaving`), the guarded search does the work. That ends, not converged, when the potential falls below the value
-    /// given: whoever only asks whether a motion is neutral need not follow it.
+    /// one step, across indefinite tangents between two stable states. It comes first, too, near an equilibrium. The
+    /// trust-region search follows if it does not converge, if strands would touch or pass each other, and when leaving
+    /// an unstable state (`leaving`). It ends, not converged, when the potential falls below the value of `leaving`, which
+    /// is enough to know that a motion is not neutral.
     ///
     /// # Errors
-    /// Numbers that break down; not converging is in the report.
+    /// Numerical breakdown; the report says whether the search converged.
     pub(crate) fn equilibrate(
         &mut self,
         engine: &mut Engine,
@@ -158,9 +157,8 @@ impl Workspace {
         Ok(report)
     }
 
-    /// The plain search for rods that are apart, as if there were no contact: none is felt where none comes about. Its
-    /// result counts if nothing touches there and no strand passes another on the way; otherwise its iterations are
-    /// `spent`.
+    /// The plain search without contact, for rods that are apart. Its result counts if nothing touches there and a path
+    /// without passage leads there; otherwise its iterations are added to `spent`.
     fn direct_apart(
         &mut self,
         engine: &mut Engine,
@@ -173,7 +171,7 @@ impl Workspace {
         let side = engine.contact.take();
         let outcome = self.direct(engine, start, &direct, true);
         engine.contact = side;
-        // numbers that broke down on the way are for the other searches to mend
+        // after a breakdown the other searches begin from the start
         let Ok(mut report) = outcome else { return Ok(None) };
         if report.converged
             && timed(&mut self.timings.detection, || engine.is_path_free(&before)).unwrap_or(false)
@@ -188,8 +186,8 @@ impl Workspace {
         Ok(None)
     }
 
-    /// The plain search with contact: where pressures hardly change, its steps are as good as guarded ones at a third of
-    /// their price. Its result counts if it is stable; otherwise its iterations are `spent`.
+    /// The plain search with contact: where pressures hardly change, its steps are as good as those of the trust region
+    /// at a third of the cost. Its result counts if it is stable; otherwise its iterations are added to `spent`.
     fn direct_in_contact(
         &mut self,
         engine: &mut Engine,
@@ -199,7 +197,7 @@ impl Workspace {
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
         let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
-        // numbers that broke down on the way are for the guarded search to mend
+        // after a breakdown the trust-region search begins from the start
         if let Ok(mut report) = self.direct(engine, start, &direct, true) {
             if report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
@@ -253,14 +251,14 @@ impl Workspace {
             remaining *= 1.0 - fraction;
             engine.state = state.clone();
             if let Some(side) = &mut engine.contact {
-                // pressures of the law before hold for the first step under a new one, and no longer
+                // pressures of the law before are used in the first step under a new one only
                 side.before = None;
             }
             if fraction == 1.0 && increment <= options.tol_increment {
                 report.converged = true;
                 break;
             }
-            // with a guarded search to fall back on, a search that runs away is not waited for
+            // a search that diverges ends early if another one can follow
             cut_steps = if fraction < 1.0 { cut_steps + 1 } else { 0 };
             growing = if increment > CONTRACTION * last { growing + 1 } else { 0 };
             last = increment;
@@ -273,7 +271,7 @@ impl Workspace {
         Ok(report)
     }
 
-    /// Whether the search is asked to give up; remembered until someone takes note.
+    /// Whether the search is to stop; kept until the caller resets it.
     pub(crate) fn must_stop(&mut self, options: &NewtonOptions) -> bool {
         self.interrupted |= options.interrupt.is_raised();
         self.interrupted
@@ -288,10 +286,10 @@ impl Workspace {
     /// Brings contact candidates, pattern and symbolic analysis up to date with a state.
     pub(crate) fn refresh(&mut self, engine: &mut Engine, state: &State) -> Result<(), SolveError> {
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
-        // without contact, or with contact left out for now, the pattern there is holds
+        // without contact, or with contact left out for now, the present pattern is valid
         let generation = engine.contact.as_ref().map_or(self.generation, |side| side.generation());
         if self.pattern.is_none() || generation != self.generation {
-            // what is replaced goes first: these are the largest things there are
+            // freed first, because they are the largest allocations
             (self.factor, self.pattern) = (None, None);
             timed(&mut self.timings.symbolic, || {
                 let (pattern, factor) = Factor::of(engine.build_pattern())?;
@@ -392,8 +390,8 @@ impl Workspace {
         Some(negative - usize::from(negative > 0 && compliance < 0.0))
     }
 
-    /// Size of what rounding makes of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units
-    /// in the last place of the largest eigenvalue.
+    /// Rounding error of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units in the last
+    /// place of the largest eigenvalue.
     pub(crate) fn rounding_of_eigenvalues(&self, engine: &Engine) -> f64 {
         let Some(pattern) = &self.pattern else { return 0.0 };
         let quotient = |(i, mass): (usize, &f64)| {

@@ -1,18 +1,18 @@
-//! The guarded search: Newton steps that the potential itself confirms.
+//! The trust-region search: Newton steps that the potential confirms.
 //!
 //! A rod is nearly inextensible and contact is nearly rigid: both confine the motion to a curved surface in the space
 //! of configurations. A straight Newton step leaves that surface by second order, which the large stiffnesses turn into
-//! a potential that says nothing about the step (Maratos effect). So each step Δ is first brought back: with e = ε(x ⊕
+//! a potential that does not measure the step (Maratos effect). So each step Δ is first brought back: with e = ε(x ⊕
 //! Δ) − ε(x) − BΔ the strain it made beyond its linear prediction and s the forces of gaps that did the same, it is
 //! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and
 //! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
-//! closes along the way the corrections may not converge; the best state they passed is as good as any if it lies low
-//! enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
+//! closes along the step the corrections may not converge; then the state of lowest potential among them is taken if it
+//! lies low enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
 //! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
 //! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
 //! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
 //!
-//! A search goes on for as long as it gets somewhere ([`patience`]): the potential falls, or supports advance.
+//! A search continues as long as the potential falls or supports advance ([`progress`]).
 
 mod convergence;
 mod corrected_step;
@@ -34,7 +34,8 @@ use progress::SearchProgress;
 use radius::{StepOutcome, TrustRegion};
 use step::ModelStep;
 
-/// Rejected or stuck steps in a row after which the search gives up. Thirty reductions shorten a step to rounding.
+/// Rejected or stuck steps in a row after which the search gives up, because thirty reductions shorten a step to
+/// rounding.
 const MAX_REJECTIONS: usize = 30;
 /// Fractions of a step that are tried before the shift is raised. A fraction costs an evaluation, a shift a
 /// factorisation.
@@ -56,12 +57,12 @@ const ROUNDING: f64 = 1e-11;
 /// Roundings of the potential below which a decrease cannot be told from none.
 const UNSEEN: f64 = 10.0;
 
-/// A search under way.
+/// State of a search.
 struct Search {
     state: State,
-    /// Stresses that the next linearisation is about, three per element.
+    /// Stresses of the next linearisation, three per element.
     stress: Vec<[Stress; 3]>,
-    /// What is left of prescribed motions.
+    /// Remaining part of prescribed motions.
     remaining: f64,
     trust: TrustRegion,
     rest: Convergence,
@@ -79,13 +80,13 @@ impl Search {
         Self { state, stress, remaining, trust: TrustRegion::new(), rest, rejections: 0, report }
     }
 
-    /// Supports have a way to go: the push does the work, and the potential may rise.
+    /// Whether supports are still to move. Their motion does work, so the potential may rise.
     fn is_pushed(&self) -> bool {
         self.remaining > 0.0
     }
 
-    /// Whether a trial lies low enough, or, where the potential decides nothing, its corrections shrank; and takes no
-    /// strand through another.
+    /// Whether a trial decreases the potential enough (or, without a potential to compare, its corrections shrank) and
+    /// takes no strand through another.
     fn accepts(
         &self,
         engine: &mut Engine,
@@ -105,8 +106,8 @@ impl Search {
 }
 
 impl Workspace {
-    /// The guarded search. `forces`, if there are any, are the shear forces and the tension of the first linearisation.
-    /// Below the potential `floor` the search ends, not converged.
+    /// Searches for an equilibrium. `forces`, if not empty, are the shear forces and the tension of the first
+    /// linearisation. Below the potential `floor` the search ends, not converged.
     pub(crate) fn trust_region_search(
         &mut self,
         engine: &mut Engine,
@@ -160,8 +161,8 @@ impl Workspace {
                     }
                     break;
                 }
-                // the potential cannot resolve the decrease that is left in a full step (of one that was cut short it
-                // says nothing): this is as far as rounding lets anyone go
+                // the decrease that is left in a full step is below the rounding of the potential: no search gets
+                // farther (a step that was cut short shows nothing)
                 let unseen = trial.expected.abs() < noise * trial.fraction * (2.0 - trial.fraction);
                 if shift == 0.0 && !search.is_pushed() && unseen {
                     search.report.converged = true;
@@ -172,10 +173,10 @@ impl Workspace {
                     break 'search;
                 }
                 if search.is_pushed() && step.extent > TOO_FAR {
-                    // no push leads that far: it is the response of a tangent that is nearly singular
+                    // no motion of a support leads that far: the tangent is nearly singular
                     self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
                 } else if search.is_pushed() {
-                    // shifts do not shorten what is prescribed
+                    // shifts do not shorten prescribed motions
                     longest = 0.4 * trial.fraction;
                     if longest < SHORTEST {
                         break 'search;
@@ -189,8 +190,8 @@ impl Workspace {
         self.finish(engine, search)
     }
 
-    /// A step after its corrections; where these neither settle nor lead low enough, a shorter one along the same
-    /// direction, which costs no factorisation. At most the fraction `longest` of it, which is as long as `size`.
+    /// A step after its corrections. If these neither converge nor decrease the potential enough, a fraction of the
+    /// step, which costs no factorisation. At most the fraction `longest` of the step, whose size is `size`.
     fn try_step(
         &mut self,
         engine: &mut Engine,
@@ -211,7 +212,7 @@ impl Workspace {
         Ok(trial)
     }
 
-    /// Goes where an accepted step leads.
+    /// Moves to the state of an accepted step.
     fn accept(
         &mut self,
         engine: &mut Engine,
@@ -228,12 +229,12 @@ impl Workspace {
             gain: (!unseen).then_some(gain(residual, &trial) / trial.expected),
         });
         if hardened {
-            // the first step under a new law tells how far the strands have to go; what follows is no longer
+            // under a new law the first step is the longest: its extent bounds the next ones
             search.trust.radius = search.trust.radius.min(step.extent);
         }
         self.shift *= RELAXING * (step.extent / search.trust.radius).min(1.0);
-        // the geometric stiffness belongs to the stresses that the linear solve balanced, not to what rounding off the
-        // constraint surface makes of them
+        // the geometric stiffness is that of the stresses which the linear solve balanced, not of the stresses off the
+        // constraint surface
         search.stress = engine.predicted_stress(&search.state, &trial.increment);
         for (total, excess) in search.stress.iter_mut().zip(trial.excess.iter().flatten()) {
             for (t, e) in total.iter_mut().flatten().zip(excess.iter().flatten()) {
@@ -263,12 +264,12 @@ fn gain(residual: &Residual, trial: &CorrectedStep) -> f64 {
     residual.potential.total() - trial.potential
 }
 
-/// Changes of the potential that are not told from none.
+/// Changes of the potential that cannot be distinguished from zero.
 pub(in crate::solve) fn unseen(residual: &Residual) -> f64 {
     UNSEEN * noise(residual)
 }
 
-/// Changes of the potential that rounding makes.
+/// Rounding error of the potential.
 fn noise(residual: &Residual) -> f64 {
     ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
 }

@@ -1,50 +1,50 @@
-//! When a guarded search has come to rest.
+//! Convergence of the trust-region search.
 
 use super::corrected_step::CorrectedStep;
 use super::step::ModelStep;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 
-/// Change of contact forces in the last step, over the largest force, up to which a state is at rest. Lightly loaded
-/// contact feels increments far below the tolerance.
+/// Change of contact forces in the last step, relative to the largest force, up to which a state has converged. Increments
+/// far below the tolerance change the forces of lightly loaded contact.
 const TOL_CONTACT_CHANGE: f64 = 1e-6;
-/// The same for a search that only prepares the next one.
+/// The same for a rough search, whose result is the start of the next one.
 const STEADY: f64 = 0.3;
-/// Increment, over the tolerance, below which a state is at rest although contact forces still change: strands that
-/// touch without load press by rounding alone. Forces must be nearly balanced, or contact unloaded.
+/// Increment, relative to the tolerance, below which a state has converged although contact forces still change, because
+/// forces of strands that touch without load are rounding. Forces must be nearly balanced, or contact unloaded.
 const IMMOBILE: f64 = 1e-4;
-/// Change and imbalance of contact forces, relative, up to which they are nearly balanced.
+/// Relative change and imbalance of contact forces up to which they count as nearly balanced.
 const NEARLY_BALANCED: f64 = 1e-3;
-/// Rotation, rad, that the largest contact force can cause, up to which contact is unloaded.
+/// Rotation, rad, caused by the largest contact force, up to which contact counts as unloaded.
 const UNLOADED: f64 = 1e-6;
-/// Relative residual below which shifted steps that stay tiny mean rest at a saddle.
+/// Relative residual below which tiny shifted steps mean a saddle.
 const TOL_SADDLE: f64 = 1e-8;
-/// Ratio of expected decreases over three steps. Decreases too small for the potential that fall by less (or, under a
-/// shift, grow by less than the inverse) are rounding.
+/// Ratio of expected decreases, both below the rounding of the potential, over three steps. A decrease that falls by less
+/// is rounding, and under a shift one that grows by less than the inverse.
 const SETTLING: f64 = 0.1;
 
-/// A step that was accepted, in numbers.
+/// Sizes of an accepted step.
 pub(super) struct Accepted {
-    /// Its increment, see [`increment_size`](crate::solve::search::newton::increment_size).
+    /// Size of the increment, see [`increment_size`](crate::solve::search::newton::increment_size).
     pub(super) size: f64,
     /// Relative residual before it.
     pub(super) unbalanced: f64,
-    /// Changes of the potential that rounding makes.
+    /// Rounding error of the potential.
     pub(super) noise: f64,
-    /// Shift that it was made with.
+    /// Shift of the tangent.
     pub(super) shift: f64,
-    /// Supports have farther to go after it.
+    /// Whether supports are still to move after it.
     pub(super) goes_on: bool,
 }
 
-/// What tells rest, over the steps of a search.
+/// Convergence test over the steps of a search.
 pub(super) struct Convergence {
     tol_increment: f64,
-    /// Extent of a step with which a search ends that only prepares the next one.
+    /// Extent of the last step of a rough search.
     rough: Option<f64>,
     /// Tiny shifted steps in a row.
     at_saddle: usize,
-    /// Decreases that were expected of full steps in a row, too small for the potential to tell.
+    /// Expected decreases of full steps in a row, all below the rounding of the potential.
     decrements: Vec<f64>,
 }
 
@@ -53,18 +53,18 @@ impl Convergence {
         Self { tol_increment, rough, at_saddle: 0, decrements: Vec::new() }
     }
 
-    /// Below the tolerance rounding decides over decrease and corrections.
+    /// Whether a step is below the tolerance: decrease and corrections are rounding there.
     pub(super) fn is_tiny(&self, size: f64, trial: &CorrectedStep) -> bool {
         size <= self.tol_increment && trial.potential.is_finite()
     }
 
-    /// Whether an accepted step goes nowhere though forces are out of balance: its shift makes it shorter than the
-    /// tolerance, and so acceptable, when nothing longer was. Where strands have no room left that goes on for ever.
+    /// Whether the search is stuck: the shift made the step shorter than the tolerance, and so acceptable, although
+    /// forces are out of balance. Without this test it would not end where strands have no room left.
     pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
         accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY_BALANCED
     }
 
-    /// Whether the search has come to rest with an accepted step from where `residual` is.
+    /// Whether the search has converged with an accepted step from the state of `residual`.
     pub(super) fn is_reached(
         &mut self,
         engine: &Engine,
@@ -81,24 +81,24 @@ impl Convergence {
             // softer law
             Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= STEADY),
         };
-        // shifted steps that stay tiny have come to a saddle: whoever asked decides whether to leave it
-        // (large shifts make any step tiny: the residual must have gone too)
+        // tiny shifted steps with a small residual are those at a saddle; the caller decides whether to leave it
+        // (a large shift alone makes any step tiny)
         let balanced = accepted.unbalanced <= TOL_SADDLE;
         self.at_saddle = if tiny && indefinite && balanced { self.at_saddle + 1 } else { 0 };
-        // what keeps moving without a change of the potential or a force is rounding along motions that nothing resists
+        // motions that change neither potential nor forces are rounding along neutral directions
         let expected = trial.expected.abs();
         if expected >= accepted.noise || trial.fraction < 1.0 || accepted.goes_on {
             self.decrements.clear();
         } else {
             self.decrements.push(expected);
         }
-        // what leaves a saddle grows, by far more than that in three steps
+        // steps that leave a saddle grow by far more than that in three steps
         let stays = |last: f64, before: f64| last > SETTLING * before && (!indefinite || SETTLING * last < before);
         let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
         trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= 3 || idle)
     }
 
-    /// Whether contact forces are those of rest after a tiny step.
+    /// Whether contact forces have converged after a tiny step.
     fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
         let nearly = trial.contact_change <= NEARLY_BALANCED && accepted.unbalanced <= NEARLY_BALANCED;
         let light =
@@ -107,7 +107,7 @@ impl Convergence {
     }
 }
 
-/// Size of the rotations, rad, that the largest contact force makes: F L²/B.
+/// Size of the rotations caused by the largest contact force, rad: F L²/B.
 fn contact_bends(engine: &Engine, residual: &Residual) -> f64 {
     let force = residual.contact_gradient.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     force * engine.scales.length.powi(2) / engine.scales.bending

@@ -1,5 +1,5 @@
-//! A step brought back to the surface that stretch and contact confine the motion to, by corrections on the
-//! factorisation at hand.
+//! Second-order correction of a step: back to the surface of nearly rigid stretch and contact, on the factorisation of
+//! the step.
 
 use super::step::ModelStep;
 use super::{gain, noise};
@@ -11,14 +11,14 @@ use crate::solve::problem::state::State;
 use crate::solve::search::newton::Workspace;
 use crate::solve::search::timing::timed;
 
-/// Change of contact forces in a step, over the largest force, up to which the whole residual is corrected, not only
-/// its second-order part.
+/// Change of contact forces in a step, relative to the largest force, up to which the whole residual is corrected instead
+/// of its second-order part.
 const GENTLE: f64 = 0.1;
-/// Correction rounds per step at most.
+/// Largest number of correction rounds a step.
 pub(super) const MAX_ROUNDS: usize = 10;
-/// Energy of a correction over that of its step that ends the rounds.
+/// Energy of a correction relative to that of its step, below which the rounds end.
 const SMALL_CORRECTION: f64 = 1e-2;
-/// Energy of a correction over that of the one before, above which the rounds do not converge.
+/// Energy of a correction relative to the one before, above which the rounds do not converge.
 const CONTRACTION: f64 = 0.4;
 
 /// A step after its corrections.
@@ -31,18 +31,18 @@ pub(super) struct CorrectedStep {
     pub(super) expected: f64,
     pub(super) fraction: f64,
     pub(super) rounds: usize,
-    /// Largest change of a contact force along the step over the largest contact force.
+    /// Largest change of a contact force in the step, relative to the largest contact force.
     pub(super) contact_change: f64,
     /// The corrections shrank.
     pub(super) settled: bool,
-    /// C e of the last correction: with the linear prediction the stresses that balance the step.
+    /// C e of the last correction. Its sum with the linear prediction are the stresses that balance the step.
     pub(super) excess: Option<Vec<[Stress; 3]>>,
 }
 
 impl Workspace {
-    /// Corrects at most the fraction `longest` of a step for what its linear prediction missed and evaluates the
-    /// potential there. While supports are `pushed`, contact is left to the iterations after: its potential may rise,
-    /// the push does the work.
+    /// Corrects at most the fraction `longest` of a step for the errors of its linear prediction and evaluates the
+    /// potential there. While supports are `pushed`, contact is not corrected: the potential may rise, because the
+    /// supports do work.
     pub(super) fn trial(
         &mut self,
         engine: &mut Engine,
@@ -69,20 +69,20 @@ impl Workspace {
         let mut last = f64::INFINITY;
         let mut best: Option<CorrectedStep> = None;
         loop {
-            // contact that cannot be resolved there is a step too long, not the end
+            // contact that cannot be resolved there means that the step is too long
             if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
                 break;
             }
             let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
             trial.potential = there.potential.total();
             trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
-            // the potential cannot tell, and corrections would be made of rounding, unless it rises by what it can tell
+            // below the rounding of the potential corrections are rounding, unless the potential rises by more
             let noise = noise(residual);
             trial.settled |= trial.expected.abs() < noise && gain(residual, &trial) >= -noise;
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            // near rest all that is out of balance is corrected (a chord step)
+            // near equilibrium the whole residual is corrected (a chord step)
             let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= GENTLE;
             let with_contact = !(pushed || gentle);
             let (excess, second_order) = self.second_order(engine, state, residual, &there, &trial, with_contact);
@@ -110,7 +110,7 @@ impl Workspace {
             trial.excess = Some(excess);
         }
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
-        // among changes that rounding makes, the corrected state is the better one
+        // if all differ by rounding only, the corrected state is the better one
         Ok(match best {
             Some(best) if !trial.settled && trial.expected > noise(residual) => best,
             _ => trial,
@@ -123,7 +123,7 @@ impl Workspace {
         self.free_dot(engine, change, |i| product[i] + self.shift * engine.metric[i] * change[i])
     }
 
-    /// Forces that the linear prediction missed: BᵀC e of the rods, and Σ k e ∂gap/∂x of contact.
+    /// Second-order forces: BᵀC e of the rods, and Σ k e ∂gap/∂x of contact.
     fn second_order(
         &self,
         engine: &Engine,
@@ -141,7 +141,7 @@ impl Workspace {
     }
 }
 
-/// Largest difference over the largest value before; 0 where all is 0.
+/// Largest difference relative to the largest value before; 0 if all are 0.
 fn relative_change(before: &[f64], after: &[f64]) -> f64 {
     let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));

@@ -1,12 +1,12 @@
-//! How long a search goes on: as long as it gets somewhere.
+//! Budget of a search: iterations without progress.
 
 use crate::solve::problem::assembly::Residual;
 
-/// Decrease of the potential over the stored energy, or advance of a prescribed motion over its remainder, that counts
-/// as progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
+/// Decrease of the potential relative to the stored energy, or advance of a prescribed motion relative to its remainder,
+/// that counts as progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
 pub(in crate::solve) const PROGRESS: f64 = 1e-2;
 
-/// Energy of rods and contact at a state.
+/// Energy stored in rods and contact.
 pub(in crate::solve) fn stored_energy(residual: &Residual) -> f64 {
     residual.potential.elastic.iter().sum::<f64>() + residual.potential.contact.abs()
 }
@@ -21,12 +21,12 @@ pub(super) struct SearchProgress {
 }
 
 impl SearchProgress {
-    /// Allows so many iterations without progress.
+    /// With this number of iterations allowed without progress.
     pub(super) fn new(allowed: usize) -> Self {
         Self { allowed, idle: 0, potential: f64::INFINITY, remaining: 1.0 }
     }
 
-    /// Takes note of where the search is before an iteration.
+    /// Records the state before an iteration.
     pub(super) fn see(&mut self, residual: &Residual, remaining: f64) {
         let potential = residual.potential.total();
         let falls = potential < self.potential - PROGRESS * stored_energy(residual);
@@ -41,7 +41,7 @@ impl SearchProgress {
         self.idle += 1;
     }
 
-    /// Whether there was no progress for too long.
+    /// Whether the budget is spent.
     pub(super) fn is_over(&self) -> bool {
         self.idle >= self.allowed
     }

@@ -1,4 +1,4 @@
-//! The trust region of the guarded search: how far a step may go, by what the last ones came to.
+//! Radius of the trust region, by the outcome of the last steps.
 
 use super::corrected_step::MAX_ROUNDS;
 
@@ -6,36 +6,36 @@ use super::corrected_step::MAX_ROUNDS;
 const FIRST: f64 = 0.5;
 /// Largest radius, rad.
 const LARGEST: f64 = 2.0;
-/// Radius after a foreseen step, over the extent that was taken.
+/// Radius after a step that the model predicted well, relative to the extent taken.
 const GROWTH: f64 = 3.0;
-/// Decrease of the potential over the expected one of a foreseen step.
+/// Decrease of the potential relative to the expected one, in which the model counts as right.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
-/// The same below which the model misjudged the step, and the radius shrinks.
+/// The same, below which the radius shrinks.
 const MISJUDGED: f64 = 0.25;
-/// Correction rounds of a foreseen step at most: half of those allowed. (With three, a knot that slides through itself
-/// repeats the same small step for hundreds of iterations; without a bound a hard penalty rattles.)
+/// Largest number of correction rounds after which the model counts as right: half of those allowed. With three, a knot
+/// that slides through itself repeats the same small step for hundreds of iterations; without a bound steps under a hard
+/// penalty alternate.
 const FEW_ROUNDS: usize = MAX_ROUNDS / 2;
-/// Radius after a rejected step, over the step's extent.
+/// Radius after a rejected step, relative to the step's extent.
 const REJECTED: f64 = 0.25;
 
-/// What a step came to.
+/// Outcome of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StepOutcome {
-    /// Largest rotation, rad, or relative displacement of strands in contact over their contact distance, of the whole
-    /// step.
+    /// Extent of the whole step: the largest rotation, rad, or relative displacement of strands in contact over their
+    /// contact distance.
     pub(super) extent: f64,
     /// Fraction of it that was taken.
     pub(super) fraction: f64,
     /// Correction rounds.
     pub(super) rounds: usize,
-    /// Decrease of the potential over the expected one; `None` where rounding hides it, which says nothing against a
-    /// step.
+    /// Decrease of the potential relative to the expected one; `None` below rounding, where a step counts as good.
     pub(super) gain: Option<f64>,
 }
 
 #[derive(Debug)]
 pub(super) struct TrustRegion {
-    /// Extent that a step may have.
+    /// Largest extent of a step.
     pub(super) radius: f64,
 }
 

@@ -1,5 +1,5 @@
-//! The step of a guarded search: of the smallest shift that keeps the model convex and the step within the trust
-//! region.
+//! The step of the trust-region search: that of the smallest shift which makes the model convex and keeps the step within
+//! the radius.
 
 use crate::error::SolveError;
 use crate::math::Vec3;
@@ -10,17 +10,17 @@ use crate::solve::search::newton::{NEUTRAL_SHIFT, Workspace};
 
 use super::unseen;
 
-/// Smallest shift that is tried, in units of B/L⁴: that of the softest bending of a rod.
+/// Smallest shift, in units of B/L⁴: the eigenvalue of a rod's softest bending.
 const FIRST_SHIFT: f64 = 10.0;
-/// Largest shift that is tried; a matrix that is not convex then has broken down.
+/// Largest shift. A matrix that is not positive definite with it has broken down.
 const MAX_SHIFT: f64 = 1e30;
-/// Shifts raised at most to bring a step within the radius; half again as far is near enough.
+/// Largest number of increases of the shift to bring a step within 1.5 radii.
 const MAX_SHORTENINGS: usize = 3;
 
 /// A step and the quadratic model along it.
 pub(super) struct ModelStep {
     pub(super) increment: Vec<f64>,
-    /// The increment as it was solved for, neutral motions in it.
+    /// The solution of the linear system, neutral motions included.
     raw: Vec<f64>,
     /// See [`extent`].
     pub(super) extent: f64,
@@ -33,8 +33,8 @@ pub(super) struct ModelStep {
 }
 
 impl ModelStep {
-    /// Goes on along the step to where the model is lowest within the radius, if it falls on the way by more than
-    /// `unseen`. A shift that one direction asks for shortens steps in all: down a valley that hardly falls, a hundredfold.
+    /// Extends the step along itself to the minimum of the model within the radius, if the model falls by more than
+    /// `unseen` on the way. A shift that one direction requires shortens all others, in a flat valley a hundredfold.
     fn lengthen(&mut self, radius: f64, unseen: f64) {
         let lowest = if self.curvature > 0.0 { -self.slope / self.curvature } else { f64::INFINITY };
         let longer = lowest.min(radius / self.extent);
@@ -81,7 +81,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// The Newton step with the factorisation at hand and what the model says of it.
+    /// The Newton step of the present factorisation, with slope and curvature of the model.
     fn model_step(
         &mut self,
         engine: &Engine,
@@ -98,8 +98,8 @@ impl Workspace {
         Ok(ModelStep { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
     }
 
-    /// The step of the smallest shift that keeps the model convex and the step within the radius (half again as far is
-    /// near enough), lengthened to the lowest of the model along it.
+    /// The step of the smallest shift that makes the model convex and keeps the step within 1.5 radii, extended to the
+    /// minimum of the model along it.
     pub(super) fn step_within(
         &mut self,
         engine: &Engine,
@@ -124,8 +124,8 @@ impl Workspace {
         Ok(step)
     }
 
-    /// The shift that would make a step shorter by a factor, if it were a single mode: of the stiffness over mass that
-    /// the step has.
+    /// The shift that shortens a step by a factor, if the step is a single mode with its Rayleigh quotient for
+    /// eigenvalue.
     pub(super) fn shift_for(&self, step: &ModelStep, shorter: f64) -> f64 {
         let ratio = step.curvature / step.inertia;
         let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
@@ -133,8 +133,8 @@ impl Workspace {
     }
 }
 
-/// How far a step goes: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
-/// over their contact distance (towards planes and away from them: along these nothing changes).
+/// Extent of a step: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over
+/// their contact distance (at planes along the normal only, because sliding changes nothing there).
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let part = |n: usize, k: usize| Vec3::new(step[6 * n + k], step[6 * n + k + 1], step[6 * n + k + 2]);
     let turn = (0..step.len() / 6).map(|n| part(n, 3).norm()).fold(0.0, f64::max);
