@@ -1,12 +1,12 @@
-//! Contacts that offsets hold open.
+//! Violation of complementarity: contacts that offsets hold open.
 //!
 //! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]),
-//! as one contact needs it. A contact within the window of another that touches would keep its force over any gap: a
-//! state in balance, stable, and with too much energy. So contacts are told apart here. A chain of pieces of zones is
-//! one contact, and its gap is the smallest in it: the ripples that elements in line contact have are inside of one
-//! contact and none of this. A contact is released at the nodes that are its own, from the first augmentation on
-//! ([`Solver::outstanding`]). One that shares each of its nodes with neighbours on the same strand that touch, nearer
-//! than the nodes are, has none: the mesh cannot tell them apart, and what it carries is reported, not released.
+//! as a single contact needs it. A contact within the window of another one that touches would keep its force over any gap,
+//! in a stable equilibrium with too much energy. So contacts are separated here. A chain of pieces of zones is
+//! one contact, and its gap is the smallest in it: ripples of elements in line contact are within one contact and do not
+//! count. A contact is released at the nodes that are its own, from the first augmentation on
+//! ([`Solver::outstanding`]). A contact that shares each of its nodes with touching neighbours on the same strand has
+//! none: the mesh does not resolve them, and its force is reported, not released.
 
 use crate::contact::chain::{ChainPiece, chains};
 use crate::contact::potential::plane::{PlanePiece, plane_runs};
@@ -15,10 +15,9 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Gap that an offset may hold open, over the contact radius. It acts as a rod that is thicker by this part.
+/// Largest gap that an offset may hold open, relative to the contact radius. It acts like a rod thicker by this part.
 pub(in crate::solve) const TOL_OPENING: f64 = 1e-6;
-/// Work of offsets on gaps that they hold open and could close, over the elastic energy. The energy is too high by this
-/// part.
+/// Largest work of offsets on releasable gaps, relative to the elastic energy, which is too high by this part.
 pub(in crate::solve) const TOL_COMPLEMENTARITY: f64 = 1e-9;
 
 /// Contacts that carry force over a gap.

@@ -1,5 +1,4 @@
-//! Pressures of contact as they pass from one law to the next: what the law in force gives, and offsets that give a new
-//! law the same.
+//! Contact pressures and the offsets of the augmented Lagrangian: carried from one law to the next, raised and lowered.
 
 use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
@@ -9,41 +8,41 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::{self, ContactField};
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Pressure, over a core law's own, at which its stiffness is read.
+/// Pressure, relative to that of a core law, at which its stiffness is evaluated.
 const USUAL_PRESSURE: f64 = 0.1;
-/// Largest growth of a secant step from one augmentation to the next. A secant through two nearly equal gaps would
+/// Largest growth of a secant step from one augmentation to the next, because a secant through two nearly equal gaps would
 /// overshoot.
 const FASTER: f64 = 2.0;
-/// Releases in a row, none of which brings the work of offsets on what they hold open below half of its least, after which
-/// no more is released: on lines of contact along a coarse mesh the ripples of elements stay open. The secant takes
-/// that many to find how fast a gap closes.
+/// Releases in a row after which no more follow if none halves the least work of offsets on gaps held open, because on
+/// lines of contact along a coarse mesh the ripples of elements stay open. The secant needs two to find how fast a gap
+/// closes: with one, contacts at κ' = 100 are held open with 4e-6 of the energy (`contact_held_open`).
 const IN_VAIN: usize = 2;
-/// First rounds in which offsets are lowered and raised at once, because they come from another law. Later rounds lower
-/// only when nothing is left to raise: doing both at once may go on for ever (a ply of three strands).
+/// First rounds in which offsets are both lowered and raised, because they come from another law. Later rounds lower only
+/// if nothing is to be raised, because both together may never end (a ply of three strands).
 const EARLY: usize = 3;
 
-/// How far the contact conditions are from met, by nodes and in all.
+/// Violation of the contact conditions, by nodes and in all.
 #[derive(Debug, Default)]
 pub(in crate::solve) struct ContactErrors {
-    /// Smallest gap of each contact near each node, see [`Solver::window`] \[L\]; infinite where nothing is in reach.
+    /// Smallest gap of each contact near each node, see [`Solver::window`] \[L\]; infinite out of reach.
     pub(in crate::solve) gaps: ContactField,
     /// Worst penetration over the smallest contact radius.
     pub(in crate::solve) penetration: f64,
 }
 
-/// What an augmented Lagrangian has yet to do.
+/// Next task of the augmented Lagrangian.
 #[derive(Debug)]
 pub(in crate::solve) struct Outstanding {
     /// Worst penetration over the smallest contact radius.
     pub(in crate::solve) penetration: f64,
-    /// Work of offsets on what they hold open over the elastic energy; none while the contact conditions are not met.
+    /// Work of offsets on gaps held open, relative to the elastic energy; `None` while there are penetrations.
     pub(in crate::solve) complementarity: Option<f64>,
-    /// What offsets are to be raised and lowered by \[L\]; none where all is done.
+    /// Gaps by which offsets are to be raised and lowered \[L\]; `None` at the end.
     pub(in crate::solve) gaps: Option<ContactField>,
 }
 
 impl Solver {
-    /// Replaces the law; the pressures of the state at rest become those of strands that just touch.
+    /// Replaces the law; strands that just touch get the pressures of the present equilibrium.
     pub(in crate::solve) fn change_law_keeping_pressures(&mut self, law: Law) {
         let pressures = self.pressures();
         self.change_law_to(law, &pressures);
@@ -63,24 +62,23 @@ impl Solver {
         side.change_law(law, pressures.map(|_, pressure| law.overlap(pressure, distance)));
     }
 
-    /// Replaces the law like [`Solver::change_law`]; the first step starts from the new law's pressures instead of the
-    /// old ones.
+    /// [`Solver::change_law`], but the first step starts from the new law's pressures.
     pub(in crate::solve) fn start_under(&mut self, law: Law, pressures: &[f64]) {
         self.change_law(law, pressures);
         self.forget_pressures();
     }
 
-    /// The first step after a change of law or offsets starts from the present pressures instead of those before.
+    /// Makes the first step after a change of law or offsets start from the present pressures.
     pub(in crate::solve) fn forget_pressures(&mut self) {
         if let Some(side) = &mut self.engine.contact {
             side.before = None;
         }
     }
 
-    /// Gives the nodes offsets that make smooth pressures of the gaps there are: the means of the present ones over an
-    /// element. Elements in line contact have ripples, and offsets that are the same along a line make ripples of the
-    /// pressure of them. Strands in which these face each other lower the energy by sliding along each other; under
-    /// smooth pressures they raise it. For a single closed rod.
+    /// Sets offsets for which the pressures at the present gaps are the means of the present ones over an element.
+    /// Elements in line contact have ripples, which uniform offsets turn into ripples of pressure. Where ripples of two
+    /// strands face each other, the strands would lower the energy by sliding; under smooth pressures sliding raises it.
+    /// For a single closed rod.
     pub(in crate::solve) fn smooth_pressures(&mut self) {
         let gaps = self.node_gaps();
         let (nodes, order) = (gaps.len(), self.engine.model.rods[0].order);
@@ -132,7 +130,7 @@ impl Solver {
         })
     }
 
-    /// How far the contact conditions are from met.
+    /// Violation of the contact conditions.
     pub(in crate::solve) fn contact_errors(&self) -> ContactErrors {
         if self.engine.contact.is_none() {
             return ContactErrors::default();
@@ -170,8 +168,8 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// What is left to do until the contact conditions are met to a tolerance relative to the contact radius and
-    /// offsets hold nothing open that can be released.
+    /// Next task until penetrations are within a tolerance, relative to the contact radius, and no gap is held open that
+    /// can be released.
     pub(in crate::solve) fn outstanding(&self, tol: f64, secant_steps: &mut SecantSteps) -> Outstanding {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, complementarity: Some(0.0), gaps: None };
@@ -198,8 +196,8 @@ impl Solver {
         outstanding
     }
 
-    /// Raises the contact offsets by the smallest gap found around each node, never below zero; lowers them, each at
-    /// its pace, where it is wider than it may stay.
+    /// Raises the offsets by the smallest gap near each node, and lowers them by secant steps where it is too wide, never
+    /// below zero.
     pub(in crate::solve) fn augment(&mut self, gaps: &ContactField, secant_steps: &mut SecantSteps) {
         let Some(side) = &mut self.engine.contact else { return };
         let open = TOL_OPENING * side.min_radius;
@@ -207,7 +205,7 @@ impl Solver {
         secant_steps.adapt(&side.set, gaps, open);
         let raised = |k: usize, gap: f64| {
             let offset = before.values[k];
-            // lowered by what may stay, little by little, an offset would keep others from closing their gaps
+            // gaps within the tolerance stay: lowering their offsets little by little would keep others from closing
             let stays = gap > 0.0 && gap <= open;
             if stays { offset } else { (offset - secant_steps.secant_steps.values[k] * gap).max(0.0) }
         };
@@ -217,19 +215,18 @@ impl Solver {
     }
 }
 
-/// How fast offsets that hold gaps open are lowered: a secant on offset and gap. At the edge of a zone, or between two
-/// nodes that carry a contact, a gap may hardly depend on the offset, which lowered by the gap at a time would take for
-/// ever to let go.
+/// Secant steps that lower the offsets of gaps held open. At the edge of a zone, or between two nodes that carry a
+/// contact, a gap may hardly depend on the offset; lowered by the gap alone, such an offset would not let go.
 #[derive(Debug)]
 pub(in crate::solve) struct SecantSteps {
     secant_steps: ContactField,
-    /// Gap at the augmentation before, and by how much it lowered the offset \[L\].
+    /// Gap at the last augmentation, and the decrease of the offset in it \[L\].
     before: Option<[ContactField; 2]>,
-    /// Least work of offsets on what they hold open and could release, over the elastic energy.
+    /// Least work of offsets on releasable gaps, relative to the elastic energy.
     least: f64,
     /// Releases in a row that did not halve it.
     in_vain: usize,
-    /// How often it was asked what is left to do.
+    /// Number of rounds so far.
     rounds: usize,
 }
 
@@ -240,14 +237,14 @@ impl Default for SecantSteps {
 }
 
 impl SecantSteps {
-    /// Takes note of the work that is left to release where the contact conditions are met.
+    /// Records the work left to release when penetrations are within the tolerance.
     fn note(&mut self, work: f64) {
         self.in_vain = if work > 0.5 * self.least { self.in_vain + 1 } else { 0 };
         self.least = self.least.min(work);
     }
 
-    /// Paces for these gaps: 1 where strands touch or overlap; where a gap was `open` \[L\] before and still is, what
-    /// would have closed it, at most [`FASTER`] than before.
+    /// Factors for these gaps: 1 where strands touch or overlap; where a gap was wider than `open` \[L\] before and still
+    /// is, the factor that would have closed it, at most [`FASTER`] times the last.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);

@@ -1,12 +1,11 @@
-//! Where strands come to rest under a harder penalty: what the first linearisation under it is made about.
+//! First linearisation after the penalty was raised.
 //!
 //! The rods hardly notice the change of a law, so a point of contact keeps its force F ∝ κδ^{3/2}, δ the penetration,
-//! while its strands move apart by some d and its zone narrows. Linearised about what each place has to give for its
-//! *own* pressure, as [`Pressures`](crate::contact::potential::Pressures) has it for laws of any kind, the first step
-//! closes .6 of δ where κ rises tenfold, and leaves the point pressing two and a half times too hard; so hard that the
-//! tangent there may be indefinite. Here d is found from the point's force, and the new law is linearised about strands
-//! moved apart by d. Strands along lines follow the pressure, F ∝ κδ, so that there each place may well give for its
-//! own.
+//! while its strands move apart by some d and its zone narrows. If each place is linearised about the overlap that gives
+//! its *own* pressure, as [`Pressures`](crate::contact::potential::Pressures) does for all laws, the first step closes .6
+//! of δ when κ rises tenfold, and the force of the point is two and a half times too large, so that the tangent may be
+//! indefinite. Here d follows from the force of the point, and the new law is linearised about strands moved apart by d.
+//! Lines of contact keep their pressure, F ∝ κδ, so there each place keeps its own.
 
 use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
@@ -14,8 +13,8 @@ use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Evaluations of forces for the distance d. The exponent of F in δ is measured from the second on; the third confirms
-/// it.
+/// Number of evaluations of forces for the distance d, because the second measures the exponent of F in δ and the third
+/// confirms it.
 const ROUNDS: usize = 3;
 /// Exponent of F in δ at a point of contact that is far from opening: its zone grows as √δ.
 const AT_POINTS: f64 = 1.5;
@@ -35,7 +34,7 @@ struct ContactRun {
 }
 
 impl Solver {
-    /// After a penalty has been raised: linearises the new law about the overlaps under which contact keeps its forces.
+    /// After a penalty was raised: linearises the new law about the overlaps for which contact keeps its forces.
     pub(in crate::solve) fn linearise_about_harder_law(&mut self) -> Result<(), SolveError> {
         let Some(side) = &self.engine.contact else { return Ok(()) };
         let (Law::Linear { stiffness }, Some((Law::Linear { stiffness: before }, offsets))) = (side.law, &side.before)
@@ -81,7 +80,7 @@ impl Solver {
         }
     }
 
-    /// What each segment feels as a slave and from planes, in the engine's state.
+    /// Contact of each segment as a slave and with planes, in the engine's state.
     fn overlaps(&self) -> Vec<Felt> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut felt = vec![Felt::default(); side.set.len()];

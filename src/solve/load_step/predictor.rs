@@ -1,19 +1,17 @@
-//! Where a path is heading: the next state extrapolated from the last accepted ones, and what is prescribed lifted from
-//! the supports to the rods.
+//! Prediction of the next state from the last accepted ones, and prescribed motions lifted from supports to rods.
 //!
-//! A polynomial through the last two or three states: each node's pose is the last one, moved along a screw whose velocity
-//! and rotation vector are polynomials (an interpolation in the exponential coordinates of SE(3)). Its parameter is what is
-//! prescribed: states count as long as their controls (seams,
-//! turns, displacements and poses of supports, load factor, pressures, heights of planes) lie on one line that the target goes on. So a path has
-//! no memory of stages, and single steps are predicted as those of a run. Turns are brought to their target in all
-//! states first, so that only the rods' answer is extrapolated. The centreline may go round with the sections (a cable
-//! that is laid by turning its end: its strands move on arcs, which chords would leave by (2 sin ½φ)³ of their radius) or
-//! not (a rod that is twisted): of the two screws, with and without the prescribed spin, that one is taken which would
-//! have foretold the last state better from the two before it.
+//! The prediction is a polynomial through the last two or three states in the exponential coordinates of SE(3): each node
+//! moves from its last pose along a screw whose velocity and rotation vector are polynomials. Their parameter is the
+//! prescribed change: states count as long as their controls (seams, turns, displacements and poses of supports, load
+//! factor, pressures, heights of planes) lie on one line with the target. So predictions do not depend on stages, and
+//! single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that only the
+//! response of the rods is extrapolated. Centrelines may go round with the sections (strands of a cable whose end is
+//! turned move on arcs, which chords leave by (2 sin ½φ)³ of the radius) or not (a rod that is twisted). Of the two
+//! screws, with and without the prescribed spin, the one is used that predicts the last state better from the two before.
 //!
-//! Extrapolated strains mean nothing: a parabola stretches a rod by the cube of its turn, times a stiffness that knows
-//! no small number. Shear forces and tension, multipliers of nearly rigid constraints, are smooth along a path, so they
-//! are extrapolated, too, and the first linearisation is made about them.
+//! Extrapolated strains are useless, because a parabola stretches a rod by the cube of its turn, times a large stiffness.
+//! Shear forces and tension, the multipliers of nearly rigid constraints, are smooth along a path. They are extrapolated,
+//! too, and the first linearisation uses them.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -27,21 +25,20 @@ use crate::math::{Quat, Vec3};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{Moved, PrescribedMotion, State, Target, seam_shares};
 
-/// States kept: a parabola needs three.
+/// Number of states kept, because a parabola needs three.
 const KEPT: usize = 3;
-/// Longest step that is predicted, over the one before: a parabola is trusted for as far as a step that is doubled after
-/// a cut-back leads.
+/// Longest predicted step relative to the one before, because steps are doubled after a cut-back.
 const FARTHEST: f64 = 2.0;
-/// Largest difference, rad, between a prediction and the one from a state less: the error it makes is of that order. In
+/// Largest difference, rad, between a prediction and the one from a state less, which is of the order of its error. In
 /// 120 steps of a minicircle, a thin ring and pUC19 all but three predictions below it came to rest in at most 30
 /// iterations, none above it did.
 const UNCERTAIN: f64 = 0.15;
-/// Relative deviation of prescribed values from a line that counts as rounding of ramps.
+/// Relative deviation of prescribed values from a line that counts as rounding.
 const COLLINEAR: f64 = 1e-6;
 /// Sine of the angle between tangent and axis up to which a support turns a rod about its own tangent.
 const ABOUT_TANGENT: f64 = 1e-9;
 
-/// A state with all that was prescribed to reach it.
+/// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Visited {
@@ -49,7 +46,7 @@ struct Visited {
     moved: Moved,
 }
 
-/// A number that is prescribed: kind, index, component.
+/// Key of a prescribed number: kind, index, component.
 type Control = (u8, usize, usize);
 
 impl Visited {
@@ -69,7 +66,7 @@ impl Visited {
     }
 }
 
-/// How many times a change of controls is another one; none if it is not along it.
+/// Ratio of two changes of controls; `None` if they are not parallel.
 fn multiple(change: &BTreeMap<Control, f64>, of: &BTreeMap<Control, f64>) -> Option<f64> {
     let at = |map: &BTreeMap<Control, f64>, key: &Control| map.get(key).copied().unwrap_or(0.0);
     let (key, _) = of.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
@@ -91,7 +88,7 @@ fn change(to: &BTreeMap<Control, f64>, from: &BTreeMap<Control, f64>) -> BTreeMa
     all
 }
 
-/// The next state as the way foretells it.
+/// A predicted state.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
     /// From the state with its turns [lifted](lifted) to the predicted one; supports moved by what is prescribed.
@@ -101,7 +98,7 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
-    /// A state that stays as it is.
+    /// The present state.
     pub(crate) fn still(engine: &Engine) -> Self {
         Self { increment: vec![0.0; 6 * engine.num_nodes()], forces: Vec::new() }
     }
@@ -128,7 +125,7 @@ impl History {
         self.visited.push(new);
     }
 
-    /// Forgets the way so far: the path has jumped.
+    /// Forgets all states, after a jump.
     pub(crate) fn clear(&mut self) {
         self.visited.clear();
     }
@@ -138,8 +135,8 @@ impl History {
         self.visited.iter().map(|visited| &visited.state)
     }
 
-    /// The states that lie on one line with the target, with how far they are from the last, in units of the last step;
-    /// newest first, after the target's own place.
+    /// The target's place, and the states that lie on one line with it with their places, newest first. Places are
+    /// distances from the last state in units of the last step.
     fn line(&self, target: &Visited) -> Option<(f64, Vec<(f64, &Visited)>)> {
         let [.., before, last] = &self.visited[..] else { return None };
         let controls = last.controls();
@@ -154,7 +151,7 @@ impl History {
         (place <= FARTHEST * (1.0 + COLLINEAR)).then_some((place, line))
     }
 
-    /// The state that the engine's leads to at a target; `None` where the way so far does not tell.
+    /// The predicted state at a target; `None` without a reliable prediction.
     pub(crate) fn predict(&self, engine: &Engine, target: &Target) -> Option<Prediction> {
         let last = self.visited.last()?;
         if last.state.positions != engine.state.positions {
@@ -165,7 +162,7 @@ impl History {
         moved.go_on(target, &spun);
         let mut state = State { seams: present.seams.clone(), ..last.state.clone() };
         target.load(&mut state);
-        // forces of other numbers say nothing
+        // forces under other stiffnesses cannot be extrapolated
         if self.visited.iter().any(|visited| visited.state.numbers != state.numbers) {
             return None;
         }
@@ -190,7 +187,7 @@ impl History {
     }
 }
 
-/// Whether centrelines go round with the sections: whether that foretells a state better from those before it.
+/// Whether centrelines go round with the sections: whether that predicts a state better from those before it.
 fn goes_round(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Visited)]) -> bool {
     let [error, turning] = [false, true].map(|turning| {
         let increment = extrapolated(engine, target, place, line, turning);
@@ -294,11 +291,11 @@ impl Visited {
     }
 }
 
-/// A drive lifted from supports to rods.
+/// A prescribed motion lifted from supports to rods.
 #[derive(Debug, Clone)]
 pub(crate) struct Lifted {
     pub(crate) state: State,
-    /// What is left to be pushed.
+    /// The part that supports are still to make.
     pub(crate) drive: PrescribedMotion,
     /// Nodes that were spun about their tangents, with the angles, rad.
     pub(crate) spun: Vec<(usize, f64)>,
@@ -393,8 +390,7 @@ mod tests {
         assert_eq!(state, engine.state);
     }
 
-    /// A rod that turns about an axis as a whole, by a spin of its end and the motion that goes with it, is foretold to
-    /// rounding, by much more than a chord; one that is only spun stays where it is.
+    /// A rod that turns about an axis as a whole is predicted to rounding; one that is only spun stays in place.
     #[test]
     fn rods_that_go_round_are_foretold_on_arcs() {
         let engine = Engine::new(clamped(false), None).unwrap();
@@ -424,7 +420,7 @@ mod tests {
         }
     }
 
-    /// The way is told by what is prescribed: not by other loads, not backwards, not much farther than the last step.
+    /// Predictions follow prescribed values: not other loads, not backwards, not much farther than the last step.
     #[test]
     fn ways_go_on_along_their_line() {
         let at = |seam: f64, load: f64| {

@@ -1,12 +1,12 @@
-//! Brings one state to rest: a stable equilibrium with contact enforced to the tolerance asked for.
+//! One load step: a stable equilibrium with contact enforced to the requested tolerance.
 //!
-//! A load step is tried from the predicted state first, under the law in force. Without a prediction that can be relied
-//! on, a step with contact begins under a core law, with offsets and tensions that already balance the shape
-//! (`balance`): plectonemes would rewind by many turns if they first sank and then came apart again. By way of one half as
-//! stiff in decades, the law asked for takes the pressures of the core for its own. Then the offsets of the augmented
-//! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most negative
-//! direction. Long plectonemes and large turns are not begun like this but from a short rod or a coarse mesh
-//! (`periodic_extension`, `nested_iteration`), if these come to rest.
+//! The first try starts from the predicted state under the present law. Without a reliable prediction a step with contact
+//! begins under a core law, with offsets and tensions that balance the shape (`multiplier_estimate`), because plectonemes
+//! would rewind by many turns if strands first sank into each other and then came apart. The requested law takes over the
+//! pressures of the core law, after an intermediate law half as stiff in decades. Then the offsets of the augmented
+//! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most
+//! negative direction. Long plectonemes and large turns begin from a short rod or a coarse mesh instead
+//! (`periodic_extension`, `nested_iteration`), if these converge.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -22,25 +22,25 @@ use crate::solve::search::newton::NewtonReport;
 use crate::solve::search::trust_region::progress::{PROGRESS, stored_energy};
 use crate::solve::search::trust_region::unseen;
 
-/// Depth of the core law that a load step with contact begins under, over the contact distance. With .1 in its place
-/// pUC19 given all of its link takes 464 iterations for 335, a minicircle 442 for 404, tweezers do not come to their end.
+/// Depth of the core law relative to the contact distance. With .1 instead pUC19 with its whole link in one step takes 464
+/// iterations for 335, a minicircle 442 for 404, and tweezers do not converge.
 const DEPTH: f64 = 0.4;
-/// Overlap, over the contact radius, up to which pressures count as those of a state at rest.
+/// Overlap, relative to the contact radius, up to which pressures count as those of an equilibrium.
 pub(in crate::solve) const AT_REST: f64 = 1e-2;
-/// Tolerance, in extents of a step, of searches that only prepare the next one.
+/// Tolerance of rough searches: extent of their last step.
 const TOL_ON_THE_WAY: f64 = 1e-2;
-/// Factor between the penalties that are tried where the mesh does not carry the one asked for.
+/// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
-/// Reductions of the penalty at most.
+/// Largest number of reductions of the penalty.
 const MAX_REDUCTIONS: i32 = 3;
-/// Seams turned by more than this, in turns, are turned in parts, each brought to rest before the next: a flat ring
-/// given ten turns at once would buckle into its tenth mode.
+/// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
+/// would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
-/// Iterations without progress that a search from a prediction, from another mesh or under another law may take before
-/// another start is tried.
+/// Iterations without progress after which a search from a prediction, from another mesh or under another law is given up
+/// for another start.
 pub(in crate::solve) const RESETTLING_ITERATIONS: usize = 100;
 
-/// Snapshot that a failed step returns to.
+/// State and contact law, to which a failed step returns.
 #[derive(Clone)]
 pub(crate) struct Snapshot {
     state: State,
@@ -53,7 +53,7 @@ impl Solver {
         self.solve_step_along(drive, None)
     }
 
-    /// [`Solver::solve_step`], tried first from where the increment `predicted` leads.
+    /// [`Solver::solve_step`], tried first from the predicted state.
     pub(crate) fn solve_step_along(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> StepReport {
         let mut report = StepReport::settled();
         if let Err(error) = self.linearise_about_harder_law() {
@@ -76,7 +76,7 @@ impl Solver {
             report.status = Status::BrokeDown;
         }
         report.stiffness_reduction = self.engine.stiffness_reduction();
-        // whatever was made of a search that was cut short
+        // an interrupted search may have ended in any way
         if std::mem::take(&mut self.workspace.interrupted) {
             report.error = None;
             report.status = Status::Stopped;
@@ -84,8 +84,8 @@ impl Solver {
         report
     }
 
-    /// Tries the law as it is from the predicted state; true if the step settled there, otherwise the solver is back
-    /// where it was.
+    /// Tries the present law from the predicted state; true if the step converged, otherwise the solver's state is as
+    /// before.
     pub(in crate::solve) fn solve_from_prediction(
         &mut self,
         drive: &PrescribedMotion,
@@ -95,7 +95,7 @@ impl Solver {
     ) -> Result<bool, SolveError> {
         let before = self.snapshot();
         let allowed = self.be_patient_for(iterations);
-        // a path that ends here is left by the descent from where it was stable last
+        // at the end of a branch the descent begins from the last stable state
         let escapes = std::mem::take(&mut self.options.max_escapes);
         let outcome = self.search_from_prediction(drive, prediction, report);
         self.options.newton.max_iterations = allowed;
@@ -109,7 +109,7 @@ impl Solver {
         Ok(false)
     }
 
-    /// Tries the law as it is on the present state; true if it settles, otherwise the solver is back where it was.
+    /// Tries the present law from the present state; true if it converged, otherwise the solver's state is as before.
     pub(in crate::solve) fn solve_from_present(
         &mut self,
         iterations: usize,
@@ -121,8 +121,8 @@ impl Solver {
         settled
     }
 
-    /// Tries to settle a long plectoneme from a short one at rest; true if it did, otherwise the solver is back where
-    /// it was.
+    /// Tries to start a long plectoneme from the equilibrium of a short one; true if it converged, otherwise the solver's
+    /// state is as before.
     fn solve_from_short(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
         let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
         if !(still && self.augments()) {
@@ -153,7 +153,7 @@ impl Solver {
         self.enforce_gaps(report)
     }
 
-    /// Applies the drive under the deepest core law and hardens it.
+    /// Applies the drive under the core law, then raises the penalty.
     pub(in crate::solve) fn approach(
         &mut self,
         drive: &PrescribedMotion,
@@ -182,8 +182,7 @@ impl Solver {
         if rough { self.search(&PrescribedMotion::default(), report) } else { Ok(()) }
     }
 
-    /// Puts the deepest core law in force, its offsets such that strands that just touch press against each other as
-    /// balances the state.
+    /// Puts the core law in force, with offsets such that the pressures of touching strands balance the state.
     fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
@@ -192,7 +191,7 @@ impl Solver {
         let too_deep = 0.8 * 2.0 * DEPTH;
         let mut pressures = Vec::new();
         if overlap >= too_deep {
-            // strands deep inside each other come apart under a law without a core first
+            // strands deep inside each other are separated under a law without a core first
             self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
             self.search_roughly(true, &PrescribedMotion::default(), report)?;
             report.penetration = self.contact_errors().penetration;
@@ -217,8 +216,7 @@ impl Solver {
         self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
     }
 
-    /// Augmented Lagrangian loop: offsets are raised until no penetration (and no gap held open) beyond the tolerance
-    /// is left.
+    /// Augmented Lagrangian loop: until penetrations and gaps held open are within the tolerance.
     pub(in crate::solve) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
             report.penetration = self.contact_errors().penetration;
@@ -250,9 +248,8 @@ impl Solver {
         Ok(())
     }
 
-    /// A search that offsets are raised and lowered after, if there is contact. Newton's method converges
-    /// quadratically: after a last increment of √tol the error is of the order of tol, and the tolerance itself is for
-    /// the last search of all.
+    /// A search between two augmentations. Newton's method converges quadratically, so after a last increment of √tol
+    /// the error is of the order of tol; the last search of all uses the tolerance itself.
     fn search_nearly(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<(), SolveError> {
         let tol = self.options.newton.tol_increment;
         if self.augments() && self.is_near_contact()? {
@@ -265,17 +262,17 @@ impl Solver {
         outcome
     }
 
-    /// Whether the last search went on to the tolerance of a state at rest.
+    /// Whether the last search met the full tolerance.
     fn ended_at_rest(&self, report: &StepReport) -> bool {
         let last = report.history.last().and_then(|search| search.last());
         last.is_none_or(|iteration| iteration.increment <= self.options.newton.tol_increment)
     }
 
-    /// From the soft core law to the law asked for, or to one that is softer by as little as the mesh needs: where it
-    /// is too coarse, lines of contact break up into points between nodes.
+    /// From the core law to the requested one, or to the stiffest softer law that the mesh resolves: on a mesh too coarse
+    /// for its law lines of contact break up into points between nodes.
     fn raise_penalty(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
         let asked = self.engine.contact_stiffness();
-        // half way in decades; to a law softer than the core at once
+        // half way in decades; a law softer than the core is reached at once
         self.change_law_keeping_pressures(Law::Linear { stiffness: asked.min((asked * self.core_stiffness()).sqrt()) });
         self.search_roughly(true, &PrescribedMotion::default(), report)?;
         if report.status != Status::Converged {
@@ -296,14 +293,14 @@ impl Solver {
         Ok(())
     }
 
-    /// Allows searches at most so many iterations, never more than the caller does, and returns what the caller allows.
+    /// Limits the iterations of searches, never above the caller's limit, and returns the caller's limit.
     fn be_patient_for(&mut self, iterations: usize) -> usize {
         let allowed = self.options.newton.max_iterations;
         self.options.newton.max_iterations = allowed.min(iterations);
         allowed
     }
 
-    /// A search that only prepares the next one.
+    /// A rough search: its result is the start of the next one.
     fn search_roughly(
         &mut self,
         rough: bool,
@@ -330,10 +327,10 @@ impl Solver {
         Ok(self.engine.contact.as_ref().is_some_and(ContactSide::is_near))
     }
 
-    /// One equilibrium search, leaving unstable equilibria: those from which the potential falls by more than rounding.
+    /// Equilibrium search that leaves unstable equilibria, from which the potential falls by more than rounding.
     fn search(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<(), SolveError> {
         let mut outcome = self.equilibrate(drive, None, report)?;
-        // without a potential the inertia of the symmetric part decides nothing
+        // without a potential the inertia of the symmetric part does not decide stability
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
         let mut idle = 0;
         while outcome.converged && outcome.num_unstable > 0 && leaves && !self.ended_roughly(&outcome) {
@@ -347,7 +344,7 @@ impl Solver {
             let floor = potential.potential.total() - unseen(&potential);
             let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
             let fall = potential.potential.total() - self.engine.residual(&self.engine.state).potential.total();
-            // it costs nothing: the helix of a rod with two bending stiffnesses turning in a ring
+            // a motion without energy, such as the turning of the helix of a ring with two bending stiffnesses
             let is_neutral = left.converged && fall.abs() <= unseen(&potential);
             if may_leave && !is_neutral {
                 report.escapes += 1;
@@ -373,7 +370,7 @@ impl Solver {
         Ok(())
     }
 
-    /// A rough search that moved on to its end was not at rest, so not at a saddle either.
+    /// Whether a rough search ended before convergence, so not at a saddle.
     fn ended_roughly(&self, outcome: &NewtonReport) -> bool {
         let tol = self.options.newton.tol_increment;
         self.workspace.rough.is_some() && outcome.iterations.last().is_some_and(|i| i.increment > tol)
@@ -399,10 +396,10 @@ impl Solver {
         }
     }
 
-    /// Goes back to a snapshot, contact geometry included.
+    /// Restores a snapshot, contact geometry included.
     pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), SolveError> {
         self.engine.state = snapshot.state;
-        // numbers that were in force before are
+        // with the numbers of rods that it was made under
         self.engine.take_numbers().map_err(|error| SolveError::Symbolic { reason: error.to_string() })?;
         if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
             side.law = law;

@@ -1,25 +1,25 @@
-//! What a load step did, and how it ended.
+//! Report of a load step.
 
 use crate::error::SolveError;
 use crate::solve::search::newton::Iteration;
 
-/// How a run or a step ended.
+/// End of a run or a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Status {
-    /// Everything met its tolerance.
+    /// All tolerances are met.
     Converged,
     /// Newton ran out of iterations.
     MaxIterations,
-    /// In equilibrium, but with unstable directions that were not to be left or could not be.
+    /// Equilibrium with unstable directions that were not or could not be left.
     Unstable,
     /// The augmented Lagrangian loop ended above its penetration tolerance.
     Penetration,
-    /// Numbers broke down; the step was given up.
+    /// Numerical breakdown.
     BrokeDown,
     /// The load step fell below its smallest size.
     StepTooSmall,
-    /// The observer, or whoever raised the [`Interrupt`](crate::solve::Interrupt), asked to stop.
+    /// Stopped by the observer or an [`Interrupt`](crate::solve::Interrupt).
     Stopped,
 }
 
@@ -37,16 +37,16 @@ impl std::fmt::Display for Status {
     }
 }
 
-/// What one attempt at a load step did.
+/// Report of one attempt at a load step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepReport {
-    /// How it ended.
+    /// Its end.
     pub status: Status,
     /// Newton iterations in all.
     pub iterations: usize,
     /// Augmentations of the contact offsets.
     pub augmentations: usize,
-    /// How many times an unstable equilibrium was left.
+    /// Number of unstable equilibria left.
     pub escapes: usize,
     /// Energy set free by snaps \[F·L\]: the potential of each unstable equilibrium that was left, less that of the state
     /// that the descent from it came to under the same contact law; 0 where none was left.
@@ -65,9 +65,9 @@ pub struct StepReport {
     /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long
     /// plectoneme was made, or on a coarser mesh, on which a step of several turns was made first.
     pub iterations_on_other_meshes: usize,
-    /// The step settled at once from the state extrapolated from the steps before.
+    /// Whether the step converged from the predicted state.
     pub predicted: bool,
-    /// What broke down, if anything did.
+    /// The error of a breakdown.
     pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
     pub history: Vec<Vec<Iteration>>,
