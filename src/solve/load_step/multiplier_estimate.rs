@@ -42,7 +42,7 @@ pub(in crate::solve) struct MultiplierEstimate {
 }
 
 impl Solver {
-    /// The forces that balance the present state best. `law` tells what strands are taken to touch, `scale` is its
+    /// The forces that balance the present state best. `law` decides which strands touch, `scale` is its
     /// pressure \[F/L\]; no result is above its half.
     pub(in crate::solve) fn multiplier_estimate(
         &mut self,

@@ -1,4 +1,4 @@
-//! Long plectonemes come to rest on short ones first.
+//! Periodic extension: the start of a long plectoneme from the equilibrium of a short one.
 //!
 //! A long plectoneme is the same all along but near its end loops, and what has to happen there is the same at any
 //! length. So where the start state of a closed rod is a uniform double helix in the middle, elements are cut out of
@@ -37,7 +37,7 @@ use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::{PrescribedMotion, State};
 use crate::solve::search::timing::Timings;
 
-/// Turns of the superhelix that the short rod keeps. More are tried where fewer do not come to rest.
+/// Turns of the superhelix that the short rod keeps. More are tried if it does not converge.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 /// Strand kept for each end loop, in contact distances: the loop and its transition to the regular superhelix.
 const LOOPS: f64 = 60.0;
@@ -166,14 +166,14 @@ fn moved(mut state: State, there: &Vec3) -> State {
     state
 }
 
-/// A long plectoneme whose ends are at rest, and what holds them there.
+/// A long plectoneme whose ends are in equilibrium, with the contact that holds them.
 pub(crate) struct Lengthened {
     state: State,
     law: Law,
     offsets: ContactField,
     /// Newton iterations on the short rod.
     iterations: usize,
-    /// What they cost.
+    /// Iterations spent.
     timings: Timings,
 }
 

@@ -1,4 +1,4 @@
-//! The same state on a finer mesh, or under a harder contact law: what an estimate of the error compares with.
+//! The same state on a finer mesh, or under a harder contact law, for estimates of the error.
 
 use crate::contact::law::Law;
 use crate::error::InputError;

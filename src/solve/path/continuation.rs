@@ -95,7 +95,7 @@ impl FollowOptions {
     }
 }
 
-/// What a point of a path is.
+/// Kind of a point of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PointKind {
     /// Where the path begins.
@@ -128,7 +128,7 @@ pub struct PathPoint<'a> {
     /// The state, for `observe::observe` and the like; `step` counts the points, `fraction` is the parameter's way from
     /// start to target (below 0 and beyond 1 where the path goes there).
     pub progress: Progress<'a>,
-    /// What kind of point.
+    /// Kind of the point.
     pub kind: PointKind,
     /// The parameter in the ramp's own unit; displacements: along the straight line to the target \[L\].
     pub value: f64,
@@ -181,11 +181,11 @@ pub struct FollowReport {
     pub num_points: usize,
     /// Newton iterations in all, failed steps and locations included.
     pub iterations: usize,
-    /// What broke down last, if anything did.
+    /// The last breakdown, if any.
     pub error: Option<SolveError>,
 }
 
-/// The observer and what it is told besides the point.
+/// The observer and its data.
 struct Reporter<'a> {
     observer: &'a mut dyn FnMut(&PathPoint) -> ControlFlow<()>,
     points: usize,
@@ -234,7 +234,7 @@ impl Solver {
     /// Branch points are known to rounding of the tangent's eigenvalues, which grows with the stretching stiffness:
     /// about 1e-6 of the parameter at EA = 1e8 B/L² and 1e-8 at 1e5. Limit values of the parameter are not affected: it
     /// is stationary there. [`Options::leave_unstable`](crate::solve::Options) has no say here. Where loads have no
-    /// potential (fixed-axis moments in space) inertia tells nothing and only limit points are reported.
+    /// potential (fixed-axis moments in space) inertia does not decide stability, and only limit points are reported.
     ///
     /// # Errors
     /// A ramp that does not fit the model or has no way to go, options out of range. What happens on the way is in the
@@ -265,7 +265,7 @@ impl Solver {
     }
 }
 
-/// The path itself: start, steps, events, end. On return the solver stands in the last point told.
+/// The path itself: start, steps, events, end. On return the solver is at the last reported point.
 fn trace(
     tracer: &mut Tracer,
     options: &FollowOptions,

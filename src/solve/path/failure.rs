@@ -10,7 +10,7 @@ use crate::solve::search::newton::{NewtonOptions, relative_residual};
 
 /// Width of the interval that encloses the deepest overlap, relative to the smallest contact radius.
 const TOL_DEPTH: f64 = 1e-3;
-/// Relative residual below which the place of the largest imbalance is rounding and is not told.
+/// Relative residual below which the place of the largest imbalance is rounding and is not reported.
 const NOTABLE_RESIDUAL: f64 = 1e-10;
 
 /// A place on a rod.
@@ -43,7 +43,7 @@ pub struct Failure {
     pub ramps_loads: bool,
     /// How the attempt ended.
     pub status: Status,
-    /// What broke down, if anything did.
+    /// The breakdown, if any.
     pub error: Option<SolveError>,
     /// Last Newton increment (over the node spacing, or rad), and the tolerance it was to meet.
     pub increment: Option<[f64; 2]>,
@@ -108,7 +108,7 @@ impl Failure {
     }
 }
 
-/// The deepest overlap of the state, if it is beyond what contact law and tolerance leave.
+/// The deepest overlap of the state, if it exceeds the tolerance of the contact law.
 fn deepest_overlap(engine: &Engine) -> Option<Overlap> {
     let side = engine.contact.as_ref().filter(|side| side.is_current)?;
     let tol = TOL_DEPTH * side.min_radius;

@@ -1,4 +1,4 @@
-//! What a run needs in order to go on later as if it had never stopped.
+//! The data with which a run resumes as if it had never stopped.
 //!
 //! A load step depends on four things only: where the run stands ([`Place`]), the accepted state, the states before it
 //! from which the next is predicted, and the contact law with its offsets. Everything else the solver keeps (candidate
@@ -52,7 +52,7 @@ pub struct Restart {
     pub state: State,
     /// Contact law in force.
     contact: Option<ContactRestart>,
-    /// What supports have made of nodes so far.
+    /// Motions of supports so far.
     moved: Moved,
     /// The last accepted states.
     history: History,

@@ -19,7 +19,7 @@ use crate::solve::problem::state::{Moved, PrescribedMotion, State, Target};
 use crate::solve::search::newton::Workspace;
 use crate::solve::search::timing::{Instant, Timings};
 
-/// What the observer sees after every accepted step.
+/// State after an accepted step, for the observer.
 #[derive(Debug)]
 pub struct Progress<'a> {
     /// The engine in the accepted state.
@@ -58,7 +58,7 @@ pub struct Solver {
     pub(crate) engine: Engine,
     pub(crate) workspace: Workspace,
     pub(crate) options: Options,
-    /// What supports have made of nodes so far.
+    /// Motions of supports so far.
     pub(crate) moved: Moved,
     /// The attempt that ended the run.
     pub(crate) failure: Option<Failure>,
@@ -80,13 +80,13 @@ impl Waypoint<'_> {
         self.place
     }
 
-    /// All that is needed to go on from here with [`run_from`]; `None` if the start state did not come to rest.
+    /// The restart from here for [`run_from`]; `None` if the start state did not converge.
     pub fn restart(&self) -> Option<Restart> {
         self.settled.then(|| self.solver.to_restart(self.place))
     }
 }
 
-/// What is called for the start state and after every accepted step.
+/// Callback for the start state and after every accepted step.
 pub type Observer<'a> = dyn FnMut(&Progress, &Waypoint) -> ControlFlow<()> + 'a;
 
 /// Runs all stages of a model; the observer is called for the start state (step 0) and after every accepted step.
@@ -353,7 +353,7 @@ impl Solver {
         Ok(Status::Converged)
     }
 
-    /// Adds the accepted state to the way that the next is predicted from.
+    /// Adds the accepted state to those from which the next one is predicted.
     fn remember(&mut self, report: &StepReport) {
         if report.escapes > 0 {
             self.history.clear();
@@ -387,7 +387,7 @@ impl Solver {
         ramps.iter().map(round).fold(0.0, f64::max)
     }
 
-    /// What moves when every ramp goes the fraction `take` of its remaining way.
+    /// The target when every ramp takes the fraction `take` of its remaining change.
     fn target(&self, ramps: &[Ramp], take: f64) -> Target {
         let mut target = Target::default();
         let node_of = |n: &crate::scene::NodeRef| self.engine.first_node[n.rod] + n.node;
@@ -468,8 +468,8 @@ impl Solver {
         }
     }
 
-    /// Does all of the work in the solver's own pool, if it has one: to go in and out for every sum takes longer than a
-    /// small sum does.
+    /// Runs `work` in the solver's own pool, if it has one, because to enter the pool for every sum takes longer than a
+    /// small sum.
     fn in_own_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
         let pool = self.engine.pool.take();
         let result = in_pool(pool.as_ref(), || work(self));

@@ -1,4 +1,4 @@
-//! Gradient, tangent and potential of the whole problem at a state: what elements, contact and loads add to it. Contact
+//! Gradient, tangent and potential of the whole problem at a state, the sums over elements, contact and loads. Contact
 //! must have been brought up to date with the state before (`Engine::update_contact`).
 
 mod contact;
@@ -76,7 +76,7 @@ pub(in crate::solve) struct Sink<'a> {
     pattern: &'a Pattern,
     tangent: &'a mut Tangent,
     bases: Bases,
-    /// Increments of what supports move, six per node, if any do.
+    /// Prescribed increments, six per node, if supports move.
     prescribed: Option<Vec<f64>>,
 }
 
@@ -128,7 +128,7 @@ impl Engine {
         self.residual_besides(state, Request { zones: true, tangent: false })
     }
 
-    /// [`Engine::residual`] for searches, which ask for no zones: it tells who is in contact.
+    /// [`Engine::residual`] for searches: contact pairs without their zones.
     pub(crate) fn residual_of_trial(&self, state: &State) -> Residual {
         self.residual_besides(state, Request::default())
     }

@@ -1,6 +1,6 @@
-//! A problem that changes on the way: numbers of rods that stages ramp, supports that they set and take away.
+//! Changes of the problem by stages: ramped numbers of rods, supports that are set and removed.
 //!
-//! Numbers belong to the state, as loads do: whoever goes back to a state has its numbers, too. The engine's model
+//! Numbers belong to the state, as loads do: a restored state has its own numbers. The engine's model
 //! follows them ([`Engine::take_numbers`]).
 
 use std::collections::BTreeMap;

@@ -236,7 +236,7 @@ pub(crate) fn contact_cubic(state: &State, nodes: [usize; 2], length: f64) -> Cu
     contact_cubic_exactly(state, nodes, length).0
 }
 
-/// [`contact_cubic`] and what rounding took from its control points \[L\].
+/// [`contact_cubic`] and the rounding errors of its control points \[L\].
 pub(crate) fn contact_cubic_exactly(state: &State, [a, b]: [usize; 2], length: f64) -> (Cubic, [Vec3; 4]) {
     let handle = |n: usize| state.frames[n] * Vec3::z() * (length / 3.0);
     let (start, end) = (state.positions[a], state.positions[b]);

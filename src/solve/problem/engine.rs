@@ -48,7 +48,7 @@ pub struct Engine {
     pub(crate) material: Vec<Stiffnesses>,
     /// Per rod: reference strain common to all points, or per element of rods that are stress-free as shaped.
     pub(crate) reference: Vec<Reference>,
-    /// Per rod: the plane as its elements know it, if they are computed in it.
+    /// Per rod: the plane in which its elements are computed, if any.
     pub(crate) planes: Vec<Option<RodPlane>>,
     /// Per node: components of position and rotation that no support holds. Where one holds rotation about one axis
     /// ([`Swivel`]) these are all.
@@ -283,7 +283,7 @@ impl Engine {
         model.loads.iter().any(|load| load.node.rod == rod) || model.line_loads.iter().any(|load| load.rod == rod)
     }
 
-    /// Half of B/ε³ \[F/L\]: what strands wound tightly around each other exert.
+    /// Half of B/ε³ \[F/L\], the pressure of strands wound tightly around each other.
     pub(crate) fn pressure_scale(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
         0.5 * self.scales.bending / radius.powi(3)
@@ -522,7 +522,7 @@ fn metric(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
     all
 }
 
-/// Moves what joined nodes hold (six numbers each) to their masters.
+/// Moves six numbers of each joined node to its master.
 pub(crate) fn give_to_masters(values: &mut [f64], master: &[usize]) {
     for (node, &to) in master.iter().enumerate().filter(|(node, to)| node != *to) {
         for k in 0..6 {

@@ -1,4 +1,4 @@
-//! What a problem takes: unknowns, entries of its matrices, contact segments. A scene pays for what it uses only.
+//! Size of a problem: unknowns, entries of its matrices, contact segments. A scene has only those that it needs.
 
 use crate::error::SolveError;
 use crate::solve::problem::engine::Engine;

@@ -15,7 +15,7 @@ use crate::solve::problem::changes::Numbers;
 pub struct State {
     /// Node positions \[L\], rounded.
     pub positions: Vec<Vec3>,
-    /// What rounding took from the positions \[L\]: nodes are at `positions + remainders`. Far from the origin
+    /// Rounding errors of the positions \[L\]: nodes are at `positions + remainders`. Far from the origin
     /// neighbours are known to each other by it.
     pub remainders: Vec<Vec3>,
     /// Node frames.
@@ -58,7 +58,7 @@ pub(crate) struct Target {
     pub(crate) turned: Vec<(usize, f64)>,
     /// Displacements that supports make, by node \[L\].
     pub(crate) displaced: Vec<(usize, Vec3)>,
-    /// What poses make of nodes: velocity \[L\] and rotation vector, rad, see `Way::controls`.
+    /// Motions of nodes towards poses: velocity \[L\] and rotation vector, rad, see `Way::controls`.
     pub(crate) posed: Vec<(usize, [Vec3; 2])>,
 }
 
@@ -78,7 +78,7 @@ impl Target {
     }
 }
 
-/// What supports have made of nodes so far, by node.
+/// Motions of supports so far, by node.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Moved {
@@ -88,7 +88,7 @@ pub(crate) struct Moved {
     pub(crate) displaced: BTreeMap<usize, Vec3>,
     /// Angles by which rods were spun about their own tangents, rad.
     pub(crate) spun: BTreeMap<usize, f64>,
-    /// Sums of what grows evenly on the way to each pose: velocity \[L\] and rotation vector, rad.
+    /// Sums of the constant rates of each path to a pose: velocity \[L\] and rotation vector, rad.
     pub(crate) posed: BTreeMap<usize, [Vec3; 2]>,
 }
 

@@ -1,5 +1,5 @@
 //! Motions that cost nothing: rigid motions of rods nobody holds; the spin of an isotropic closed rod about its own
-//! centreline; the sliding of a uniform closed rod along itself. The user never has to know of them.
+//! centreline; the sliding of a uniform closed rod along itself. Users need not specify them.
 //!
 //! The tangent is singular along them. Springs added to it at a few unknowns make it regular; the residual has no
 //! component along a neutral motion, so the springs stay unstretched, the increment is one of the exact solutions and
@@ -96,7 +96,7 @@ pub(crate) struct ZeroEnergyModes {
     /// Index in `motions` of the sliding motion, if there is one.
     sliding: Option<usize>,
     weights: [f64; 2],
-    /// The rod is held, and these are what its supports let pass.
+    /// The rod is held, and its supports permit these motions.
     held: bool,
     /// The rod touches planes, which resist some of its rigid motions.
     on_planes: bool,
@@ -172,7 +172,7 @@ fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
         inertia += Mat3::identity() * arm.norm_squared() - arm * arm.transpose();
         moment += arm.cross(&(moved(k) - mean));
     }
-    // nothing tells of the rotation of a straight rod about itself
+    // positions do not determine the rotation of a straight rod about itself
     let least = DEPENDENT * DEPENDENT * inertia.trace();
     inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
 }
@@ -205,13 +205,13 @@ fn rotation_at(motion: &[f64], at: usize) -> Vec3 {
     Vec3::new(motion[at], motion[at + 1], motion[at + 2])
 }
 
-/// What the supports of a rod let pass of its motions.
+/// Motions of a rod that its supports permit.
 struct Supports {
     /// Indices of the unknowns that are held.
     held: Vec<usize>,
     /// Indices of the first rotation component of nodes that cannot turn about one direction, and that direction.
     axes: Vec<(usize, Vec3)>,
-    /// What makes displacements as large as rotations \[1/L\].
+    /// Factor that makes displacements comparable with rotations \[1/L\].
     scale: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Forces that a step's linear prediction missed: what the rods' strains and the gaps of contact became beyond it,
+//! Second-order forces of a step: changes of the rods' strains and of the gaps beyond their linear prediction,
 //! times their stiffness.
 
 use crate::contact::curve::Cubic;
@@ -119,7 +119,7 @@ impl Engine {
         forces
     }
 
-    /// Adds what contacts make of themselves to nodal forces; what else each tells goes to `told`, in order.
+    /// Adds the gradients of contacts to nodal forces; their other results go to `told`, in order.
     fn add_terms<R: Send>(
         &self,
         side: &ContactSide,
@@ -146,7 +146,7 @@ fn add_at(nodes: &[usize], gradient: &[f64], forces: &mut [f64]) {
 }
 
 impl ContactSide {
-    /// Adds what a contact makes of both ends of both segments to nodal forces.
+    /// Adds the gradient of a contact, at both ends of both segments, to nodal forces.
     fn scatter(&self, pair: &ContactPair, gradient: &[f64; 24], forces: &mut [f64]) {
         add_at(&self.nodes_of(pair), gradient, forces);
     }

@@ -1,4 +1,4 @@
-//! Soft and unstable directions: how low the lowest eigenvalue is, and the way out of an unstable equilibrium.
+//! Lowest eigenvalue, and the direction in which an unstable equilibrium is left.
 
 use crate::error::SolveError;
 use crate::solve::problem::engine::Engine;

@@ -20,12 +20,12 @@ use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
-/// What strands must keep between them within one step.
+/// Distances and angles that a step must keep.
 #[derive(Debug, Clone, Copy)]
 struct Keep {
     /// Fraction of the contact distance.
     distance: f64,
-    /// Strands already closer than that may lose this fraction of what is between them.
+    /// Fraction of their distance that strands already closer than that may lose.
     deep: f64,
     /// Largest relative rotation of neighbouring nodes, rad: interpolation needs less than π between them.
     rotation: f64,
@@ -143,7 +143,7 @@ fn rotation(increment: &[f64], node: usize) -> Vec3 {
     Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5])
 }
 
-/// Linear motion of the four control points of a segment and the bound of what is left out.
+/// Linear motion of the four control points of a segment, and the bound of its second-order part.
 pub(in crate::solve) struct SegmentMotion {
     pub(in crate::solve) linear: [Vec3; 4],
     second_order: f64,

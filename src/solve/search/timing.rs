@@ -1,4 +1,4 @@
-//! What searches cost, and where the time goes.
+//! Times of the parts of searches.
 
 use std::time::Duration;
 

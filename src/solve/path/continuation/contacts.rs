@@ -1,5 +1,5 @@
 //! Which contacts a state has: strands touch in pieces, segment by segment and seen from both strands. Those that meet
-//! are one contact; under an augmented Lagrangian also what lies nearer together than its offsets can tell apart.
+//! are one contact; under an augmented Lagrangian also contacts that its offsets do not resolve.
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::chain::{ChainPiece, pieces};

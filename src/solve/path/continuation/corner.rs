@@ -7,7 +7,7 @@
 //! gap opens. λ may turn back at such a point, and unstable directions appear or vanish without an eigenvalue that
 //! passes zero.
 //!
-//! Newton does not find its way from one side to the other: before contact it knows nothing of the contact's stiffness.
+//! Newton's method does not converge from one side to the other, because before contact the tangent has no contact stiffness.
 //! So the first point beyond is predicted with the overlap under which the contact law exerts the force expected there.
 
 use crate::error::SolveError;

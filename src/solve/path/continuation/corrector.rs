@@ -57,7 +57,7 @@ pub(super) struct Point {
     /// Unit tangent, oriented along the path.
     pub(super) tangent: PathMotion,
     pub(super) num_unstable: usize,
-    /// Contacts that can be told apart.
+    /// Number of resolved contacts.
     pub(super) num_contacts: usize,
     pub(super) iterations: usize,
     pub(super) augmentations: usize,

@@ -16,7 +16,7 @@ const JUMP: [f64; 2] = [1e-4, 100.0];
 /// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
 const NEAR: f64 = 0.02;
 
-/// What changes sign.
+/// Quantity whose sign changes.
 #[derive(Debug, Clone, Copy)]
 enum Test {
     /// The parameter's rate along the path: limit points.
@@ -43,7 +43,7 @@ struct Found {
     counts: [usize; 2],
 }
 
-/// Something found on the way.
+/// An event between two points.
 pub(super) struct Event {
     pub(super) kind: PointKind,
     pub(super) point: Point,

@@ -13,7 +13,7 @@ use crate::solve::problem::assembly::symmetric;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{PrescribedMotion, State};
 
-/// What the parameter moves; per unit of the parameter.
+/// Quantity that the parameter changes, per unit of the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum PrescribedQuantity {
     Load,
@@ -83,7 +83,7 @@ impl Parameter {
         Ok(Self { quantity, start, target })
     }
 
-    /// Length of the way to the target: the unit in which the parameter counts in arc lengths.
+    /// Distance to the target, the unit of the parameter in arc lengths.
     pub(super) fn range(&self) -> f64 {
         (self.target - self.start).abs()
     }
@@ -98,7 +98,7 @@ impl Parameter {
         }
     }
 
-    /// Moves what is no unknown and no support: load factor, pressure, seam.
+    /// Changes quantities other than unknowns and supports: load factor, pressure, seam.
     pub(super) fn advance(&self, state: &mut State, by: f64) {
         match self.quantity {
             PrescribedQuantity::Load => state.load_factor += by,

@@ -1,4 +1,4 @@
-//! Contact moved to a state, and what it adds.
+//! Contact at a state, and its contributions.
 
 use super::{Residual, Sink};
 use crate::contact::potential::{self, Request, plane};
@@ -136,7 +136,7 @@ impl ContactSide {
         Ok(self.generation() != generation)
     }
 
-    /// Overwrites the contact curves with those of `state`; what goes with them is no longer current if they moved.
+    /// Overwrites the contact curves with those of `state`; turning bounds and candidates are outdated if they moved.
     pub(crate) fn place(&mut self, state: &State) {
         let cubic = |k: usize| contact_cubic_exactly(state, self.nodes[k], self.set.lengths[k]);
         let placed = parallel::map(self.nodes.len(), 256, &cubic);

@@ -1,4 +1,4 @@
-//! What elements add, and their strains and stresses.
+//! Contributions of elements, and their strains and stresses.
 
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
@@ -8,7 +8,7 @@ use crate::solve::problem::state::State;
 
 /// Elements computed in parallel before one ordered scatter: bounds the buffer, not the result.
 const BATCH: usize = 1024;
-/// The same with their tangents, five kilobytes each: what a cache holds.
+/// The same with their tangents, five kilobytes each, so that they fit into a cache.
 const TANGENTS: usize = 128;
 /// Elements per parallel piece of work: a microsecond each or less.
 const GRAIN: usize = 32;
@@ -91,7 +91,7 @@ impl Engine {
         }
     }
 
-    /// Stresses C(ε + B Δx) at all points: what mixed-integration-point Newton predicts for a linear step.
+    /// Stresses C(ε + B Δx) at all points, predicted by mixed-integration-point Newton for a linear step.
     pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Stress; 3]> {
         let predict = |e: usize| self.predict_element(e, state, increment);
         self.install(|| parallel::map(self.elements.len(), GRAIN, &predict))

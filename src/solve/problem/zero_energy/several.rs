@@ -23,7 +23,7 @@ pub(super) struct Several {
     first_node: Vec<usize>,
     /// One rod of each group that moves freely.
     pub(super) anchors: Vec<usize>,
-    /// What each group's supports let pass, with the nodes it is listed for.
+    /// Motions that each group's supports permit, with their nodes.
     pub(super) held: Vec<(Vec<usize>, Vec<Vec<f64>>)>,
 }
 
@@ -82,7 +82,7 @@ impl Several {
         super::weighted(self.weights, a, b)
     }
 
-    /// Normalises a motion after what it has of those from `start` on, which its rods may share, has been taken out.
+    /// Orthonormalises a motion against those from `start` on, which its rods may share.
     fn add(&mut self, start: usize, mut motion: NodalMotions) {
         // twice is enough
         for _ in 0..2 {

@@ -213,7 +213,7 @@ impl<'a> PassageTree<'a> {
         approach * t <= self.allowed(apart(&p.bounds, &q.bounds), p.radius + q.radius)
     }
 
-    /// What a pair at this distance may lose of it.
+    /// Part of its distance that a pair may lose.
     fn allowed(&self, distance: f64, contact_distance: f64) -> f64 {
         (distance - self.keep.distance * contact_distance).max(self.keep.deep * distance)
     }
