@@ -7,6 +7,9 @@ const MOST_STEPS = 300;
 
 wasm_bindgen.initSync({ module: Uint8Array.from(atob(byId("module").textContent), (c) => c.charCodeAt(0)) });
 
+/** The ring's thickness, the same in all states. */
+const radii = film.frames[0].radii;
+
 let ring = null;
 let target = 0;
 let moving = false;
@@ -16,7 +19,7 @@ function record() {
   const [data, flat] = [ring.nodes(), Array.from(ring.forces())];
   const forces = Array.from({ length: flat.length / 6 }, (_, k) => flat.slice(6 * k, 6 * k + 6));
   film.rows.push(Array.from(ring.row(), (x) => (Number.isNaN(x) ? null : x)));
-  film.frames.push({ step: 0, counts: [data.length / IN_DATA], radii: film.frames[0].radii, seams: [ring.excessLink], forces, data });
+  film.frames.push({ step: 0, counts: [data.length / IN_DATA], radii, seams: [ring.excessLink], forces, data });
   if (film.rows.length > MOST_STEPS) {
     film.rows.shift();
     film.frames.shift();
