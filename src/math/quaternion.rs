@@ -1,5 +1,7 @@
 //! Quaternions as plain arrays (w, x, y, z) for the element kernels. Products follow Hamilton.
 
+use std::f64::consts::TAU;
+
 use crate::math::{Quat, Vec3};
 
 /// A quaternion (w, x, y, z), not necessarily of unit length.
@@ -56,6 +58,11 @@ pub fn pure_mul(v: &[f64; 3], q: &Q) -> Q {
 #[inline]
 pub fn to_array(q: &Quat) -> Q {
     [q.w, q.i, q.j, q.k]
+}
+
+/// The rotation vector about a unit axis, of an angle in rad and whole turns more, that is nearest to another vector.
+pub fn nearest_turn(axis: &Vec3, angle: f64, to: &Vec3) -> Vec3 {
+    axis * (angle + TAU * ((to.dot(axis) - angle) / TAU).round())
 }
 
 /// Rotation by the rotation vector `theta` (rad).

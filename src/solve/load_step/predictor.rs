@@ -14,11 +14,10 @@
 //! too, and the first linearisation uses them.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 use nalgebra::Unit;
 
-use crate::math::quaternion::{exp, spin};
+use crate::math::quaternion::{exp, nearest_turn, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
@@ -216,7 +215,8 @@ fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Vi
             if turning {
                 let about = rotation + present[node] * Vec3::z() * (ahead[node] - spins[node]);
                 let raw = (visited.state.frames[node] * last.state.frames[node].inverse()).scaled_axis();
-                rotation = nearest_turn(raw, &about);
+                let angle = raw.norm();
+                rotation = if angle == 0.0 { raw } else { nearest_turn(&(raw / angle), angle, &about) };
             }
             let state = &visited.state;
             let displacement = (state.positions[node] - last.state.positions[node])
@@ -240,16 +240,6 @@ fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Vi
 /// Frames spun about their own d3 by angles, rad.
 fn spun(frames: &[Quat], angles: &[f64]) -> Vec<Quat> {
     frames.iter().zip(angles).map(|(frame, angle)| frame * spin(*angle)).collect()
-}
-
-/// The rotation vector, rad, of the same rotation that is nearest to another vector.
-fn nearest_turn(rotation: Vec3, to: &Vec3) -> Vec3 {
-    let angle = rotation.norm();
-    if angle == 0.0 {
-        return rotation;
-    }
-    let axis = rotation / angle;
-    axis * (angle + TAU * ((axis.dot(to) - angle) / TAU).round())
 }
 
 /// Shear forces and tension of the polynomial through states at places on a line, at another place.

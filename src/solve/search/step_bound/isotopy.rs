@@ -4,11 +4,11 @@
 //! swing (a straight line between the states would squeeze a rod that rolls up to nothing), in parts of so small
 //! rotations that each is nearly a straight line. Any free path is a proof that knots and links are kept.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use super::{STEP, displacement, rotation};
 use crate::error::SolveError;
-use crate::math::quaternion::exp;
+use crate::math::quaternion::{exp, nearest_turn};
 use crate::math::{Quat, Vec3};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -63,7 +63,7 @@ impl Engine {
                 let angle = swing.norm();
                 let axis = if angle > 1e-9 { swing / angle } else { before.normalize() };
                 if (before - swing).norm() > PI {
-                    swing = axis * (angle + TAU * ((before.dot(&axis) - angle) / TAU).round());
+                    swing = nearest_turn(&axis, angle, &before);
                 }
                 increment.extend((end.positions[node] - start.positions[node]).iter().chain(swing.iter()));
                 before = swing;
