@@ -22,7 +22,7 @@ use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
 use crate::solve::Options;
-use crate::solve::load_step::solve_step::{AT_REST, RESETTLING_ITERATIONS, TURNS_AT_ONCE};
+use crate::solve::load_step::solve_step::{AT_REST, TURNS_AT_ONCE};
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_side::contact_cubic;
@@ -91,7 +91,7 @@ impl Solver {
             self.engine.update_contact(&state)?;
             self.change_law_keeping_pressures(asked);
         }
-        let settled = self.solve_from_present(RESETTLING_ITERATIONS, report)?;
+        let settled = self.solve_from_present(report)?;
         if settled {
             report.escapes += made.escapes;
             report.energy_released += made.energy_released;

@@ -36,9 +36,6 @@ const MAX_REDUCTIONS: i32 = 3;
 /// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
 /// would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
-/// Iterations without progress after which a search from a prediction, from another mesh or under another law is given up
-/// for another start.
-pub(in crate::solve) const RESETTLING_ITERATIONS: usize = 100;
 
 /// State and contact law, to which a failed step returns.
 #[derive(Clone)]
@@ -60,7 +57,7 @@ impl Solver {
             return StepReport::refused(error);
         }
         let foreseen = match predicted {
-            Some(prediction) => self.solve_from_prediction(drive, &prediction, RESETTLING_ITERATIONS, &mut report),
+            Some(prediction) => self.solve_from_prediction(drive, &prediction, &mut report),
             None => self.solve_from_short(drive, &mut report),
         };
         let outcome = foreseen
@@ -90,15 +87,12 @@ impl Solver {
         &mut self,
         drive: &PrescribedMotion,
         prediction: &Prediction,
-        iterations: usize,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
         let before = self.snapshot();
-        let allowed = self.be_patient_for(iterations);
         // at the end of a branch the descent begins from the last stable state
         let escapes = std::mem::take(&mut self.options.max_escapes);
         let outcome = self.search_from_prediction(drive, prediction, report);
-        self.options.newton.max_iterations = allowed;
         self.options.max_escapes = escapes;
         if outcome.is_ok() && report.status == Status::Converged {
             report.predicted = true;
@@ -110,13 +104,9 @@ impl Solver {
     }
 
     /// Tries the present law from the present state; true if it converged, otherwise the solver's state is as before.
-    pub(in crate::solve) fn solve_from_present(
-        &mut self,
-        iterations: usize,
-        report: &mut StepReport,
-    ) -> Result<bool, SolveError> {
+    pub(in crate::solve) fn solve_from_present(&mut self, report: &mut StepReport) -> Result<bool, SolveError> {
         let still = Prediction::still(&self.engine);
-        let settled = self.solve_from_prediction(&PrescribedMotion::default(), &still, iterations, report);
+        let settled = self.solve_from_prediction(&PrescribedMotion::default(), &still, report);
         report.predicted = false;
         settled
     }
@@ -131,7 +121,7 @@ impl Solver {
         let Some(lengthened) = self.lengthened() else { return Ok(false) };
         let start = self.snapshot();
         self.start_from(lengthened, report);
-        let settled = self.solve_from_present(RESETTLING_ITERATIONS, report);
+        let settled = self.solve_from_present(report);
         if settled == Ok(false) {
             self.restore(start)?;
         }
@@ -281,9 +271,7 @@ impl Solver {
         let before = self.snapshot();
         for softer in 0..=MAX_REDUCTIONS {
             self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer) }, &[]);
-            let allowed = self.be_patient_for(RESETTLING_ITERATIONS);
             let outcome = self.search(&PrescribedMotion::default(), report);
-            self.options.newton.max_iterations = allowed;
             if outcome.is_ok() && report.status == Status::Converged || softer == MAX_REDUCTIONS {
                 return outcome;
             }
@@ -291,13 +279,6 @@ impl Solver {
             (report.status, report.num_unstable) = (Status::Converged, 0);
         }
         Ok(())
-    }
-
-    /// Limits the iterations of searches, never above the caller's limit, and returns the caller's limit.
-    fn be_patient_for(&mut self, iterations: usize) -> usize {
-        let allowed = self.options.newton.max_iterations;
-        self.options.newton.max_iterations = allowed.min(iterations);
-        allowed
     }
 
     /// A rough search: its result is the start of the next one.

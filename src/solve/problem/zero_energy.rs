@@ -33,10 +33,10 @@ mod several;
 const SHARED: f64 = 1e-9;
 /// Part of a motion outside the span of the others, below which it is not counted. A flat ring slides by turning.
 const DEPENDENT: f64 = 1e-3;
-/// Square of a motion where a rod is held, over the largest, below which a combination of motions is tried.
-const MAY_PASS: f64 = 1e-12;
-/// The same of a combination, below which supports let it pass: the square of rounding.
-const PASSES: f64 = 1e-24;
+/// Square of a motion where a rod is held, over the largest, below which supports let it pass, because coordinates in
+/// files have six digits: ends that are coaxial but for those would leave a motion that costs a ten millionth of the
+/// energy, and searches end neither in its valley nor on its ridge.
+const PASSES: f64 = 1e-11;
 /// Work of a load on a motion, over the largest that it could do, that counts as rounding.
 const UNLOADED: f64 = 1e-9;
 
@@ -271,7 +271,7 @@ impl Supports {
         let modes = self.modes(motions);
         let largest = modes.eigenvalues.amax().max(1.0);
         let mode = |k: usize| self.combined(motions, |i| modes.eigenvectors[(i, k)]);
-        let soft = (0..motions.len()).filter(|k| modes.eigenvalues[*k] <= MAY_PASS * largest).map(mode);
+        let soft = (0..motions.len()).filter(|k| modes.eigenvalues[*k] <= PASSES * largest).map(mode);
         soft.filter_map(|motion| self.passing(motion, largest)).collect()
     }
 
@@ -282,7 +282,7 @@ impl Supports {
         }
         let modes = self.modes(others);
         let largest = modes.eigenvalues.amax().max(1.0);
-        for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > MAY_PASS * largest) {
+        for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > PASSES * largest) {
             let mode = self.combined(others, |i| modes.eigenvectors[(i, k)]);
             let part = self.dot(&motion, &mode) / modes.eigenvalues[k];
             subtract(&mut motion, &mode, part);
