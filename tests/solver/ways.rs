@@ -4,8 +4,8 @@
 //! last step of 1e-4 of the way, beyond and back; and the last configuration comes to rest once more without its
 //! contact pressures. Where the state is unique and stable, all give the same.
 //!
-//! `different_ways` prints, for each scene and way, the relative differences of energy (without that of the contact law)
-//! and contact force from a run in the scene's own steps, and the sites. The slow one has what does not agree to 1e-7.
+//! Printed for each scene and way: elastic energy, the relative differences of it and of the contact force from a run in the
+//! scene's own steps, sites, unstable directions.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -18,11 +18,10 @@ use supercoil::solve::{Options, Progress, Restart, Solver, Status, Waypoint, run
 
 const CIRCLE: &str = "[[rods]]\nclosed = true\nshape = { kind = \"circle\", length = 1.0 }\n";
 
-/// A ring, wound up.
-fn ring(diameter: f64, ratio: f64, elements: usize, to: f64, steps: usize) -> Scene {
-    let radius = 0.5 * diameter;
+/// A ring of D/L = .02, C/B = 1.5, wound up.
+fn ring(elements: usize, to: f64, steps: usize) -> Scene {
     text(&format!(
-        "{CIRCLE}section = {{ bending = 1.0, twisting = {ratio}, stretching = 1e6, shearing = 1e6, contact_radius = {radius} }}
+        "{CIRCLE}section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.01 }}
 elements = {elements}
 [[stages]]
 ramp = {{ excess_link = {{ to = {to:?} }} }}
@@ -102,8 +101,8 @@ fn share(ramp: &Ramp, from: &Ramp, t: f64) -> Ramp {
     ramp
 }
 
-/// A scene's last ramps, gone in some way.
-struct Path_ {
+/// A scene's last stage, gone in some way.
+struct LastStage {
     model: Model,
     before: Vec<Stage>,
     last: Vec<Ramp>,
@@ -112,7 +111,7 @@ struct Path_ {
     steps: usize,
 }
 
-impl Path_ {
+impl LastStage {
     fn new(mut scene: Scene) -> Self {
         let Stage { ramps: last, steps } = scene.stages.pop().unwrap();
         let same = |a: &Ramp, b: &Ramp| match (a, b) {
@@ -218,7 +217,7 @@ impl Path_ {
             ("twice the steps", self.run(&[(1.0, 2 * n)]).0),
             ("five stages", self.run(&[fifth(1), fifth(2), fifth(3), fifth(4), (1.0, n.div_ceil(5))]).0),
             ("a last step of 1e-4", self.run(&[(0.9999, n), (1.0, 1)]).0),
-            ("3 % beyond and back", self.run(&[(1.03, n), (1.0, 1)]).0),
+            ("beyond and back", self.run(&[(1.005, n), (1.0, 1)]).0),
             ("step_to", self.by_steps_of_its_own()),
             ("checkpoint halfway", self.from_a_checkpoint()),
             ("its configuration again", self.from_its_configuration(&solver)),
@@ -237,7 +236,7 @@ fn sites(state: &Observation) -> (usize, usize) {
 
 /// Prints the table of a scene; the largest difference of energy.
 fn compare(name: &str, scene: Scene) -> f64 {
-    let ways = Path_::new(scene).ways();
+    let ways = LastStage::new(scene).ways();
     let first = &ways[0].1;
     let mut worst = 0.0f64;
     for (way, state) in &ways {
@@ -254,23 +253,41 @@ fn compare(name: &str, scene: Scene) -> f64 {
     worst
 }
 
+/// Asserts that all ways of each scene give the same energy to `tolerance`.
+fn agree(scenes: Vec<(&str, Scene, f64)>) {
+    let over: Vec<String> = scenes
+        .into_iter()
+        .map(|(name, scene, tolerance)| (name, compare(name, scene), tolerance))
+        .filter(|(_, worst, tolerance)| worst > tolerance)
+        .map(|(name, worst, tolerance)| format!("{name}: {worst:.1e}, not {tolerance:.0e}"))
+        .collect();
+    assert!(over.is_empty(), "{over:?}");
+}
+
 #[test]
-fn different_ways() {
-    for (name, scene) in [
-        ("ring, one point, 32 cubics", ring(0.02, 1.5, 32, 1.6, 8)),
-        ("ring, three points, 32 cubics", ring(0.02, 1.5, 32, 2.6, 14)),
-        ("ring, line, 32 cubics", ring(0.02, 1.5, 32, 3.6, 18)),
-        ("ring, one point, 64 cubics", ring(0.02, 1.5, 64, 1.6, 8)),
-        ("ring, line, 64 cubics", ring(0.02, 1.5, 64, 3.6, 18)),
-        ("minicircle, 48 cubics", minicircle(48, -3.0, 15)),
-        ("minicircle, 96 cubics", minicircle(96, -3.0, 15)),
-        ("bowed and turned, 32 cubics", bowed(32)),
-        ("bowed and turned, 96 cubics", bowed(96)),
-        ("two-ply, 20 cubics", two_ply(20, 1.5, 12)),
-        ("two-ply, 40 cubics", two_ply(40, 1.5, 12)),
-        ("tweezers 200 nm, 40 cubics", tweezers(40, 6.0, 12)),
-        ("tweezers 200 nm, 80 cubics", tweezers(80, 6.0, 12)),
-    ] {
-        println!("worst of {name}: {:.1e}", compare(name, scene));
-    }
+fn different_ways_come_to_the_same_state() {
+    agree(vec![
+        ("ring, one point, 32 cubics", ring(32, 1.6, 8), 1e-7),
+        ("bowed and turned, 32 cubics", bowed(32), 1e-7),
+        ("two-ply, 40 cubics", two_ply(40, 1.5, 12), 1e-7),
+    ]);
+}
+
+/// Where lines are carried by a few nodes, more than one set of pressures closes the gaps; the tolerances are three times
+/// what was measured, for want of 1e-7.
+#[test]
+#[ignore = "slow: two minutes"]
+fn different_ways_on_more_meshes() {
+    agree(vec![
+        ("ring, one point, 64 cubics", ring(64, 1.6, 8), 1e-7),
+        ("bowed and turned, 96 cubics", bowed(96), 1e-7),
+        ("tweezers 200 nm, 80 cubics", tweezers(80, 6.0, 12), 1e-7),
+        ("tweezers 200 nm, 40 cubics", tweezers(40, 6.0, 12), 1e-6),
+        ("two-ply, 20 cubics", two_ply(20, 1.5, 12), 1e-6),
+        ("ring, three points, 32 cubics", ring(32, 2.6, 14), 1e-4),
+        ("ring, line, 32 cubics", ring(32, 3.6, 18), 1e-3),
+        ("ring, line, 64 cubics", ring(64, 3.6, 18), 6e-5),
+        ("minicircle, 48 cubics", minicircle(48, -3.0, 15), 3e-5),
+        ("minicircle, 96 cubics", minicircle(96, -3.0, 15), 3e-5),
+    ]);
 }
