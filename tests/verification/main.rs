@@ -42,6 +42,7 @@ mod ring_thickness;
 mod ring_topology;
 mod roll_up;
 mod ropelength;
+mod turned_rods;
 mod tweezers;
 mod twisted_ring;
 mod two_ply;
