@@ -234,8 +234,8 @@ fn sites(state: &Observation) -> (usize, usize) {
     (state.sites.len() - lines, lines)
 }
 
-/// Prints the table of a scene; the largest difference of energy.
-fn compare(name: &str, scene: Scene) -> f64 {
+/// Prints the table of a scene; the largest difference of energy, and whether all have the same sites.
+fn compare(name: &str, scene: Scene) -> (f64, bool) {
     let ways = LastStage::new(scene).ways();
     let first = &ways[0].1;
     let mut worst = 0.0f64;
@@ -250,18 +250,19 @@ fn compare(name: &str, scene: Scene) -> f64 {
         );
         worst = worst.max(energy);
     }
-    worst
+    (worst, ways.iter().all(|(_, state)| sites(state) == sites(first)))
 }
 
-/// Asserts that all ways of each scene give the same energy to `tolerance`.
+/// Asserts that all ways of each scene give the same energy to `tolerance`, and the same sites where that is 1e-7.
 fn agree(scenes: Vec<(&str, Scene, f64)>) {
-    let over: Vec<String> = scenes
-        .into_iter()
-        .map(|(name, scene, tolerance)| (name, compare(name, scene), tolerance))
-        .filter(|(_, worst, tolerance)| worst > tolerance)
-        .map(|(name, worst, tolerance)| format!("{name}: {worst:.1e}, not {tolerance:.0e}"))
-        .collect();
-    assert!(over.is_empty(), "{over:?}");
+    let mut differ = Vec::new();
+    for (name, scene, tolerance) in scenes {
+        let (worst, same_sites) = compare(name, scene);
+        if worst > tolerance || (tolerance <= 1e-7 && !same_sites) {
+            differ.push(format!("{name}: {worst:.1e}, not {tolerance:.0e}; the same sites: {same_sites}"));
+        }
+    }
+    assert!(differ.is_empty(), "{differ:?}");
 }
 
 #[test]
@@ -269,20 +270,20 @@ fn different_ways_come_to_the_same_state() {
     agree(vec![
         ("ring, one point, 32 cubics", ring(32, 1.6, 8), 1e-7),
         ("bowed and turned, 32 cubics", bowed(32), 1e-7),
-        ("two-ply, 40 cubics", two_ply(40, 1.5, 12), 1e-7),
     ]);
 }
 
 /// Where lines are carried by a few nodes, more than one set of pressures closes the gaps; the tolerances are three times
 /// what was measured, for want of 1e-7.
 #[test]
-#[ignore = "slow: two minutes"]
+#[ignore = "slow: minutes"]
 fn different_ways_on_more_meshes() {
     agree(vec![
         ("ring, one point, 64 cubics", ring(64, 1.6, 8), 1e-7),
         ("bowed and turned, 96 cubics", bowed(96), 1e-7),
         ("tweezers 200 nm, 80 cubics", tweezers(80, 6.0, 12), 1e-7),
         ("tweezers 200 nm, 40 cubics", tweezers(40, 6.0, 12), 1e-6),
+        ("two-ply, 40 cubics", two_ply(40, 1.5, 12), 1e-7),
         ("two-ply, 20 cubics", two_ply(20, 1.5, 12), 1e-6),
         ("ring, three points, 32 cubics", ring(32, 2.6, 14), 1e-4),
         ("ring, line, 32 cubics", ring(32, 3.6, 18), 1e-3),
