@@ -24,6 +24,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::runge_kutta::extrapolated_step;
+use super::shooting::zero_of;
 
 /// r, t, M, n, and a direction carried along without turning about t.
 type State = [f64; 15];
@@ -31,7 +32,6 @@ type State = [f64; 15];
 /// Steps of the integrator, of order five, on a quarter of the ring; a quarter as many before an outer contact; both
 /// multiples of four.
 const STEPS: usize = 1200;
-const MAX_NEWTON: usize = 60;
 /// C/B.
 const TWIST_OVER_BEND: f64 = 1.5;
 
@@ -177,28 +177,6 @@ fn opening(start: &State) -> f64 {
     1.0 + 2.0 * start[0] * turn[0] - mixed.abs()
 }
 
-/// Solves a small system by elimination with row exchanges.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
-    let n = b.len();
-    for k in 0..n {
-        let pivot = (k..n).fold(k, |best, i| if a[i][k].abs() > a[best][k].abs() { i } else { best });
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        for i in k + 1..n {
-            let factor = a[i][k] / a[k][k];
-            for j in k..n {
-                a[i][j] -= factor * a[k][j];
-            }
-            b[i] -= factor * b[k];
-        }
-    }
-    for k in (0..n).rev() {
-        let sum: f64 = (k + 1..n).map(|j| a[k][j] * b[j]).sum();
-        b[k] = (b[k] - sum) / a[k][k];
-    }
-    b
-}
-
 /// Writhe of the whole ring. A direction that is x at s = 0, normal to t, and carried along without turning is off from
 /// z, which is normal to t at s = 1/4, by an angle φ; by symmetry the ribbon that joins these directions has the twist
 /// −4φ/2π, and a link that is a multiple of ½, told by a sum over pairs of points.
@@ -295,45 +273,11 @@ fn at_link(
     ring
 }
 
-/// Newton with differences from a guess; steps are halved until the residual falls.
+/// The state found from a guess.
 fn solve_from(event: Event, diameter: f64, guess: &[f64]) -> (Ring, Vec<f64>) {
     let problem = Problem { diameter, event };
-    let size = |r: &[f64]| r.iter().fold(0.0f64, |a, b| if b.is_nan() { f64::INFINITY } else { a.max(b.abs()) });
-    let mut x = guess.to_vec();
-    let mut r = problem.residuals(&x);
-    for _ in 0..MAX_NEWTON {
-        let columns: Vec<Vec<f64>> = (0..x.len())
-            .map(|j| {
-                let h = 1e-6 * x[j].abs().max(1e-2);
-                let moved = |by: f64| {
-                    let mut y = x.clone();
-                    y[j] += by;
-                    problem.residuals(&y)
-                };
-                moved(h).iter().zip(&moved(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect()
-            })
-            .collect();
-        let rows = (0..r.len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect();
-        let change = solve(rows, r.clone());
-        let mut fraction = 1.0;
-        loop {
-            let trial: Vec<f64> = x.iter().zip(&change).map(|(x, c)| x - fraction * c).collect();
-            let there = problem.residuals(&trial);
-            if size(&there) < size(&r) {
-                (x, r) = (trial, there);
-                break;
-            }
-            fraction *= 0.5;
-            if fraction < 1e-6 {
-                let ring = numbers(&problem, &x, size(&r));
-                return (ring, x);
-            }
-        }
-        if size(&r) < 1e-14 {
-            break;
-        }
-    }
-    (numbers(&problem, &x, size(&r)), x)
+    let (x, left) = zero_of(|x| problem.residuals(x), guess);
+    (numbers(&problem, &x, left), x)
 }
 
 fn numbers(problem: &Problem, x: &[f64], residual: f64) -> Ring {

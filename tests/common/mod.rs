@@ -5,10 +5,12 @@
 
 pub mod braid;
 pub mod cases;
+pub mod clamped_loop;
 pub mod curvature;
 pub mod fuzz;
 pub mod kirchhoff_ring;
 pub mod runge_kutta;
+pub mod shooting;
 pub mod two_ply;
 
 use std::ops::ControlFlow;

@@ -11,7 +11,7 @@ use supercoil::scene::Scene;
 use supercoil::solve::{self, Status};
 
 /// Scenes that take seconds.
-const SLOW: [&str; 6] = ["pbr322", "lambda_phage", "cable", "tweezers", "tight_knot", "strand"];
+const SLOW: [&str; 7] = ["pbr322", "lambda_phage", "cable", "tweezers", "tweezers_on_glass", "tight_knot", "strand"];
 
 /// Scene, quantity and value of each row.
 fn rows() -> Vec<[String; 3]> {
@@ -50,7 +50,7 @@ fn check(scenes: impl Fn(&str) -> bool) {
 
 #[test]
 fn gallery_of_quick_scenes() {
-    assert_eq!(rows().len(), 14);
+    assert_eq!(rows().len(), 15);
     check(|name| !SLOW.contains(&name));
 }
 

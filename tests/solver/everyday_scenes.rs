@@ -1,17 +1,13 @@
 //! Scenes of `tests/scenes` come to rest, step by step, and where an exact result is known, at that.
 //!
-//! * `bowed_and_turned`: 2.25 turns against shooting, axial force 54.265 B/L², contact force 164.107 B/L².
 //! * `stage_boundary`: two contacts down to an excess link of 2.4646, across stages, one below.
 //! * `snap_of_an_oval_ring`: the same state in any number of steps.
 //!
 //! The slower ones are in `random_scenes` and `cargo bench --bench families -- --families scenes`.
 
-use crate::common;
-
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use common::verify;
 use supercoil::io::run::options;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
@@ -37,14 +33,6 @@ fn states_of(name: &str, change: impl Fn(&mut Stage)) -> Vec<Observation> {
     assert_eq!(solution.status, Status::Converged, "{name}: {:?}", solution.failure.map(|failure| failure.to_string()));
     assert!(states.iter().all(|state| state.num_unstable == 0), "{name}");
     states
-}
-
-#[test]
-fn bowed_and_turned() {
-    let end = end_of("bowed_and_turned", |_| ());
-    let case = "bowed rod turned by 2.25 turns";
-    verify(case, "axial force, B/L²", end.reactions[1].force[0], 54.265, 3e-2);
-    verify(case, "contact force, B/L²", end.total_contact_force, 164.107, 0.1);
 }
 
 /// Near the end of the branch the two points lie in one zone.

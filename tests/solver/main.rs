@@ -43,3 +43,4 @@ mod random_supercoiling;
 mod snaps;
 mod start_shapes;
 mod swivels;
+mod ways;

@@ -102,3 +102,28 @@ fn runs_among_planes_go_on_with_the_same_bits() {
     assert_eq!(resumed, whole);
     assert_eq!(whole.plane_heights, [0.0, 1.6]);
 }
+
+/// The end loop of a plectoneme in tweezers leans on the glass, which carries of the weight what the ends do not.
+#[test]
+fn a_plectoneme_leans_on_the_glass() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/tweezers_on_glass.toml");
+    let (solution, seen) = run(&std::fs::read_to_string(path).unwrap(), &Options::default());
+    let end = &seen[seen.len() - 1];
+    let ([site], glass) = (&end.plane_sites[..], end.plane_reactions[0].force) else { panic!("{:?}", end.plane_sites) };
+    let held: f64 = end.reactions.iter().map(|reaction| reaction.force[2]).sum();
+    assert!((held + glass + 0.5 - 0.4).abs() < 1e-6, "{held} {glass}");
+    assert!((site.force - glass).abs() < 1e-9 && glass > 0.3, "{site:?}");
+    assert!((site.center - 107.3).abs() < 2.0, "not in the end loop: {site:?}");
+    assert!(lowest(&solution, [0.0, 0.0, -3.0], [0.0, 0.0, 1.0]) >= 2.5 * (1.0 - 2e-8));
+}
+
+/// Paths are not followed among planes: refused by name, not followed through them.
+#[test]
+fn paths_among_planes_are_refused() {
+    let ramp = "[[stages]]\nramp = { plane = { to = 0.1 } }\nsteps = 1\n";
+    let (mut solution, _) = run(&format!("{RING}{ramp}"), &Options::default());
+    let link = supercoil::scene::Ramp::ExcessLink { rod: 0, to: 1.0 };
+    let refused = solution.solver.follow(&link, &Default::default(), &mut |_| ControlFlow::Continue(()));
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("planes") && message.contains("go in steps"), "{message}");
+}

@@ -14,6 +14,7 @@ mod random;
 
 mod bathe_bolourchi;
 mod beams;
+mod bowed_and_turned;
 mod chain_of_rings;
 mod clamped_pop;
 mod contact_three_strands;
@@ -41,6 +42,8 @@ mod ring_thickness;
 mod ring_topology;
 mod roll_up;
 mod ropelength;
+mod turned_rods;
+mod tweezers;
 mod twisted_ring;
 mod two_ply;
 mod varying_rods;
