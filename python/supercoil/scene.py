@@ -309,7 +309,8 @@ class Result:
         self.state = State(state)
         #: Reports of all accepted steps, the start first, as in ``summary.json``.
         self.steps: list[dict[str, Any]] = json.loads(steps)
-        #: "converged", "stopped", or why the run went no further; "overlap" if it arrived with tubes inside each other
+        #: "converged", "stopped", or why the run went no further ("bent as tightly as it is thick" where a rod's
+        #: thickness is the reason); "overlap" if it arrived with tubes inside each other
         #: where contact does not resist it.
         self.status = status
         #: What the last attempt failed at; None if it did not fail.

@@ -10,6 +10,7 @@ use crate::math::link::{link_numbers, ribbon_twist, writhe};
 use crate::rod::Rod;
 use crate::scene::NodeRef;
 use crate::solve::problem::assembly::{Potential, Residual};
+use crate::solve::problem::bend::Bend;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::{Engine, Progress, Status};
 
@@ -221,8 +222,7 @@ fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>
     let rods = &engine.model().rods;
     let too_tight = side.rods.iter().filter_map(|&rod| {
         let name = &rods[rod].name;
-        let [curvature, arc] = engine.largest_curvature(rod);
-        let tightness = curvature * rods[rod].contact_radius_at(arc);
+        let Bend { arc, tightness, .. } = engine.tightest_bend_of(rod);
         (tightness > 1.0).then(|| {
             format!(
                 "rod \"{name}\" is bent {tightness:.2} times as tightly as its contact radius allows, at arc {arc:.4}: it \

@@ -17,7 +17,7 @@ use crate::scene::Fidelity;
 
 pub use load_step::step_report::{Status, StepReport};
 pub use path::continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
-pub use path::failure::{Failure, Overlap, Spot};
+pub use path::failure::{Failure, Overlap, Spot, TightBend};
 pub use path::restart::{Place, Restart};
 pub use path::run::{Progress, RunError, Solution, Solver, Waypoint, run, run_from};
 pub use problem::changes::Numbers;

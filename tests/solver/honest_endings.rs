@@ -91,7 +91,11 @@ fn a_run_that_fails_says_why_and_where() {
     pressed.stages = stages;
     let (solution, last) = run(pressed);
     let failure = solution.failure.unwrap();
-    assert!(solution.status != Status::Converged && failure.stage == Some(0), "{failure:?}");
+    assert!(
+        !matches!(solution.status, Status::Converged | Status::TooTight) && failure.stage == Some(0),
+        "{failure:?}"
+    );
+    assert!(failure.bend.is_none(), "{failure:?}");
     assert!((failure.span[0] - last.fraction).abs() < 1e-12 && failure.span[1] > last.fraction, "{failure:?}");
     assert!(failure.to_string().contains("stage 1 stands at"), "{failure}");
 }
@@ -115,6 +119,37 @@ fn a_bend_tighter_than_the_radius_is_told() {
     assert!(last.notes.iter().any(|note| note.contains("contact does not resist")), "{:?}", last.notes);
     let (solution, last) = run(scene(&text(0.02)));
     assert_eq!((solution.status, last.notes.len()), (Status::Converged, 0), "{:?}", last.notes);
+}
+
+/// Symptom: "load step too small" where a rod is bent as tightly as it is thick. A ring's tube grows until opposite points
+/// touch, which is where curvature × contact radius is 1: there is no way on. The ending says so, and where. No state on the
+/// way has tubes inside each other.
+#[test]
+fn a_run_that_ends_bent_as_tightly_as_it_is_thick_says_so() {
+    let ring = |ramp: &str| {
+        format!(
+            "[[rods]]\nname = \"ring\"\nclosed = true\nelements = 6\nshape = {{ kind = \"circle\", length = 1.0 }}\n\
+             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.1 }}\n\
+             [solver]\nmax_iterations = 60\n[[stages]]\nramp = {{ {ramp} }}\nsteps = 10\n"
+        )
+    };
+    for ramp in ["section = { contact_radius = 0.18 }", "length = { to = 0.55 }"] {
+        let Scene { model, stages, .. } = scene(&ring(ramp));
+        let mut seen = Vec::new();
+        let options = Options { min_step: 0.05, ..Options::default() };
+        let solution = solve::run(model, &stages, &options, &mut |progress| {
+            seen.push(observe(progress));
+            ControlFlow::Continue(())
+        });
+        let solution = solution.unwrap();
+        assert_eq!(solution.status, Status::TooTight, "{:?}", solution.failure);
+        let failure = solution.failure.unwrap();
+        let bend = failure.bend.as_ref().unwrap();
+        assert!(bend.at.rod == "ring" && (0.95..=1.0).contains(&bend.tightness), "{failure}");
+        assert!(failure.to_string().contains("is bent to curvature × contact radius"), "{failure}");
+        assert!(seen.len() > 4, "the ring has room at first");
+        assert!(seen.iter().all(|step| step.status == "converged" && step.min_gap.is_some_and(|gap| gap.lower > 0.0)));
+    }
 }
 
 /// A contact law softer than asked for, as coarse meshes keep where lines of contact would break up, is told in words.

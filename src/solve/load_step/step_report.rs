@@ -19,6 +19,9 @@ pub enum Status {
     BrokeDown,
     /// The load step fell below its smallest size.
     StepTooSmall,
+    /// The same, from a state in which a rod is bent about as tightly as it is thick:
+    /// [`Failure::bend`](crate::solve::Failure::bend).
+    TooTight,
     /// Stopped by the observer or an [`Interrupt`](crate::solve::Interrupt).
     Stopped,
 }
@@ -32,6 +35,7 @@ impl std::fmt::Display for Status {
             Self::Penetration => "penetration above tolerance",
             Self::BrokeDown => "numbers broke down",
             Self::StepTooSmall => "load step too small",
+            Self::TooTight => "bent as tightly as it is thick",
             Self::Stopped => "stopped",
         })
     }

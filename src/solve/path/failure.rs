@@ -5,6 +5,7 @@ use std::fmt;
 use crate::contact::clearance::smallest_clearance;
 use crate::error::SolveError;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::problem::bend::Bend;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::newton::{NewtonOptions, relative_residual};
 
@@ -12,6 +13,9 @@ use crate::solve::search::newton::{NewtonOptions, relative_residual};
 const TOL_DEPTH: f64 = 1e-3;
 /// Relative residual below which the place of the largest imbalance is rounding and is not reported.
 const NOTABLE_RESIDUAL: f64 = 1e-10;
+/// Curvature × contact radius of a state from which a failed step counts as ended by the rod's thickness: the tube is
+/// embedded up to 1, and rings end within 1e-3 of it.
+const TIGHT: f64 = 0.95;
 
 /// A place on a rod.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +33,15 @@ pub struct Overlap {
     pub at: [Spot; 2],
     /// Depth over the smallest contact radius of the model.
     pub depth: f64,
+}
+
+/// A rod bent as tightly as it is thick.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TightBend {
+    /// Where it is bent the most.
+    pub at: Spot,
+    /// Curvature of the centreline × contact radius.
+    pub tightness: f64,
 }
 
 /// The last attempt of a run that did not converge. It was given up: the run's state is the one before it (at the start
@@ -53,6 +66,9 @@ pub struct Failure {
     pub worst: Option<Spot>,
     /// Deepest overlap, if there is one beyond the tolerance of the contact law.
     pub overlap: Option<Overlap>,
+    /// The tightest bend of the state that the attempt led on from, if curvature × contact radius is near 1 or beyond:
+    /// opposite points of a bend touch at 1, all at once, and within it contact does not act.
+    pub bend: Option<TightBend>,
 }
 
 impl Failure {
@@ -82,12 +98,21 @@ impl Failure {
                 spot(engine, rod, (node - engine.first_node[rod]) as f64 * spacing)
             }),
             overlap: deepest_overlap(engine),
+            bend: None,
         }
+    }
+
+    /// Of an attempt that led on from the state that the engine is in now.
+    pub(crate) fn from_state(self, engine: &Engine) -> Self {
+        let bend = engine.tightest_bend().filter(|bend| bend.tightness >= TIGHT);
+        let told = |Bend { rod, arc, tightness }| TightBend { at: spot(engine, rod, arc), tightness };
+        Self { bend: bend.map(told), ..self }
     }
 
     fn advice(&self) -> &'static str {
         match (self.status, &self.error, &self.overlap) {
             (Status::Stopped, ..) => "",
+            _ if self.bend.is_some() => "a thinner or a stiffer rod, less load or fewer turns",
             (_, _, Some(overlap)) if overlap.depth > 1.0 => {
                 "strands may be inside each other beyond what contact can undo, or squeezed without a way out: check where \
                  they start (supercoil check), and that the ramps leave room for them"
@@ -150,6 +175,9 @@ impl fmt::Display for Failure {
         }
         if let Some(Overlap { at: [a, b], depth }) = &self.overlap {
             write!(f, "; deepest overlap {depth:.3} contact radii, {a} and {b}")?;
+        }
+        if let Some(TightBend { at, tightness }) = &self.bend {
+            write!(f, "; {at} is bent to curvature × contact radius {tightness:.3}")?;
         }
         match self.advice() {
             "" => Ok(()),

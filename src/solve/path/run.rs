@@ -311,19 +311,23 @@ impl Solver {
                 failed_iterations += report.iterations;
                 size = 0.5 * here;
                 let gives_up = size < full * self.options.min_step;
-                if gives_up && report.status != Status::Stopped {
-                    let failure = Failure::of(&self.engine, &report, &self.options.newton);
+                let failed = gives_up && report.status != Status::Stopped;
+                let failure = failed.then(|| Failure::of(&self.engine, &report, &self.options.newton));
+                self.restore(snapshot)?;
+                if let Some(failure) = failure {
                     let is_load = |ramp: &Ramp| matches!(ramp, Ramp::Load { .. } | Ramp::Pressure { .. });
                     let ramps_loads = stage.ramps.iter().any(is_load);
                     let (stage, span) = (Some(place.stage), [done, done + advance]);
+                    let failure = failure.from_state(&self.engine);
                     self.failure = Some(Failure { stage, span, ramps_loads, ..failure });
                 }
-                self.restore(snapshot)?;
                 if report.status == Status::Stopped || gives_up {
                     if let Some(error @ SolveError::TooTwisted { .. }) = report.error {
                         return Err(error.into()); // what is wrong is the mesh
                     }
+                    let tight = self.failure.as_ref().is_some_and(|failure| failure.bend.is_some());
                     return Ok(match report.status {
+                        Status::BrokeDown | Status::MaxIterations | Status::Penetration if tight => Status::TooTight,
                         Status::BrokeDown | Status::MaxIterations => Status::StepTooSmall,
                         other => other,
                     });

@@ -171,21 +171,6 @@ impl Engine {
         out
     }
 
-    /// Largest curvature \[1/L\] of a rod at its integration points, and the reference arc length \[L\] where it is.
-    pub fn largest_curvature(&self, rod: usize) -> [f64; 2] {
-        let (length, points) = (self.element_length(rod), self.table(rod).rule.points);
-        let mut largest = [0.0, 0.0];
-        for (index, e) in self.elements_of(rod).enumerate() {
-            for (strain, point) in self.raw_strain_of(e).iter().zip(points) {
-                let curvature = strain[3].hypot(strain[4]);
-                if curvature > largest[0] {
-                    largest = [curvature, (index as f64 + point) * length];
-                }
-            }
-        }
-        largest
-    }
-
     /// Strains (Γ + e3, K) at the integration points, reference not subtracted.
     fn raw_strain_of(&self, e: usize) -> [Strain; 3] {
         let element = &self.elements[e];

@@ -9,10 +9,12 @@
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
 //! | `twist_limit` | no frame turns past half a turn against its neighbour |
+//! | `bend` | how tightly rods are bent for their thickness |
 //! | `changes` | numbers of rods and supports that stages change |
 //! | `fields`, `problem_size` | strains and forces along the rods; unknowns and entries |
 
 pub(crate) mod assembly;
+pub(crate) mod bend;
 pub(in crate::solve) mod changes;
 pub(in crate::solve) mod contact_field;
 pub(crate) mod contact_side;
