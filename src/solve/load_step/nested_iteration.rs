@@ -21,13 +21,14 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
-use crate::solve::Options;
 use crate::solve::load_step::solve_step::{AT_REST, RESETTLING_ITERATIONS, TURNS_AT_ONCE};
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::path::run::Solver;
+use crate::solve::options::Options;
 use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 
 /// Factors between the elements of the mesh and of a coarse one.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;

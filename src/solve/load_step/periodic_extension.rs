@@ -31,10 +31,11 @@ use crate::math::{Mat3, Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
 use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
 
 /// Turns of the superhelix that the short rod keeps. More are tried if it does not converge.
@@ -302,7 +303,7 @@ fn is_same(a: &State, b: &State, spacing: f64) -> bool {
 mod tests {
     use super::*;
     use crate::rod::{Plectoneme, Section, Shape};
-    use crate::solve::Options;
+    use crate::solve::options::Options;
 
     fn plectoneme(elements: usize, angle: f64) -> Solver {
         let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, 0.5);

@@ -168,7 +168,7 @@ mod tests {
     use crate::rod::{Natural, Rod, Section, Shape};
     use crate::scene::{Contact, ContactLaw, Model, NodeRef, Support};
     use crate::solve::problem::assembly::Tangent;
-    use crate::solve::problem::state::PrescribedMotion;
+    use crate::solve::problem::prescribed_motion::PrescribedMotion;
 
     const RADIUS: f64 = 0.1;
     const OVERLAP: f64 = 0.01;

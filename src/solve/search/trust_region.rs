@@ -24,10 +24,10 @@ use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{PrescribedMotion, State};
-use crate::solve::search::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual,
-};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
+use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, increment_size, relative_residual};
+use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
 use corrected_step::CorrectedStep;
 use progress::SearchProgress;

@@ -1,6 +1,8 @@
 use super::*;
+use crate::math::Vec3;
 use crate::rod::{Natural, Rod, Section, Shape};
 use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
+use crate::solve::problem::contact_gaps::joined;
 use crate::solve::{Options, Solver, Status};
 
 fn entry(node: u32, curve: u32, arc: [f64; 2]) -> Entry {
@@ -171,8 +173,8 @@ fn restarts_carry_all_offsets() {
     let offsets = |solver: &Solver| solver.engine.contact.as_ref().unwrap().offsets.clone();
     assert!(!offsets(&solver).entries.is_empty());
     assert_eq!(offsets(&solver), offsets(&later));
-    solver.forget_the_way().unwrap();
-    later.forget_the_way().unwrap();
+    solver.forget_path().unwrap();
+    later.forget_path().unwrap();
     let step = |solver: &mut Solver| solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     assert_eq!(step(&mut solver), step(&mut later));
     assert_eq!(solver.engine.state, later.engine.state);

@@ -8,8 +8,8 @@ use crate::rod::element::{Strain, Stress};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::Workspace;
 use crate::solve::search::timing::timed;
+use crate::solve::search::workspace::Workspace;
 
 /// Change of contact forces in a step, relative to the largest force, up to which the whole residual is corrected instead
 /// of its second-order part.
