@@ -96,7 +96,7 @@ fn fields() -> Vec<Field> {
     add("rods.ring.start_excess_link", Box::new(|p| &mut p.model.rods[1].start_excess_link));
     add("contact.stiffness", Box::new(|p| law(p).0));
     add("contact.tol_penetration", Box::new(|p| law(p).1));
-    add("options.departure", Box::new(|p| &mut p.options.escape_step));
+    add("options.escape_step", Box::new(|p| &mut p.options.escape_step));
     add("options.min_step", Box::new(|p| &mut p.options.min_step));
     add("options.newton.tol_increment", Box::new(|p| &mut p.options.newton.tol_increment));
     for (rod, name) in ["beam", "ring"].into_iter().enumerate() {
@@ -221,7 +221,7 @@ fn expected(name: &str) -> [End; 6] {
         "options.newton.tol_increment" => [Refused, Same, Refused, Refused, Refused, Refused],
         // the strands do not touch, whatever the law
         "contact.stiffness" => [Refused, Same, Refused, Same, Same, Refused],
-        "contact.tol_penetration" | "options.departure" | "options.min_step" => {
+        "contact.tol_penetration" | "options.escape_step" | "options.min_step" => {
             [Refused, Same, Refused, Refused, Refused, Refused]
         }
         // a ring that has next to no twisting stiffness takes its link without effort
