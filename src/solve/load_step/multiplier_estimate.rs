@@ -151,7 +151,7 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Natural, Plectoneme, Rod, Section, Shape};
+    use crate::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
     use crate::solve::options::Options;
 
@@ -168,7 +168,8 @@ mod tests {
         let moment = 2.0 * sin.powi(3) * cos / (radius * steepness);
         let link = plectoneme.writhe() - moment * length / (1.5 * std::f64::consts::TAU);
         let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, radius);
-        let rod = Rod::new("ply", &Shape::Plectoneme(plectoneme), true, section, 150, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ply", &Shape::Plectoneme(plectoneme), RodMesh::closed(150, 3), section, Natural::Straight)
+            .unwrap();
         let rod = rod.with_excess_link(link).unwrap();
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
         let scale = solver.engine.pressure_scale();

@@ -187,14 +187,14 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Rod, Section, Shape};
+    use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// A flat ring of 64 elements, D/L = .02.
     fn ring(supports: Vec<Support>) -> Solver {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 64, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(64, 3), section, Natural::Straight).unwrap();
         Solver::new(Model { rods: vec![rod], supports, ..Model::default() }, Options::default()).unwrap()
     }
 

@@ -282,7 +282,7 @@ impl Visited {
 mod tests {
     use super::*;
     use crate::math::quaternion::exp;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Ramp, Stage, Support};
     use crate::solve::load_step::solver::Solver;
     use crate::solve::path::run::run;
@@ -294,7 +294,10 @@ mod tests {
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
         let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
         let shape = if closed { circle } else { line };
-        let rods = vec![Rod::new("rod", &shape, closed, section, 12, 3, Natural::Straight).unwrap()];
+        let rods = vec![
+            Rod::new("rod", &shape, RodMesh { closed, num_elements: 12, order: 3 }, section, Natural::Straight)
+                .unwrap(),
+        ];
         let ends = if closed { vec![] } else { vec![0, 36] };
         let supports = ends.into_iter().map(|node| Support::clamp(NodeRef { rod: 0, node })).collect();
         Model { rods, supports, ..Model::default() }

@@ -121,7 +121,7 @@ impl Engine {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::rod::{Rod, RodNumber, Section, Shape};
+    use crate::rod::{Rod, RodMesh, RodNumber, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of before.
@@ -130,7 +130,7 @@ mod tests {
         let rod = |height: f64| {
             let shape = Shape::Line { start: Vec3::z() * height, direction: Vec3::x(), length: 1.0 };
             let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
-            Rod::new("rod", &shape, false, section, 4, 3, Natural::Straight).unwrap()
+            Rod::new("rod", &shape, RodMesh::open(4, 3), section, Natural::Straight).unwrap()
         };
         let supports = (0..2).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
         let model = Model { rods: vec![rod(0.0), rod(0.1)], supports, ..Model::default() };

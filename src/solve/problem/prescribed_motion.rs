@@ -197,7 +197,7 @@ pub(in crate::solve) fn spin_shares(engine: &Engine, node: usize) -> impl Iterat
 mod tests {
     use super::*;
     use crate::math::quaternion::exp;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// A turn of a clamp about the tangent is taken by the whole rod: the node is where the drive takes it, its
@@ -222,7 +222,7 @@ mod tests {
     fn clamped() -> Model {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.02);
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-        let rods = vec![Rod::new("rod", &line, false, section, 12, 3, Natural::Straight).unwrap()];
+        let rods = vec![Rod::new("rod", &line, RodMesh::open(12, 3), section, Natural::Straight).unwrap()];
         let supports = [0, 36].map(|node| Support::clamp(NodeRef { rod: 0, node })).to_vec();
         Model { rods, supports, ..Model::default() }
     }

@@ -201,13 +201,13 @@ impl Workspace {
         (size, longest): (f64, f64),
     ) -> Result<CorrectedStep, SolveError> {
         let pushed = search.is_pushed();
-        let mut trial = self.trial(engine, &search.state, residual, step, longest, pushed)?;
+        let mut trial = self.trial(engine, (&search.state, residual), step, longest, pushed)?;
         for &shorter in if pushed { [].as_slice() } else { &SHORTER } {
             let falls = gain(residual, &trial) >= ENOUGH * trial.expected - noise(residual);
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
-            trial = self.trial(engine, &search.state, residual, step, shorter, pushed)?;
+            trial = self.trial(engine, (&search.state, residual), step, shorter, pushed)?;
         }
         Ok(trial)
     }
