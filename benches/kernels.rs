@@ -18,7 +18,7 @@ use supercoil::internals::potential::evaluate;
 use supercoil::internals::quaternion::to_array;
 use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -110,7 +110,7 @@ fn contact_terms(c: &mut Criterion) {
 fn search(c: &mut Criterion) {
     let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.005);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 96, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(96, 3), section, Natural::Straight).unwrap();
     let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
     let run = || {
         let mut solver = Solver::new(model.clone(), Options::default()).unwrap();

@@ -19,7 +19,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use fit::exponent;
-use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{NewtonOptions, Options, Solver, Status};
 
@@ -36,7 +36,8 @@ fn solver(nodes: usize, max_iterations: usize, nudged: bool) -> Solver {
     let plectoneme = Plectoneme::of_link(length, 5.0, 205.7, 308.6, turns).unwrap();
     let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
     let mut rod =
-        Rod::new("dna", &Shape::Plectoneme(plectoneme), true, section, elements, 3, Natural::Straight).unwrap();
+        Rod::new("dna", &Shape::Plectoneme(plectoneme), RodMesh::closed(elements, 3), section, Natural::Straight)
+            .unwrap();
     if nudged {
         rod.positions[3 * (elements / 4)].y += 5e-3;
     }

@@ -13,7 +13,7 @@
 use std::time::Instant;
 
 use supercoil::math::Vec3;
-use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+use supercoil::rod::{Along, Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, Timings};
 
@@ -54,7 +54,8 @@ fn solver(case: &Case) -> Solver {
     let section = Section::isotropic(1.0, 0.8, 1e4, 1e4, RADIUS);
     let rod = |k: usize| {
         let line = Shape::Line { start: Vec3::y() * (2.02 * RADIUS * k as f64), direction: Vec3::x(), length: 1.0 };
-        Rod::new(&format!("leaf {k}"), &line, false, section, ELEMENTS / case.rods, 3, case.natural.clone()).unwrap()
+        Rod::new(&format!("leaf {k}"), &line, RodMesh::open(ELEMENTS / case.rods, 3), section, case.natural.clone())
+            .unwrap()
     };
     let mut stiffness = section.stiffness();
     (stiffness[(4, 5)], stiffness[(5, 4)]) = (0.3, 0.3);

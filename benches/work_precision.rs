@@ -20,7 +20,7 @@ use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Fidelity, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Solver, Status, run};
 
@@ -144,7 +144,7 @@ fn bend(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     };
     let arc =
         Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
-    let rod = Rod::new("bend", &arc, false, section, knobs.elements, knobs.order, Natural::AsShaped).ok()?;
+    let rod = Rod::new("bend", &arc, RodMesh::open(knobs.elements, knobs.order), section, Natural::AsShaped).ok()?;
     let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let model = Model {
         rods: vec![rod],
@@ -160,7 +160,8 @@ fn bend(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
 fn ring(knobs: &Knobs, diameter: f64, target: f64, steps: usize) -> Option<(Solver, Observation, usize)> {
     let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.5 * diameter);
     let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &circle, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let rod =
+        Rod::new("ring", &circle, RodMesh::closed(knobs.elements, knobs.order), section, Natural::Straight).ok()?;
     let stage = |(to, steps)| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps };
     let stages = [(1.1, 1), (1.2, 1), (target, steps)].map(stage);
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &stages)
@@ -184,7 +185,8 @@ fn minicircle(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
     let section = Section::isotropic(bending, twisting, stretching, stretching, 2.5);
     let circle = Shape::Circle { length: 336.0 * dna::RISE, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("dna", &circle, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let rod =
+        Rod::new("dna", &circle, RodMesh::closed(knobs.elements, knobs.order), section, Natural::Straight).ok()?;
     let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: -3.0 }], steps: 5 * knobs.steps };
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &[stage])
 }
@@ -195,7 +197,7 @@ fn puc19(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
     let section = Section::isotropic(bending, twisting, stretching, stretching, 2.5);
     let shape = Shape::Plectoneme(Plectoneme::of_link(PUC19_LENGTH, 5.1, bending, twisting, PUC19_LINK).ok()?);
-    let rod = Rod::new("dna", &shape, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let rod = Rod::new("dna", &shape, RodMesh::closed(knobs.elements, knobs.order), section, Natural::Straight).ok()?;
     let rod = rod.with_excess_link(PUC19_LINK).ok()?;
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &[])
 }
@@ -209,7 +211,8 @@ const PLECTONEME_LINK: f64 = 4.18363 + 0.88448 / 1.5;
 fn plectoneme(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.005);
     let shape = Shape::Plectoneme(Plectoneme::of_link(1.0, 0.0102, 1.0, 1.5, PLECTONEME_LINK).ok()?);
-    let rod = Rod::new("ring", &shape, true, section, knobs.elements, knobs.order, Natural::Straight).ok()?;
+    let rod =
+        Rod::new("ring", &shape, RodMesh::closed(knobs.elements, knobs.order), section, Natural::Straight).ok()?;
     let rod = rod.with_excess_link(PLECTONEME_LINK).ok()?;
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &[])
 }
@@ -220,7 +223,7 @@ fn beams(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, radius);
     let beam = |name: &str, start: Vec3| {
         let shape = Shape::Line { start, direction: Vec3::x(), length: 1.0 };
-        Rod::new(name, &shape, false, section, knobs.elements, knobs.order, Natural::Straight)
+        Rod::new(name, &shape, RodMesh::open(knobs.elements, knobs.order), section, Natural::Straight)
     };
     let rods = vec![beam("lower", Vec3::zeros()).ok()?, beam("upper", Vec3::y() * (2.0 * radius + gap)).ok()?];
     let last = rods[0].num_nodes() - 1;
@@ -436,7 +439,7 @@ fn condition() {
     for (slenderness, elements) in by_slenderness.chain(by_elements) {
         let section = Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0);
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-        let rod = Rod::new("beam", &line, false, section, elements, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("beam", &line, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
         let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
         let loads = vec![NodeLoad { node: tip, force: Vec3::zeros(), moment: Vec3::z() * PI }];
         let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 })];

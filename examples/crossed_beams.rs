@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{self, Options, RunError, Status};
 
@@ -29,7 +29,7 @@ fn beam(name: &str, rod: usize, direction: Vec3, height: f64) -> Result<(Rod, [S
     let (bending, twisting, stretching, radius) = SECTION;
     let section = Section::isotropic(bending, twisting, stretching, stretching, radius);
     let line = Shape::Line { start: Vec3::z() * height - direction * (0.5 * LENGTH), direction, length: LENGTH };
-    let rod_data = Rod::new(name, &line, false, section, 16, 3, Natural::Straight)?;
+    let rod_data = Rod::new(name, &line, RodMesh::open(16, 3), section, Natural::Straight)?;
     let [start, end] = [0, rod_data.num_nodes() - 1].map(|node| NodeRef { rod, node });
     let slide = direction.map(|x| x == 0.0).into();
     Ok((rod_data, [Support::clamp(start), Support { position: slide, ..Support::clamp(end) }]))

@@ -14,7 +14,7 @@ use supercoil::io::{
     table::StepTable,
 };
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, Ramp, Scene, Stage, Units};
 use supercoil::solve::RunError;
 
@@ -31,7 +31,7 @@ pub fn run(excess_link: f64, elements: usize, out: &Path, bar: &ProgressBar) -> 
     let section = Section::isotropic(bending, twisting, stretching, stretching, radius);
     let length = dna::MINICIRCLE.contour_length();
     let circle = Shape::Circle { length, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("dna", &circle, true, section, elements, 3, Natural::Straight)?;
+    let rod = Rod::new("dna", &circle, RodMesh::closed(elements, 3), section, Natural::Straight)?;
     let scene = Scene {
         title: format!("336 bp minicircle, excess link to {excess_link}"),
         units: units(),

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 use supercoil::math::Vec3;
 use supercoil::observe::{observe, report::Observation};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{self, Options, RunError, Status};
 
@@ -29,7 +29,7 @@ pub fn run(steps: usize) -> Result<Summary, RunError> {
     let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.01);
     let (start, tangent, towards) = (Vec3::x() / PI, Vec3::y(), -Vec3::x());
     let semicircle = Shape::Arc { start, tangent, towards, radius: 1.0 / PI, angle: PI };
-    let wire = Rod::new("wire", &semicircle, false, section, 32, 3, Natural::Straight)?;
+    let wire = Rod::new("wire", &semicircle, RodMesh::open(32, 3), section, Natural::Straight)?;
     let [a, b] = [0, wire.num_nodes() - 1].map(|node| NodeRef { rod: 0, node });
     let supports = vec![Support::clamp(a), Support::clamp(b)];
     let model = Model { rods: vec![wire], supports, planar: true, ..Model::default() };

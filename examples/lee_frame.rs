@@ -9,7 +9,7 @@ use std::path::Path;
 use supercoil::InputError;
 use supercoil::io::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver};
 
@@ -27,7 +27,13 @@ pub struct Summary {
 pub fn run(to: f64) -> Result<Summary, InputError> {
     let section = Section::isotropic(2.0, 2.0, 6.0, 6.0 / 2.6, 0.1); // I = 2, A = 6, ν = 0.3 with E = 1
     let rod = |name: &str, start: Vec3, direction: Vec3| {
-        Rod::new(name, &Shape::Line { start, direction, length: 120.0 }, false, section, 20, 3, Natural::Straight)
+        Rod::new(
+            name,
+            &Shape::Line { start, direction, length: 120.0 },
+            RodMesh::open(20, 3),
+            section,
+            Natural::Straight,
+        )
     };
     let rods = vec![rod("column", Vec3::zeros(), Vec3::y())?, rod("beam", Vec3::y() * 120.0, Vec3::x())?];
     let node = |rod, node| NodeRef { rod, node };

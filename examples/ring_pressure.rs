@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 use supercoil::math::Vec3;
 use supercoil::observe::{observe, report::Observation};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, Ramp, Stage};
 use supercoil::solve::{self, Options, RunError, Status};
 
@@ -29,7 +29,7 @@ pub fn run(pressure: f64, steps: usize) -> Result<Summary, RunError> {
     let angle = |k: i32| TAU * f64::from(k) / 24.0;
     let oval = (0..24).map(|k| Vec3::new(1.02 * angle(k).cos(), 0.98 * angle(k).sin(), 0.0)).collect();
     let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.05);
-    let ring = Rod::new("ring", &Shape::Points(oval), true, section, 32, 3, Natural::AsShaped)?;
+    let ring = Rod::new("ring", &Shape::Points(oval), RodMesh::closed(32, 3), section, Natural::AsShaped)?;
     let model = Model { rods: vec![ring], planar: true, ..Model::default() };
     let stage = Stage { ramps: vec![Ramp::Pressure { rod: 0, to: pressure }], steps };
     let (mut first_touch, mut last) = (None, None);

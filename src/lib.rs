@@ -21,13 +21,13 @@
 //! ```
 //! use std::ops::ControlFlow;
 //! use supercoil::math::Vec3;
-//! use supercoil::rod::{Natural, Rod, Section, Shape};
+//! use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 //! use supercoil::scene::{Model, NodeRef, Ramp, Stage, Support};
 //! use supercoil::solve::{self, Options, Status};
 //!
 //! let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
 //! let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.05); // EI, GJ, EA, GA, contact radius
-//! let rod = Rod::new("shaft", &line, false, section, 8, 3, Natural::Straight)?;
+//! let rod = Rod::new("shaft", &line, RodMesh::open(8, 3), section, Natural::Straight)?;
 //! let end = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
 //! let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(end)];
 //! let model = Model { rods: vec![rod], supports, ..Model::default() };

@@ -4,7 +4,7 @@ use supercoil::contact::{Curve, Detector, DetectorOptions};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
 use supercoil::{InputError, dna};
@@ -70,7 +70,7 @@ impl Ring {
         let section = Section::isotropic(bending, twisting, stretching, stretching, radius);
         let length = dna::MINICIRCLE.contour_length();
         let circle = Shape::Circle { length, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("dna", &circle, true, section, ELEMENTS, 3, Natural::Straight)?;
+        let rod = Rod::new("dna", &circle, RodMesh::closed(ELEMENTS, 3), section, Natural::Straight)?;
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default())?;
         let report = solver.step_to(&[])?;
         let seen = look(&solver, 0, &report);
@@ -169,7 +169,13 @@ pub fn contacts_of_cubics() -> Result<Vec<f64>, InputError> {
 /// None with this rod.
 pub fn pulled_rod() -> Result<Vec<f64>, InputError> {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::z(), length: 1.0 };
-    let rod = Rod::new("rod", &line, false, Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.01), 8, 3, Natural::Straight)?;
+    let rod = Rod::new(
+        "rod",
+        &line,
+        RodMesh::open(8, 3),
+        Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.01),
+        Natural::Straight,
+    )?;
     let end = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let loads = vec![NodeLoad { node: end, force: Vec3::z() * 10.0, moment: Vec3::zeros() }];
     let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 })];

@@ -41,7 +41,7 @@ pub fn strains(engine: &Engine, rod: usize) -> RodStrains {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
     use std::f64::consts::TAU;
 
@@ -50,7 +50,7 @@ mod tests {
     fn strains_of_a_circle() {
         let shape = Shape::Circle { length: 2.0, center: Vec3::zeros(), normal: Vec3::z() };
         let section = Section::isotropic(3.0, 1.5, 100.0, 100.0, 0.05);
-        let rod = Rod::new("ring", &shape, true, section, 32, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(32, 3), section, Natural::Straight).unwrap();
         let engine = Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap();
         let found = strains(&engine, 0);
         assert_eq!((found.arc_lengths.len(), found.strains.len(), found.stresses.len()), (96, 96, 96));

@@ -20,7 +20,7 @@ pub use natural::{Natural, NaturalStrains};
 pub use number::RodNumber;
 #[cfg(feature = "scenes")]
 pub(crate) use rod::within;
-pub use rod::{MAX_TURN, Rod};
+pub use rod::{MAX_TURN, Rod, RodMesh};
 pub use section::{CrossSection, Section};
 pub use shape::{Axis, Placement, Plectoneme, Shape, TorusKnot, superhelix_angle};
 pub use stiffness::Stiffness;

@@ -137,7 +137,7 @@ impl Rod {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Natural, Section, Shape};
+    use crate::rod::{Natural, RodMesh, Section, Shape};
 
     /// The refined rod is the one placed with so many more elements, to the eighth order of the spacing; and carries
     /// its link.
@@ -155,7 +155,14 @@ mod tests {
             (&circle, true, 2.3, 3),
         ] {
             let place = |elements: usize| {
-                let rod = Rod::new("r", shape, closed, section, elements, 3, Natural::AsShaped).unwrap();
+                let rod = Rod::new(
+                    "r",
+                    shape,
+                    RodMesh { closed, num_elements: elements, order: 3 },
+                    section,
+                    Natural::AsShaped,
+                )
+                .unwrap();
                 if turns == 0.0 { rod } else { rod.with_excess_link(turns).unwrap() }
             };
             let errors = [10, 20].map(|elements| {
@@ -177,14 +184,14 @@ mod tests {
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
         let shape = Shape::Circle { length: 5.0, center: Vec3::y(), normal: Vec3::x() };
         for order in 1..=3 {
-            let rod = Rod::new("r", &shape, true, section, 15, order, Natural::Straight).unwrap();
+            let rod = Rod::new("r", &shape, RodMesh::closed(15, order), section, Natural::Straight).unwrap();
             let rod = rod.with_excess_link(2.3).unwrap();
             let same = rod.refined(4).unwrap().coarsened(4).unwrap();
             assert_eq!((same.num_elements, same.start_excess_link), (15, 2.3));
             assert!(same.positions == rod.positions && same.frames == rod.frames);
             assert!(rod.coarsened(2).is_none());
         }
-        let twisted = Rod::new("r", &shape, true, section, 12, 1, Natural::Straight).unwrap();
+        let twisted = Rod::new("r", &shape, RodMesh::closed(12, 1), section, Natural::Straight).unwrap();
         assert!(twisted.with_excess_link(4.0).unwrap().coarsened(3).is_none());
     }
 
@@ -194,7 +201,7 @@ mod tests {
     fn too_many_nodes_are_refused_before_they_are_made() {
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
-        let rod = Rod::new("r", &line, false, section, 4, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("r", &line, RodMesh::open(4, 3), section, Natural::Straight).unwrap();
         for factor in [833_334, usize::MAX / 2, usize::MAX] {
             let refused = rod.refined(factor).unwrap_err().to_string();
             assert!(refused.contains("ten million nodes"), "{refused}");
@@ -207,7 +214,8 @@ mod tests {
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
         let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
         for order in 1..=3 {
-            let rod = Rod::new("r", &line, false, section, 1, order, Natural::Straight).unwrap().refined(2).unwrap();
+            let rod =
+                Rod::new("r", &line, RodMesh::open(1, order), section, Natural::Straight).unwrap().refined(2).unwrap();
             assert_eq!(rod.num_nodes(), 2 * order + 1);
             for (node, position) in rod.positions.iter().enumerate() {
                 assert!((position - Vec3::x() * rod.arc_of_node(node)).norm() < 1e-15);

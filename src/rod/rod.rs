@@ -57,6 +57,29 @@ pub struct Rod {
     pub turns_left_out: f64,
 }
 
+/// Elements of a rod.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RodMesh {
+    /// Whether the end is joined to the start.
+    pub closed: bool,
+    /// Number of elements.
+    pub num_elements: usize,
+    /// Order of the elements: 1, 2 or 3.
+    pub order: usize,
+}
+
+impl RodMesh {
+    /// Of a rod with two ends.
+    pub fn open(num_elements: usize, order: usize) -> Self {
+        Self { closed: false, num_elements, order }
+    }
+
+    /// Of a ring, a knot or another rod without ends.
+    pub fn closed(num_elements: usize, order: usize) -> Self {
+        Self { closed: true, num_elements, order }
+    }
+}
+
 impl Rod {
     /// Places `shape` and checks everything. [`Natural::AsShaped`] becomes [`Natural::Uniform`] on arcs and circles.
     /// Frames rotate about d3 by the natural twist: a rod starts without twisting moment.
@@ -66,12 +89,11 @@ impl Rod {
     pub fn new(
         name: &str,
         shape: &Shape,
-        closed: bool,
+        mesh: RodMesh,
         section: Section,
-        num_elements: usize,
-        order: usize,
         natural: Natural,
     ) -> Result<Self, InputError> {
+        let RodMesh { closed, num_elements, order } = mesh;
         let path = format!("rods.{name}");
         check_order(&path, order)?;
         section.check(&format!("{path}.section"))?;
@@ -137,12 +159,12 @@ impl Rod {
     ///
     /// ```
     /// use supercoil::math::Vec3;
-    /// use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+    /// use supercoil::rod::{Along, Natural, Rod, RodMesh, Section, Shape};
     /// let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
     /// let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.0);
     /// let mut stiffness = section.stiffness();
     /// (stiffness[(4, 5)], stiffness[(5, 4)]) = (0.6, 0.6); // bending about d2 and twist
-    /// let rod = Rod::new("rod", &line, false, section, 4, 3, Natural::Straight)?
+    /// let rod = Rod::new("rod", &line, RodMesh::open(4, 3), section, Natural::Straight)?
     ///     .with_stiffness(Along::constant(stiffness))?;
     /// # Ok::<(), supercoil::InputError>(())
     /// ```
@@ -162,10 +184,10 @@ impl Rod {
     ///
     /// ```
     /// use supercoil::math::Vec3;
-    /// use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+    /// use supercoil::rod::{Along, Natural, Rod, RodMesh, Section, Shape};
     /// let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
     /// let section = Section::isotropic(1.0, 1.5, 100.0, 100.0, 0.1);
-    /// let cone = Rod::new("cone", &line, false, section, 10, 1, Natural::Straight)?
+    /// let cone = Rod::new("cone", &line, RodMesh::open(10, 1), section, Natural::Straight)?
     ///     .with_contact_radii(Along::points(vec![0.0, 2.0], vec![0.1, 0.3])?)?;
     /// assert!((cone.contact_radius_of(0) - 0.11).abs() < 1e-15);
     /// # Ok::<(), supercoil::InputError>(())
@@ -260,7 +282,7 @@ mod tests {
 
     fn circle(num_elements: usize, order: usize, contact_radius: f64) -> Result<Rod, InputError> {
         let shape = Shape::Circle { length: TAU, center: Vec3::zeros(), normal: Vec3::new(1.0, 2.0, 3.0) };
-        Rod::new("ring", &shape, true, section(contact_radius), num_elements, order, Natural::Straight)
+        Rod::new("ring", &shape, RodMesh::closed(num_elements, order), section(contact_radius), Natural::Straight)
     }
 
     fn message(rod: Result<Rod, InputError>) -> String {
@@ -280,7 +302,14 @@ mod tests {
         let (start, tangent, towards) = (Vec3::zeros(), Vec3::x(), Vec3::new(0.3, -1.0, 2.0));
         let arc = Shape::Arc { start, tangent, towards, radius: 3.0, angle: 1.0 };
         for (shape, closed, curvature) in [(circle, true, TAU / 4.0), (arc, false, 1.0 / 3.0)] {
-            let rod = Rod::new("bend", &shape, closed, section(0.0), 50, 3, Natural::AsShaped).unwrap();
+            let rod = Rod::new(
+                "bend",
+                &shape,
+                RodMesh { closed, num_elements: 50, order: 3 },
+                section(0.0),
+                Natural::AsShaped,
+            )
+            .unwrap();
             assert_eq!(rod.natural, Natural::Uniform { kappa: [curvature, 0.0, 0.0] });
             let turn = (rod.frames[4].inverse() * rod.frames[5]).scaled_axis() * (150.0 / rod.length);
             assert!((turn - Vec3::x() * curvature).norm() < 1e-12, "{turn}");
@@ -312,7 +341,8 @@ mod tests {
                 Vec3::new(t.cos() + 0.4 * double.1, t.sin() - 0.4 * double.0, 0.5 * triple)
             };
             let points = (0..60).map(|i| point(TAU * f64::from(i) / 60.0)).collect();
-            Rod::new("loop", &Shape::Points(points), true, section(0.0), elements, 3, Natural::Straight).unwrap()
+            Rod::new("loop", &Shape::Points(points), RodMesh::closed(elements, 3), section(0.0), Natural::Straight)
+                .unwrap()
         };
         let fine = ring(300);
         let (x, h) = (&fine.positions, fine.length / 900.0);
@@ -340,11 +370,11 @@ mod tests {
         assert!(thick.contains("thicker than its own curvature") && thick.contains("contact_radius = 1.25"), "{thick}");
         assert!(thick.contains("curvature = 1.000000"), "{thick}");
         let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: -1.0 };
-        let rod = Rod::new("beam", &shape, false, section(0.0), 4, 2, Natural::Straight);
+        let rod = Rod::new("beam", &shape, RodMesh::open(4, 2), section(0.0), Natural::Straight);
         assert!(message(rod).starts_with("rods.beam.shape.length = -1"));
         let kappa = Natural::Uniform { kappa: [0.0, f64::NAN, 0.0] };
         let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-        let rod = Rod::new("beam", &shape, false, section(0.0), 4, 2, kappa);
+        let rod = Rod::new("beam", &shape, RodMesh::open(4, 2), section(0.0), kappa);
         assert!(message(rod).starts_with("rods.beam.natural.kappa[1] = NaN"));
     }
 

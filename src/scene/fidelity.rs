@@ -34,7 +34,7 @@ use super::{Contact, ContactLaw};
 ///
 /// ```
 /// use supercoil::math::Vec3;
-/// use supercoil::rod::{Natural, Rod, Section, Shape};
+/// use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 /// use supercoil::scene::{Fidelity, Model, Ramp, Stage};
 /// use supercoil::solve::{Options, Status, run};
 ///
@@ -43,7 +43,7 @@ use super::{Contact, ContactLaw};
 /// let circle = Shape::Circle { length, center: Vec3::zeros(), normal: Vec3::z() };
 /// let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, radius);
 /// let elements = fidelity.elements(length, 1.0 + excess_link, radius);
-/// let rod = Rod::new("ring", &circle, true, section, elements, Fidelity::ORDER, Natural::Straight)?;
+/// let rod = Rod::new("ring", &circle, RodMesh::closed(elements, Fidelity::ORDER), section, Natural::Straight)?;
 /// let model = Model { rods: vec![rod], contact: fidelity.contact(), ..Model::default() };
 /// let twist = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: excess_link }], steps: 5 };
 /// let solution = run(model, &[twist], &Options::from(fidelity), &mut |_| std::ops::ControlFlow::Continue(()))?;

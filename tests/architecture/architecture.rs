@@ -5,6 +5,7 @@
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Each module of the crate's root and what it may use besides itself.
@@ -113,6 +114,166 @@ fn lower_layers_know_nothing_of_higher_ones() {
         .flat_map(|(file, text)| offences(file, text))
         .collect();
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// Folders in which no modules use each other in a circle. A file and the folder of its name are one module there;
+/// inside, the file may use its parts and they its types.
+const WITHOUT_CIRCLES: [&str; 3] = ["solve", "contact", "scene"];
+
+type ModulePath = Vec<String>;
+
+/// The path of a module by its file.
+fn module_of(file: &str) -> ModulePath {
+    let path = file.trim_end_matches(".rs").trim_end_matches("/mod");
+    path.split('/').map(str::to_owned).collect()
+}
+
+/// All paths of a use tree (`a::{b, c::d}`), which may go on after it.
+fn paths_of_tree(tree: &str) -> Vec<ModulePath> {
+    let mut found = Vec::new();
+    let (mut stack, mut path): (Vec<ModulePath>, ModulePath) = (Vec::new(), Vec::new());
+    let mut name = String::new();
+    for c in tree.chars().chain([';']) {
+        if c.is_alphanumeric() || c == '_' {
+            name.push(c);
+            continue;
+        }
+        if !name.is_empty() {
+            path.push(std::mem::take(&mut name));
+        }
+        match c {
+            ':' => {}
+            '{' => stack.push(path.clone()),
+            ',' | '}' if !stack.is_empty() => {
+                found.push(path);
+                path = stack.last().unwrap().clone();
+                if c == '}' {
+                    stack.pop();
+                }
+            }
+            c if c.is_whitespace() && !stack.is_empty() => {}
+            _ => {
+                found.push(path);
+                return found;
+            }
+        }
+        if c == '}' && stack.is_empty() {
+            return found;
+        }
+    }
+    found
+}
+
+/// Paths from the root that a module names by `crate`, `super` or the name of a module in it; without its tests.
+fn named_paths(module: &ModulePath, text: &str, all: &BTreeSet<ModulePath>) -> Vec<ModulePath> {
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    let mut found = Vec::new();
+    for (at, _) in text.match_indices("::") {
+        let head = text[..at].rsplit(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).next().unwrap();
+        let child = [&module[..], &[head.to_owned()]].concat();
+        let tree = &text[at - head.len()..];
+        match head {
+            "crate" => found.extend(paths_of_tree(tree).into_iter().map(|path| path[1..].to_vec())),
+            "super" => found.extend(paths_of_tree(tree).into_iter().map(|path| {
+                let up = path.iter().take_while(|name| *name == "super").count();
+                [&module[..module.len().saturating_sub(up)], &path[up..]].concat()
+            })),
+            _ if all.contains(&child) => {
+                found.extend(paths_of_tree(tree).into_iter().map(|path| [&module[..], &path[..]].concat()));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Names that modules re-export, with where they are.
+fn re_exports(sources: &[(ModulePath, String)], all: &BTreeSet<ModulePath>) -> BTreeMap<ModulePath, ModulePath> {
+    let mut found = BTreeMap::new();
+    for (module, text) in sources {
+        for line in text.split(';').filter(|line| line.trim_start().starts_with("pub") && line.contains(" use ")) {
+            for path in named_paths(module, &format!("{line};"), all) {
+                found.insert([&module[..], &path[path.len() - 1..]].concat(), path);
+            }
+        }
+    }
+    found
+}
+
+/// The module that a path leads to, through re-exports.
+fn resolved(path: &[String], all: &BTreeSet<ModulePath>, re_exports: &BTreeMap<ModulePath, ModulePath>) -> ModulePath {
+    let mut here = ModulePath::new();
+    for (k, name) in path.iter().enumerate() {
+        let next = [&here[..], std::slice::from_ref(name)].concat();
+        if let Some(there) = re_exports.get(&next).filter(|_| !all.contains(&next)) {
+            return resolved(&[&there[..], &path[k + 1..]].concat(), all, re_exports);
+        }
+        if !all.contains(&next) {
+            break;
+        }
+        here = next;
+    }
+    here
+}
+
+/// Circles of modules that stand beside each other below a folder, as (module, module it uses) of all in the circles.
+fn circles(files: &[(String, String)], folder: &str) -> Vec<[String; 2]> {
+    let sources: Vec<(ModulePath, String)> = files.iter().map(|(file, text)| (module_of(file), text.clone())).collect();
+    let all: BTreeSet<ModulePath> = sources.iter().map(|(module, _)| module.clone()).collect();
+    let re_exports = re_exports(&sources, &all);
+    let mut uses: BTreeMap<ModulePath, BTreeSet<ModulePath>> = BTreeMap::new();
+    for (module, text) in sources.iter().filter(|(module, _)| module[0] == folder) {
+        for path in named_paths(module, text, &all) {
+            let used = resolved(&path, &all, &re_exports);
+            let common = module.iter().zip(&used).take_while(|(a, b)| a == b).count();
+            if common > 0 && common < module.len().min(used.len()) {
+                uses.entry(module[..=common].to_vec()).or_default().insert(used[..=common].to_vec());
+            }
+        }
+    }
+    // what uses nothing that is left is in no circle
+    while let Some(free) = uses.keys().find(|module| uses[*module].is_empty()).cloned() {
+        uses.remove(&free);
+    }
+    loop {
+        let count: usize = uses.values().map(BTreeSet::len).sum();
+        let known: BTreeSet<ModulePath> = uses.keys().cloned().collect();
+        uses.values_mut().for_each(|used| used.retain(|module| known.contains(module)));
+        uses.retain(|_, used| !used.is_empty());
+        if uses.values().map(BTreeSet::len).sum::<usize>() == count {
+            break;
+        }
+    }
+    let pair = |a: &ModulePath, b: &ModulePath| [a.join("/"), b.join("/")];
+    uses.iter().flat_map(|(module, used)| used.iter().map(move |other| pair(module, other))).collect()
+}
+
+#[test]
+fn modules_use_each_other_one_way() {
+    let sources: Vec<(String, String)> =
+        sources().into_iter().filter(|(file, _)| !file.ends_with("tests.rs")).collect();
+    for folder in WITHOUT_CIRCLES {
+        let found = circles(&sources, folder);
+        assert!(found.is_empty(), "{found:#?}");
+    }
+}
+
+#[test]
+fn a_circle_is_seen() {
+    let file = |name: &str, text: &str| (name.to_owned(), text.to_owned());
+    let face = file("solve/mod.rs", "pub use path::run::{Solver, run};");
+    let path = file("solve/path/run.rs", "use crate::solve::step::report::{Report, Status};");
+    let parts = [file("solve/path/mod.rs", ""), file("solve/step/mod.rs", "")];
+    let report = |text: &str| file("solve/step/report.rs", text);
+    let house = |text: &str| [&[face.clone(), path.clone(), report(text)], &parts[..]].concat();
+    let circle = [["solve/path", "solve/step"], ["solve/step", "solve/path"]];
+    assert!(circles(&house("use crate::math::{Vec3, Quat};"), "solve").is_empty());
+    for text in
+        ["use crate::solve::Solver;", "fn f(x: crate::solve::path::run::Solver) {}", "use super::super::path::run;"]
+    {
+        assert_eq!(circles(&house(text), "solve"), circle, "{text}");
+    }
+    assert!(circles(&house("#[cfg(test)]\nmod tests {\n    use crate::solve::Solver;"), "solve").is_empty());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 use super::cantilever;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
 
 /// The 45° bend of Bathe & Bolourchi (1979): an arc of radius 100, clamped at the origin along +x, a dead force along z
@@ -13,7 +13,7 @@ pub fn bathe_bend(elements: usize, order: usize, force: f64, shearing: f64) -> M
     let section = Section::isotropic(1e7 / 12.0, 5e6 / 6.0, 1e7, shearing, 0.0);
     let shape =
         Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 100.0, angle: FRAC_PI_4 };
-    let rod = Rod::new("bend", &shape, false, section, elements, order, Natural::AsShaped).unwrap();
+    let rod = Rod::new("bend", &shape, RodMesh::open(elements, order), section, Natural::AsShaped).unwrap();
     cantilever(rod, Vec3::z() * force, Vec3::zeros())
 }
 
@@ -26,7 +26,8 @@ pub fn oval_ring(elements: usize, diameter: f64, stiff: f64, law: ContactLaw) ->
     let section = Section::isotropic(1.0, 1.0, stiff, stiff, 0.5 * diameter);
     let oval = |k: i32| TAU * f64::from(k) / 48.0;
     let points = (0..48).map(|k| Vec3::new(1.02 * oval(k).cos(), 0.98 * oval(k).sin(), 0.0)).collect();
-    let mut rod = Rod::new("ring", &Shape::Points(points), true, section, elements, 3, Natural::Straight).unwrap();
+    let mut rod =
+        Rod::new("ring", &Shape::Points(points), RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let scale = TAU / rod.length;
     rod.length = TAU;
     rod.positions.iter_mut().for_each(|r| *r *= scale);

@@ -11,7 +11,7 @@ use super::knots::determinant;
 use super::random::Random;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
-use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape, TorusKnot};
 use supercoil::scene::{Model, Ramp, Stage};
 use supercoil::solve::{Options, Status, run};
 
@@ -50,7 +50,7 @@ pub fn start(seed: u64) -> Start {
     } else {
         Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() }
     };
-    let mut rod = Rod::new("random", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let mut rod = Rod::new("random", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     if !knotted {
         let [a, b, phase] = [random.between(0.0, 0.01), random.between(0.0, 0.01), random.between(0.0, 6.0)];
         let count = rod.positions.len() as f64;

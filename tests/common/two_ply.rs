@@ -25,7 +25,7 @@
 use super::{history, observed, strains};
 use supercoil::internals::quaternion::spin;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -37,7 +37,7 @@ fn pair(alpha: f64, turns: f64, spacing: f64, twist: f64) -> Solver {
     let shape = Shape::Helix { center: Vec3::zeros(), axis: Vec3::z(), radius: 1.0, pitch, turns };
     let length = std::f64::consts::TAU * turns / alpha.sin();
     let elements = (length / (3.0 * spacing)).ceil() as usize;
-    let mut one = Rod::new("one", &shape, false, section, elements, 3, Natural::Straight).unwrap();
+    let mut one = Rod::new("one", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
     let step = one.length / (one.num_nodes() - 1) as f64;
     for (k, frame) in one.frames.iter_mut().enumerate() {
         *frame *= spin(twist * step * k as f64);

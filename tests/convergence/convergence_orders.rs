@@ -17,7 +17,7 @@ use std::f64::consts::FRAC_PI_2;
 use supercoil::internals::quadrature::gauss;
 use supercoil::internals::shape_functions::lagrange;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Shape};
 use supercoil::scene::Ramp;
 use supercoil::solve::{Options, Solver, Status};
 
@@ -49,7 +49,7 @@ fn arc(order: usize, elements: usize, natural: Natural, slenderness: f64) -> Rod
         radius: 1.0 / FRAC_PI_2,
         angle: FRAC_PI_2,
     };
-    Rod::new("arc", &shape, false, slender_disc(slenderness), elements, order, natural).unwrap()
+    Rod::new("arc", &shape, RodMesh::open(elements, order), slender_disc(slenderness), natural).unwrap()
 }
 
 fn push(rod: Rod, way: &[f64]) -> Solver {

@@ -24,7 +24,7 @@ use common::{elastic_energy, end_of, fitted_order, history, sci, strains, strain
 use supercoil::internals::element::stiffness;
 use supercoil::internals::shape_functions::ShapeTable;
 use supercoil::math::{Mat3, Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -88,7 +88,7 @@ fn section() -> Section {
 
 fn beam(order: usize, elements: usize) -> Rod {
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    Rod::new("beam", &shape, false, section(), elements, order, Natural::Straight).unwrap()
+    Rod::new("beam", &shape, RodMesh::open(elements, order), section(), Natural::Straight).unwrap()
 }
 
 /// Rotations that grow from nothing at the first node to `angle` about `axis` at the last, smoothly but not linearly.

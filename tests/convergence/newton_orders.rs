@@ -22,7 +22,7 @@ use crate::common;
 use common::cases::oval_ring;
 use common::{fitted_order, history, sci, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -91,7 +91,7 @@ fn twisted_ring() {
     let radius = 0.015;
     let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, radius);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 96, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(96, 3), section, Natural::Straight).unwrap();
     let contact = Contact { law: penalty(1e9, radius) };
     let mut soft = Solver::new(Model { rods: vec![rod], contact, ..Model::default() }, Options::default()).unwrap();
     let states: [(&[f64], f64, &str); 4] = [
@@ -145,7 +145,7 @@ fn beams(start: Vec3, direction: Vec3, push: Vec3, stretching: f64) -> Solver {
     let section = Section::isotropic(1.0, 1.0, stretching, 1e6, RADIUS);
     let beam = |name: &str, start: Vec3, direction: Vec3| {
         let shape = Shape::Line { start, direction, length: 1.0 };
-        Rod::new(name, &shape, false, section, 32, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(32, 3), section, Natural::Straight).unwrap()
     };
     let rods = vec![beam("lower", Vec3::zeros(), Vec3::x()), beam("upper", start, direction)];
     let last = rods[0].num_nodes() - 1;

@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 use common::{observed, runge_kutta};
 use supercoil::SolveError;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, RunError, Solver, Status, StepReport, run};
 
@@ -25,7 +25,7 @@ fn end(node: usize) -> NodeRef {
 /// A cantilever along x from the origin with a dead load at its end; d1 = z, so that bending in the plane is about d1.
 fn cantilever(section: Section, elements: usize, order: usize, force: Vec3, moment: Vec3) -> Solver {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("beam", &line, false, section, elements, order, Natural::Straight).unwrap();
+    let rod = Rod::new("beam", &line, RodMesh::open(elements, order), section, Natural::Straight).unwrap();
     let tip = end(rod.num_nodes() - 1);
     let model = Model {
         rods: vec![rod],
@@ -130,7 +130,7 @@ fn the_stiffness_holds_no_bending_at_slenderness_1e7() {
             let turned = Quat::from_scaled_axis(Vec3::new(0.3, 0.7, 0.2) * f64::from(k));
             let (along, across) = (turned * Vec3::x(), turned * Vec3::y());
             let line = Shape::Line { start: Vec3::zeros(), direction: along, length: 1.0 };
-            let rod = Rod::new("beam", &line, false, slender(slenderness), 6, 3, Natural::Straight).unwrap();
+            let rod = Rod::new("beam", &line, RodMesh::open(6, 3), slender(slenderness), Natural::Straight).unwrap();
             let load = 1e-6;
             let loads = vec![NodeLoad { node: end(rod.num_nodes() - 1), force: across * load, moment: Vec3::zeros() }];
             let supports = vec![Support::clamp(end(0))];
@@ -193,7 +193,7 @@ fn ratios_of_stiffnesses() {
 fn shaft(elements: usize, order: usize) -> Solver {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let section = Section::isotropic(1e6, 1.0, 1e6, 1e6, 0.0);
-    let rod = Rod::new("shaft", &line, false, section, elements, order, Natural::Straight).unwrap();
+    let rod = Rod::new("shaft", &line, RodMesh::open(elements, order), section, Natural::Straight).unwrap();
     let supports = vec![Support::clamp(end(0)), Support::clamp(end(rod.num_nodes() - 1))];
     let model = Model { rods: vec![rod], supports, contact: Contact::NONE, ..Model::default() };
     Solver::new(model, Options::default()).unwrap()
@@ -272,7 +272,7 @@ fn hundreds_and_thousands_of_turns() {
     assert!(matches!(report.error, Some(SolveError::TooTwisted { .. })));
     let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     let section = Section::isotropic(1.0, 1.5, 1e4, 1e4, 0.0);
-    let ring = Rod::new("ring", &circle, true, section, 16, 3, Natural::Straight).unwrap();
+    let ring = Rod::new("ring", &circle, RodMesh::closed(16, 3), section, Natural::Straight).unwrap();
     let error = ring.clone().with_excess_link(3000.0).unwrap_err();
     assert!(error.to_string().contains("use more elements"), "{error}");
     let mut solver = Solver::new(Model { rods: vec![ring], ..Model::default() }, Options::default()).unwrap();
@@ -304,7 +304,7 @@ fn one_element() {
 fn one_unknown() {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     for (elements, free) in [(1, vec![1]), (4, vec![3]), (4, vec![1, 7, 11])] {
-        let rod = Rod::new("beam", &line, false, slender(1e2), elements, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("beam", &line, RodMesh::open(elements, 3), slender(1e2), Natural::Straight).unwrap();
         let rotation = |node: usize| [true, !free.contains(&node), true];
         let support = |node: usize| Support { node: end(node), position: [true; 3], rotation: rotation(node) };
         let supports = (0..rod.num_nodes()).map(support).collect();
@@ -355,7 +355,7 @@ fn a_load_step_ten_times_too_large() {
 #[test]
 fn ill_posed_supports() {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("beam", &line, false, slender(1e2), 4, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("beam", &line, RodMesh::open(4, 3), slender(1e2), Natural::Straight).unwrap();
     let tip = end(rod.num_nodes() - 1);
     let pin = Support::pin;
     let loaded = |supports: Vec<Support>| {

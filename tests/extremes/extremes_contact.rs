@@ -12,7 +12,7 @@ use crate::common;
 use common::observed;
 use supercoil::math::Vec3;
 use supercoil::observe::report::{Observation, SiteKind};
-use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -31,7 +31,7 @@ fn ring(unit: f64, force: f64, center: Vec3, law: ContactLaw, elements: usize) -
     let b = force * unit * unit;
     let section = Section::isotropic(b, 1.5 * b, 1e5 * force, 1e5 * force, 0.02 * unit);
     let shape = Shape::Circle { length: unit, center: center * unit, normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     Solver::new(Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }, Options::default()).unwrap()
 }
 
@@ -83,7 +83,7 @@ fn pressed_along_a_line(unit: f64, force: f64, law: ContactLaw) -> [f64; 4] {
     let section = Section::isotropic(b, b, 1e5 * force, 1e5 * force, 0.02 * unit);
     let beam = |name: &str, start: Vec3| {
         let shape = Shape::Line { start: start * unit, direction: Vec3::x(), length: unit };
-        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()
     };
     let rods = vec![beam("lower", Vec3::zeros()), beam("upper", Vec3::y() * 0.041)];
     let last = rods[0].num_nodes() - 1;
@@ -212,7 +212,7 @@ fn beams(angle: f64, height: f64, elements: usize) -> Solver {
     let section = Section::isotropic(1.0, 0.8, 1e4, 1e6, 0.02);
     let beam = |name: &str, direction: Vec3, center: Vec3| {
         let shape = Shape::Line { start: center - direction * 0.5, direction, length: 1.0 };
-        Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
     };
     let turned = Vec3::new(angle.cos(), angle.sin(), 0.0);
     let rods = vec![beam("a", Vec3::x(), Vec3::zeros()), beam("b", turned, Vec3::z() * height)];
@@ -297,7 +297,7 @@ fn two_rings(height: f64) -> (StepReport, Observation) {
     let section = Section::isotropic(1.0, 0.8, 1e5, 1e5, 0.02);
     let rod = |name: &str, z: f64| {
         let shape = Shape::Circle { length: 1.0, center: Vec3::z() * z, normal: Vec3::z() };
-        Rod::new(name, &shape, true, section, 16, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::closed(16, 3), section, Natural::Straight).unwrap()
     };
     let model = Model { rods: vec![rod("a", 0.0), rod("b", 0.04 * height)], ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
@@ -349,7 +349,7 @@ fn curvature_at_the_thickness_limit() {
     let ring = |radius: f64| {
         let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, radius / std::f64::consts::TAU);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        Rod::new("ring", &shape, true, section, 16, 3, Natural::Straight)
+        Rod::new("ring", &shape, RodMesh::closed(16, 3), section, Natural::Straight)
     };
     for radius in [0.5, 0.9, 0.999] {
         let mut solver =
@@ -377,7 +377,7 @@ fn a_knot_at_its_limit() {
     for (ratio, exists) in ratios.map(|ratio| (ratio, true)).into_iter().chain([(15.0, false)]) {
         let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.5 / ratio);
         let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
-        let rod = Rod::new("knot", &knot, true, section, 48, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("knot", &knot, RodMesh::closed(48, 3), section, Natural::Straight).unwrap();
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
         solver.options_mut().newton.max_iterations = if exists { 500 } else { 60 };
         let report = solver.step_to(&[]).unwrap();
@@ -425,7 +425,7 @@ fn beams_of_one_element() {
         let section = Section::isotropic(1.0, 0.8, 1e4, 1e6, 0.02);
         let beam = |name: &str, direction: Vec3, z: f64| {
             let shape = Shape::Line { start: Vec3::z() * z - direction * 0.5, direction, length: 1.0 };
-            Rod::new(name, &shape, false, section, elements, order, Natural::Straight).unwrap()
+            Rod::new(name, &shape, RodMesh::open(elements, order), section, Natural::Straight).unwrap()
         };
         let overlap = 0.01 * 0.04;
         let rods = vec![beam("a", Vec3::x(), 0.0), beam("b", Vec3::y(), 0.04 - overlap)];

@@ -11,7 +11,7 @@ use crate::common;
 use common::observed;
 use supercoil::InputError;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Solver, State, Status};
 
@@ -28,10 +28,10 @@ fn problem() -> Problem {
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let natural = Natural::Uniform { kappa: [0.1, 0.2, 0.3] };
     // far from relaxed: frames that do not turn
-    let beam = Rod::new("beam", &line, false, section, 4, 2, Natural::Straight).unwrap();
+    let beam = Rod::new("beam", &line, RodMesh::open(4, 2), section, Natural::Straight).unwrap();
     let beam = Rod { natural, ..beam };
     let circle = Shape::Circle { length: 1.0, center: Vec3::new(0.5, 0.0, 0.25), normal: Vec3::y() };
-    let ring = Rod::new("ring", &circle, true, section, 6, 2, Natural::Straight).unwrap();
+    let ring = Rod::new("ring", &circle, RodMesh::closed(6, 2), section, Natural::Straight).unwrap();
     let tip = NodeRef { rod: 0, node: 8 };
     let model = Model {
         rods: vec![beam, ring],
@@ -96,7 +96,7 @@ fn fields() -> Vec<Field> {
     add("rods.ring.start_excess_link", Box::new(|p| &mut p.model.rods[1].start_excess_link));
     add("contact.stiffness", Box::new(|p| law(p).0));
     add("contact.tol_penetration", Box::new(|p| law(p).1));
-    add("options.departure", Box::new(|p| &mut p.options.escape_step));
+    add("options.escape_step", Box::new(|p| &mut p.options.escape_step));
     add("options.min_step", Box::new(|p| &mut p.options.min_step));
     add("options.newton.tol_increment", Box::new(|p| &mut p.options.newton.tol_increment));
     for (rod, name) in ["beam", "ring"].into_iter().enumerate() {
@@ -221,7 +221,7 @@ fn expected(name: &str) -> [End; 6] {
         "options.newton.tol_increment" => [Refused, Same, Refused, Refused, Refused, Refused],
         // the strands do not touch, whatever the law
         "contact.stiffness" => [Refused, Same, Refused, Same, Same, Refused],
-        "contact.tol_penetration" | "options.departure" | "options.min_step" => {
+        "contact.tol_penetration" | "options.escape_step" | "options.min_step" => {
             [Refused, Same, Refused, Refused, Refused, Refused]
         }
         // a ring that has next to no twisting stiffness takes its link without effort

@@ -15,7 +15,7 @@ use crate::common;
 
 use common::observed;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -46,7 +46,7 @@ fn rod(name: &str, beam: &Beam, direction: Vec3, height: f64) -> Rod {
     let per_area = b / (length * length);
     let section = Section::isotropic(b, 0.8 * b, 1e4 * per_area, 1e6 * per_area, radius);
     let shape = Shape::Line { start: Vec3::z() * height - direction * (0.5 * length), direction, length };
-    Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+    Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
 }
 
 fn push(other: &Beam, stiffness: f64) -> Outcome {

@@ -13,7 +13,7 @@ use supercoil::io::record::{MAX_SITES, Record, RodSnapshot};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::file::OutputChoice;
 use supercoil::scene::{Model, Scene};
 use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
@@ -22,7 +22,7 @@ use supercoil::solve::{Options, Progress, Solver, Status, StepReport};
 fn scene(nodes: usize) -> Scene {
     let section = Section::isotropic(100.0, 150.0, 1e4, 1e4, 1.0);
     let shape = Shape::Points(plectoneme(nodes, 1.0, 0.02));
-    let rod = Rod::new("dna", &shape, true, section, nodes / 3, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("dna", &shape, RodMesh::closed(nodes / 3, 3), section, Natural::Straight).unwrap();
     Scene { title: "long".to_owned(), model: Model { rods: vec![rod], ..Model::default() }, ..Scene::default() }
 }
 

@@ -7,7 +7,7 @@ use crate::common;
 use common::observed;
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -43,7 +43,7 @@ fn compare(name: &str, rod: &Rod, law: ContactLaw, links: &[f64]) {
 fn a_ring_in_contact() {
     let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let ring = Rod::new("ring", &shape, true, section, 32, 3, Natural::Straight).unwrap();
+    let ring = Rod::new("ring", &shape, RodMesh::closed(32, 3), section, Natural::Straight).unwrap();
     compare("ring", &ring, ContactLaw::Penalty { stiffness: 100.0 }, &[0.9, 1.3]);
     compare("ring", &ring, Contact::default().law, &[0.9, 1.3]);
 }
@@ -54,7 +54,7 @@ fn a_plectoneme() {
     let turns = -0.06 * length / (0.34 * 10.5);
     let shape = Shape::Plectoneme(Plectoneme::of_link(length, 5.0, 205.7, 308.6, turns).unwrap());
     let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
-    let rod = Rod::new("dna", &shape, true, section, 200, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("dna", &shape, RodMesh::closed(200, 3), section, Natural::Straight).unwrap();
     let rod = rod.with_excess_link(turns).unwrap();
     let law = ContactLaw::AugmentedLagrangian { stiffness: 10.0, tol_penetration: 1e-8 };
     compare("plectoneme", &rod, law, &[turns]);

@@ -20,7 +20,7 @@ use supercoil::contact::{self, Curve, Detector, Neighbours};
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::Quaternion;
 use supercoil::observe::observe;
-use supercoil::rod::{Natural, Placement, Rod, Section, Shape};
+use supercoil::rod::{Natural, Placement, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Status, run};
 
@@ -209,7 +209,13 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
                 supports.push(Support::clamp(NodeRef { rod: 0, node: 0 }));
             }
             let place = |((shape, closed), section, elements, order, natural): &(_, Section, usize, usize, Natural)| {
-                Rod::new("r", shape, *closed, *section, *elements, *order, natural.clone())
+                Rod::new(
+                    "r",
+                    shape,
+                    RodMesh { closed: *closed, num_elements: *elements, order: *order },
+                    *section,
+                    natural.clone(),
+                )
             };
             let placed: Result<Vec<Rod>, _> = rods.iter().map(place).collect();
             let count = |end: String| *tally.borrow_mut().entry(end).or_insert(0) += 1;

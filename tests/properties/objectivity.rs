@@ -17,7 +17,7 @@ use crate::random;
 use common::{elastic_energy, end_of, history, strains, strains_of, verify};
 use random::Random;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -27,7 +27,7 @@ fn beam(order: usize, elements: usize) -> Rod {
     let section =
         Section { shearing: [8e3, 6e3], stretching: 1e4, bending: [1.0, 2.0], twisting: 1.3, contact_radius: 0.01 };
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    Rod::new("beam", &shape, false, section, elements, order, Natural::Straight).unwrap()
+    Rod::new("beam", &shape, RodMesh::open(elements, order), section, Natural::Straight).unwrap()
 }
 
 #[test]

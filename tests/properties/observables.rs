@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use supercoil::math::Vec3;
 use supercoil::observe::{observe, report::Observation};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{self, Options, Status};
 
@@ -26,7 +26,10 @@ fn observations(model: Model, ramp: Ramp, steps: usize, options: &Options) -> Ve
 fn ring(natural: Natural, shearing: f64) -> Model {
     let section = Section::isotropic(1.0, 1.5, 2e4, shearing, 0.01);
     let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    Model { rods: vec![Rod::new("ring", &circle, true, section, 24, 3, natural).unwrap()], ..Model::default() }
+    Model {
+        rods: vec![Rod::new("ring", &circle, RodMesh::closed(24, 3), section, natural).unwrap()],
+        ..Model::default()
+    }
 }
 
 /// From the flat ring through the figure-eight: Lk = Tw + Wr is the excess link put in, at every step; the flat ring
@@ -83,7 +86,7 @@ fn natural_twist_is_told_apart() {
 fn the_clamp_carries_the_load() {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.0);
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("cantilever", &line, false, section, 8, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("cantilever", &line, RodMesh::open(8, 3), section, Natural::Straight).unwrap();
     let tip = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let (force, moment) = (Vec3::new(0.3, -2.0, 4.0), Vec3::new(0.1, 0.0, 0.2));
     let model = Model {

@@ -6,14 +6,14 @@ use supercoil::internals::broad_phase::BroadPhase;
 use supercoil::internals::curve::CurveSet;
 use supercoil::internals::exclusion::Exclusion;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model};
 use supercoil::solve::{Engine, ProblemSize};
 
 fn sizes(planar: bool, contact: Contact, radius: f64, natural: Natural) -> ProblemSize {
     let section = Section::isotropic(1.0, 1.5, 1e4, 1e4, radius);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 40, 3, natural).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(40, 3), section, natural).unwrap();
     Engine::new(Model { rods: vec![rod], planar, contact, ..Model::default() }, None).unwrap().problem_size().unwrap()
 }
 
@@ -52,7 +52,8 @@ fn natural_strains_are_kept_only_where_they_vary() {
     let section = Section::isotropic(1.0, 1.5, 1e4, 1e4, 0.0);
     let points =
         (0..60).map(|k| std::f64::consts::TAU * f64::from(k) / 60.0).map(|t| Vec3::new(2.0 * t.cos(), t.sin(), 0.0));
-    let oval = Rod::new("oval", &Shape::Points(points.collect()), true, section, 40, 3, Natural::AsShaped).unwrap();
+    let oval =
+        Rod::new("oval", &Shape::Points(points.collect()), RodMesh::closed(40, 3), section, Natural::AsShaped).unwrap();
     let mut engine = Engine::new(Model { rods: vec![oval], contact: Contact::NONE, ..Model::default() }, None).unwrap();
     assert_eq!(engine.problem_size().unwrap().natural_strains, 120);
 }

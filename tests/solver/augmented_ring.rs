@@ -31,7 +31,7 @@ use common::kirchhoff_ring::{Event, event_of};
 use common::{history, observed, verify};
 use std::f64::consts::TAU;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -92,7 +92,7 @@ fn twisted_ring() {
     let radius = 0.015f64;
     let section = Section::isotropic(1.0, 1.5, 1e9, 1e9, radius);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 144, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(144, 3), section, Natural::Straight).unwrap();
     let soft = ContactLaw::Penalty { stiffness: 1e9 * radius.powi(4) };
     let model = Model { rods: vec![rod], contact: Contact { law: soft }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();

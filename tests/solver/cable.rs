@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use common::elastic_energy;
 use nalgebra::Unit;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Solution, Solver, Status, run, run_from};
 
@@ -26,7 +26,7 @@ fn strands(points: &[Vec3], radius: f64, pull: f64) -> Model {
     let section = Section::isotropic(1.0, TWISTING, 1e4, 1e4, radius);
     let strand = |start: &Vec3| {
         let shape = Shape::Line { start: *start, direction: Vec3::z(), length: LENGTH };
-        Rod::new("strand", &shape, false, section, LAST / 3, 3, Natural::Straight).unwrap()
+        Rod::new("strand", &shape, RodMesh::open(LAST / 3, 3), section, Natural::Straight).unwrap()
     };
     let rods: Vec<Rod> = points.iter().map(strand).collect();
     let far = |rod| Support { position: [true, true, pull == 0.0], ..Support::clamp(NodeRef { rod, node: LAST }) };

@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{Options, Solver};
 
@@ -17,7 +17,7 @@ fn rod(name: &str, elements: usize, [length, bending, radius]: [f64; 3]) -> Rod 
     let section = Section::isotropic(bending, 0.8 * bending, 1e6 * per_area, 1e6 * per_area, radius);
     let start = Vec3::z() * name.len() as f64 * length;
     let shape = Shape::Line { start, direction: Vec3::x(), length };
-    Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+    Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
 }
 
 fn by_mesh(rods: &[Rod]) -> f64 {

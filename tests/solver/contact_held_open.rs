@@ -17,7 +17,7 @@ use common::observed;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp, Stage};
 use supercoil::solve::{Options, Solver, Status, StepReport, run};
 
@@ -33,7 +33,7 @@ const WAYS_APART: f64 = 5e-5;
 fn minicircle(stiffness: f64) -> Model {
     let shape = Shape::Circle { length: 114.24, center: Vec3::zeros(), normal: Vec3::z() };
     let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, RADIUS);
-    let rod = Rod::new("dna", &shape, true, section, 64, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("dna", &shape, RodMesh::closed(64, 3), section, Natural::Straight).unwrap();
     let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
     Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }
 }
@@ -115,7 +115,7 @@ fn light_contacts_are_closed() {
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
         let section = Section::isotropic(1.0, 1.0, 1e6, 1e6, 0.5 * diameter);
         let elements = (1.1 / diameter).ceil() as usize;
-        let mut rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+        let mut rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
         let count = rod.positions.len() as f64;
         for (k, r) in rod.positions.iter_mut().enumerate() {
             r.z += 0.005 * (2.0 * std::f64::consts::TAU * k as f64 / count).sin();

@@ -24,7 +24,7 @@ use crate::common;
 use common::{fitted_order, history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -42,8 +42,14 @@ fn augmented(kappa: f64) -> ContactLaw {
 
 fn beam(name: &str, start: Vec3, direction: Vec3, elements: usize) -> Rod {
     let section = Section::isotropic(1.0, 1.0, 1e2, 1e8, RADIUS);
-    Rod::new(name, &Shape::Line { start, direction, length: 1.0 }, false, section, elements, 3, Natural::Straight)
-        .unwrap()
+    Rod::new(
+        name,
+        &Shape::Line { start, direction, length: 1.0 },
+        RodMesh::open(elements, 3),
+        section,
+        Natural::Straight,
+    )
+    .unwrap()
 }
 
 fn model(rods: Vec<Rod>, law: ContactLaw) -> Model {
@@ -212,7 +218,7 @@ fn a_gap_at_the_edge_of_a_zone_gives_way() {
     let shape = Shape::Circle { length: 114.24, center: Vec3::zeros(), normal: Vec3::z() };
     let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
     for (elements, stiffness, steps, last) in [(48, 100.0, 17, -2.55), (32, 10.0, 19, -2.85)] {
-        let rod = Rod::new("dna", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("dna", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
         let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
         let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
         let mut solver = Solver::new(model, Options::default()).unwrap();

@@ -11,7 +11,7 @@ use crate::common;
 
 use common::observed;
 use supercoil::dna;
-use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -24,7 +24,7 @@ fn twisting_moment(elements: usize, stiffness: f64) -> f64 {
     let (bending, twisting, stretching) = (dna::BENDING_STIFFNESS, dna::TWIST_STIFFNESS, dna::STRETCH_MODULUS);
     let section = Section::isotropic(bending, twisting, stretching, stretching, RADIUS);
     let shape = Shape::Plectoneme(Plectoneme::of_link(LENGTH, 5.1, bending, twisting, EXCESS_LINK).unwrap());
-    let rod = Rod::new("dna", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("dna", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let rods = vec![rod.with_excess_link(EXCESS_LINK).unwrap()];
     let law = ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-8 };
     let model = Model { rods, contact: Contact { law }, ..Model::default() };

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use common::observed;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -22,7 +22,7 @@ const ELEMENTS: usize = 16;
 fn line(name: &str, start: Vec3, direction: Vec3, radius: f64) -> Rod {
     let section = Section::isotropic(1.0, 0.8, 4e4, 1.5e4, radius);
     let shape = Shape::Line { start, direction, length: 1.0 };
-    Rod::new(name, &shape, false, section, ELEMENTS, 3, Natural::Straight).unwrap()
+    Rod::new(name, &shape, RodMesh::open(ELEMENTS, 3), section, Natural::Straight).unwrap()
 }
 
 /// Cantilevers along x, each loaded at its tip.

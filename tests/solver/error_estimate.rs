@@ -16,7 +16,7 @@ use common::observed;
 use supercoil::io::run::run_scene;
 use supercoil::math::Vec3;
 use supercoil::observe::{ErrorEstimate, estimate_error};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp, Scene};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -48,7 +48,7 @@ fn bathe_bend_on_coarse_meshes() {
 fn ring(elements: usize, kappa: f64, excess_link: f64) -> Solver {
     let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.01);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let law = ContactLaw::AugmentedLagrangian { stiffness: kappa * 1e-8, tol_penetration: 1e-8 };
     let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();

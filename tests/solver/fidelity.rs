@@ -25,7 +25,7 @@ use common::{any_equilibrium, cantilever};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Fidelity, Model, NodeRef, Ramp, Scene, Stage, Support};
 use supercoil::solve::{Options, Solver, Status, run};
 
@@ -72,7 +72,8 @@ fn ring(fidelity: Fidelity, diameter: f64, excess_links: [f64; 2]) -> [Observati
     let section = Section::isotropic(1.0, 1.5, 1e8, 1e8, 0.5 * diameter);
     let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     let elements = fidelity.elements(1.0, 1.0 + excess_links[1], 0.5 * diameter);
-    let rod = Rod::new("ring", &circle, true, section, elements, Fidelity::ORDER, Natural::Straight).unwrap();
+    let rod =
+        Rod::new("ring", &circle, RodMesh::closed(elements, Fidelity::ORDER), section, Natural::Straight).unwrap();
     let model = Model { rods: vec![rod], contact: fidelity.contact(), ..Model::default() };
     let stages = [(1.1, 1), (excess_links[0], 4), (excess_links[1], 6)]
         .map(|(to, steps)| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps });
@@ -121,7 +122,7 @@ fn crossed_beams_on_simple_supports() {
         let elements = fidelity.elements(1.0, 1.0, radius);
         let beam = |name: &str, direction: Vec3, z: f64| {
             let shape = Shape::Line { start: Vec3::z() * z - direction * 0.5, direction, length: 1.0 };
-            Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+            Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
         };
         let rods = vec![beam("a", Vec3::x(), 0.0), beam("b", Vec3::y(), 2.0 * radius + 1e-4)];
         let last = rods[0].num_nodes() - 1;
@@ -163,7 +164,7 @@ fn without_contact() {
         let straight = |section: Section, length: f64, turns: f64| {
             let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length };
             let elements = fidelity.elements(length, turns, 0.0);
-            Rod::new("rod", &shape, false, section, elements, 3, Natural::Straight).unwrap()
+            Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
         };
         let section = Section {
             bending: [36.279_363_54, 2.428_734_44],

@@ -20,7 +20,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -44,7 +44,7 @@ fn circle(center: Vec3) -> Shape {
 
 fn rested(shapes: &[Shape], law: ContactLaw) -> (Solver, StepReport) {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1.0);
-    let ring = |shape: &Shape| Rod::new("ring", shape, true, section, 24, 3, Natural::Straight).unwrap();
+    let ring = |shape: &Shape| Rod::new("ring", shape, RodMesh::closed(24, 3), section, Natural::Straight).unwrap();
     let model = Model { rods: shapes.iter().map(ring).collect(), contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
     let report = solver.find_equilibrium();

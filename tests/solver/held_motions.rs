@@ -32,7 +32,7 @@ use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Scene, Support};
 use supercoil::solve::{self, Options, Solver, Status, StepReport};
 
@@ -82,7 +82,7 @@ fn twisted_ring_held_at_one_node() {
     ] {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 144, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(144, 3), section, Natural::Straight).unwrap();
         let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
         let links: &[f64] = if law.is_on() { &[0.5, 1.1, 1.2, 1.5, 2.1] } else { &[0.5, 1.1] };
         let ramps: Vec<_> = links.iter().map(|&to| Ramp::ExcessLink { rod: 0, to }).collect();

@@ -11,7 +11,7 @@
 use crate::common;
 
 use common::observed;
-use supercoil::rod::{Natural, Plectoneme, Rod, Section, Shape};
+use supercoil::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -22,7 +22,7 @@ fn plectoneme(elements: usize, each: f64, distance: f64) -> (Solver, f64) {
     let turns = -0.06 * length / (0.34 * 10.5);
     let shape = Shape::Plectoneme(Plectoneme::of_link(length, distance, 205.7, 308.6, turns).unwrap());
     let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
-    let rod = Rod::new("dna", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("dna", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let rod = rod.with_excess_link(turns).unwrap();
     (Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap(), turns)
 }

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use supercoil::internals::quaternion::spin;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, State, Status};
 
@@ -46,7 +46,7 @@ fn cantilevers_bend_as_in_space() {
     let round = Section::isotropic(1.0, 0.8, 1e4, 2e3, 0.0);
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::new(0.8, 0.6, 0.0), length: 1.0 };
     let spun = |section: Section, natural: Natural, order: usize, angle: f64| {
-        let mut rod = Rod::new("beam", &line, false, section, 6, order, natural).unwrap();
+        let mut rod = Rod::new("beam", &line, RodMesh::open(6, order), section, natural).unwrap();
         let d1_lies = (rod.frames[0] * Vec3::x()).z.abs() < 0.5;
         for frame in &mut rod.frames {
             *frame *= spin(angle + if d1_lies { FRAC_PI_2 } else { 0.0 });
@@ -88,7 +88,7 @@ fn strands_in_contact_press_as_in_space() {
     let rod = |k: usize| {
         let line = Shape::Line { start: Vec3::y() * (2.02 * radius * k as f64), direction: Vec3::x(), length: 1.0 };
         let section = Section::isotropic(1.0, 0.8, 1e4, 1e4, radius);
-        Rod::new(&format!("leaf {k}"), &line, false, section, 16, 3, Natural::Straight).unwrap()
+        Rod::new(&format!("leaf {k}"), &line, RodMesh::open(16, 3), section, Natural::Straight).unwrap()
     };
     let rods = vec![rod(1), rod(0)];
     let model = Model {

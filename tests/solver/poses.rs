@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use common::elastic_energy;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Pose, PosePath, Ramp, Stage, Support};
 use supercoil::solve::{Options, Solution, Solver, Status, run, run_from};
 
@@ -22,7 +22,7 @@ const START: NodeRef = NodeRef { rod: 0, node: 0 };
 fn clamped() -> Model {
     let line = Shape::Line { start: Vec3::new(0.3, -0.1, 0.2), direction: Vec3::new(1.0, 2.0, -1.0), length: LENGTH };
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.0);
-    let rod = Rod::new("rod", &line, false, section, LAST / 3, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("rod", &line, RodMesh::open(LAST / 3, 3), section, Natural::Straight).unwrap();
     let supports = vec![Support::clamp(START), Support::clamp(END)];
     Model { rods: vec![rod], supports, contact: Contact::NONE, ..Model::default() }
 }

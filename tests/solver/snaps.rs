@@ -8,7 +8,7 @@ use common::verify;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Status, run};
 
@@ -18,7 +18,7 @@ const STRETCHING: f64 = 1e4;
 fn pressed(by: f64, steps: usize) -> Vec<Observation> {
     let section = Section::isotropic(1.0, 1.0, STRETCHING, STRETCHING, 0.01);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rods = vec![Rod::new("strut", &shape, false, section, 16, 3, Natural::Straight).unwrap()];
+    let rods = vec![Rod::new("strut", &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()];
     let end = NodeRef { rod: 0, node: 48 };
     let supports = [NodeRef { rod: 0, node: 0 }, end].map(Support::clamp).to_vec();
     let contact = Contact::NONE;

@@ -12,13 +12,13 @@ use supercoil::internals::exclusion::Exclusion;
 use supercoil::math::Vec3;
 use supercoil::math::link::{link_numbers, linking_number, writhe};
 use supercoil::rod::superhelix_angle;
-use supercoil::rod::{Axis, Natural, Placement, Plectoneme, Rod, Section, Shape, TorusKnot};
+use supercoil::rod::{Axis, Natural, Placement, Plectoneme, Rod, RodMesh, Section, Shape, TorusKnot};
 use supercoil::scene::Model;
 use supercoil::solve::Engine;
 
 fn rod(shape: &Shape, radius: f64, elements: usize) -> Rod {
     let section = Section::isotropic(1.0, 1.5, 1e4, 1e4, radius);
-    Rod::new("rod", shape, true, section, elements, 3, Natural::Straight).unwrap()
+    Rod::new("rod", shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap()
 }
 
 fn engine(rod: Rod) -> Engine {
@@ -207,7 +207,7 @@ fn what_cannot_be_is_refused() {
     assert!(ring.with_excess_link(11.0).is_ok());
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.0);
-    let beam = Rod::new("beam", &line, false, section, 4, 2, Natural::Straight).unwrap();
+    let beam = Rod::new("beam", &line, RodMesh::open(4, 2), section, Natural::Straight).unwrap();
     assert!(text(beam.with_excess_link(1.0)).contains("beam.excess_link: the rod is open"));
     let knot = |windings: [i32; 2]| Shape::from(TorusKnot::new(1.0, windings)).place(true, 30).unwrap_err().to_string();
     assert!(knot([2, 4]).contains("(2, 4) is a link of 2 curves"));

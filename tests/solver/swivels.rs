@@ -17,14 +17,14 @@ use crate::common;
 
 use common::{history, observed};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
 fn rod() -> Rod {
     let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, 0.01);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    Rod::new("rod", &shape, false, section, 24, 3, Natural::Straight).unwrap()
+    Rod::new("rod", &shape, RodMesh::open(24, 3), section, Natural::Straight).unwrap()
 }
 
 const START: NodeRef = NodeRef { rod: 0, node: 0 };

@@ -15,7 +15,7 @@ use common::{any_equilibrium, observed, root, runge_kutta, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Along, Natural, Rod, Section, Shape};
+use supercoil::rod::{Along, Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, Solver, Status};
 
@@ -24,7 +24,7 @@ const RADIUS: f64 = 0.01;
 fn beam(name: &str, start: Vec3, direction: Vec3, elements: usize) -> Rod {
     let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, RADIUS);
     let shape = Shape::Line { start, direction, length: 1.0 };
-    Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+    Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
 }
 
 fn clamped(rods: Vec<Rod>) -> Model {
@@ -136,7 +136,7 @@ fn crossed_beams_press_as_in_the_textbook() {
         let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
         let beam = |name: &str, start: Vec3, direction: Vec3| {
             let shape = Shape::Line { start, direction, length: 1.0 };
-            Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+            Rod::new(name, &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()
         };
         let rods = vec![
             beam("lower", Vec3::x() * -0.5, Vec3::x()),
@@ -254,7 +254,7 @@ fn crossed_beams_at_large_displacement_are_elasticas() {
     let section = Section::isotropic(1.0, 1.0, 1e8, 1e8, RADIUS);
     let guided = |name: &str, direction: Vec3, z: f64| {
         let shape = Shape::Line { start: Vec3::z() * z - direction * 0.5, direction, length: 1.0 };
-        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()
     };
     let rods = vec![guided("lower", Vec3::x(), 0.0), guided("upper", Vec3::y(), 2.5 * RADIUS)];
     let last = rods[0].num_nodes() - 1;
@@ -343,7 +343,7 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
     let beam = |name: &str, y: f64, elements: usize| {
         let shape = Shape::Line { start: Vec3::y() * y, direction: Vec3::x(), length: 1.0 };
-        Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
     };
     let penalty = |kappa: f64| ContactLaw::Penalty { stiffness: kappa * RADIUS.powi(4) };
     let pair = |elements: usize| {
@@ -423,7 +423,7 @@ fn a_path_goes_through_first_contact_and_back() {
     let section = Section::isotropic(1.0, 1.0, 1e2, 1e9, RADIUS);
     let beam = |name: &str, y: f64| {
         let shape = Shape::Line { start: Vec3::y() * y, direction: Vec3::x(), length: 1.0 };
-        Rod::new(name, &shape, false, section, 16, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()
     };
     let mut model = clamped(vec![beam("lower", 0.0), beam("upper", 2.0 * RADIUS + gap)]);
     model.planar = true;

@@ -32,7 +32,7 @@ use supercoil::math::Vec3;
 use supercoil::math::link::writhe;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver, Status};
 
@@ -52,7 +52,7 @@ fn bring(shortening: f64) -> [Ramp; 2] {
 fn taut(in_place: bool) -> Solver {
     let section = Section::isotropic(1.0, 1.0, STRETCHING, STRETCHING, 0.002);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("cable", &shape, false, section, ELEMENTS, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("cable", &shape, RodMesh::open(ELEMENTS, 3), section, Natural::Straight).unwrap();
     let middle = Support { node: MIDDLE, position: [in_place, false, true], rotation: [false; 3] };
     let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(END), middle];
     let mut solver = Solver::new(Model { rods: vec![rod], supports, ..Model::default() }, Options::default()).unwrap();

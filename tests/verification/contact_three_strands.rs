@@ -32,7 +32,7 @@ use std::f64::consts::TAU;
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -51,7 +51,7 @@ fn pressed(law: ContactLaw, factors: [f64; 2], threads: Option<usize>) -> (Solve
     let beam = |k: i32| {
         let start = Vec3::y() * (f64::from(k) * (2.0 * RADIUS + GAP));
         let shape = Shape::Line { start, direction: Vec3::x(), length: 1.0 };
-        Rod::new("beam", &shape, false, section, 24, 3, Natural::Straight).unwrap()
+        Rod::new("beam", &shape, RodMesh::open(24, 3), section, Natural::Straight).unwrap()
     };
     let rods: Vec<Rod> = (0..3).map(beam).collect();
     let last = rods[0].num_nodes() - 1;
@@ -136,7 +136,7 @@ fn ply() -> (Vec<Rod>, Vec<Support>) {
         let stiffness = [1.0, 2.0, 5.0][k];
         let section = Section::isotropic(stiffness, stiffness, 1e3, 1e3, 1.0);
         let shape = Shape::Points((0..=160).map(at).collect());
-        let mut rod = Rod::new("ply", &shape, false, section, 40, 3, Natural::Straight).unwrap();
+        let mut rod = Rod::new("ply", &shape, RodMesh::open(40, 3), section, Natural::Straight).unwrap();
         rod.length *= [0.99, 0.995, 0.98][k];
         rod
     };
@@ -184,7 +184,7 @@ fn a_ply_of_three_unlike_strands() {
 fn a_knot_of_seven_crossings() {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1.0);
     let loose = TorusKnot::new(110.0, [2, 7]);
-    let mut rod = Rod::new("knot", &loose.into(), true, section, 110, 3, Natural::Straight).unwrap();
+    let mut rod = Rod::new("knot", &loose.into(), RodMesh::closed(110, 3), section, Natural::Straight).unwrap();
     rod.length = 80.0;
     let solver_of = |rod: &Rod, law: ContactLaw| {
         let model = Model { rods: vec![rod.clone()], contact: Contact { law }, ..Model::default() };

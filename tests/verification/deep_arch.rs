@@ -17,7 +17,7 @@ use common::{any_equilibrium, fitted_order, path_point, runge_kutta, verify};
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::nalgebra::{Matrix4, Vector4};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, PathEnd, PointKind, Solver};
 
@@ -37,7 +37,7 @@ fn arch(rigid: f64, elements: usize) -> Solver {
     };
     let section = Section::isotropic(1e6, 1e6, rigid, rigid, 0.1);
     let natural = Natural::Uniform { kappa: [1.0 / radius, 0.0, 0.0] };
-    let rod = Rod::new("arch", &shape, false, section, elements, 3, natural).unwrap();
+    let rod = Rod::new("arch", &shape, RodMesh::open(elements, 3), section, natural).unwrap();
     let node = |node| NodeRef { rod: 0, node };
     let supports = vec![Support::clamp(node(0)), Support::pin(node(rod.num_nodes() - 1))];
     let loads = vec![NodeLoad { node: node(rod.num_nodes() / 2), force: -Vec3::y(), moment: Vec3::zeros() }];

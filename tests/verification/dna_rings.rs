@@ -17,7 +17,7 @@ use supercoil::dna::sequence::{Helix, Sequence, Steps};
 use supercoil::internals::quadrature::gauss;
 use supercoil::math::Vec3;
 use supercoil::observe::{observe, strains};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Support};
 use supercoil::solve::{self, Options, Solver, Status};
 
@@ -29,7 +29,8 @@ fn ring(base_pairs: usize, link: f64) -> Solver {
 fn ring_of(helix: Helix, link: f64, elements: usize) -> Solver {
     let circle = Shape::Circle { length: helix.length, center: Vec3::zeros(), normal: Vec3::z() };
     let section = Section::of_diagonal(&helix.stiffness.at(0.0), 0.0);
-    let rod = Rod::new("ring", &circle, true, section, elements, 3, Natural::Varying(helix.natural)).unwrap();
+    let rod =
+        Rod::new("ring", &circle, RodMesh::closed(elements, 3), section, Natural::Varying(helix.natural)).unwrap();
     let excess = link - helix.turns_left_out - rod.natural_link();
     let rod = rod.with_stiffness(helix.stiffness).unwrap().with_excess_link(excess).unwrap();
     let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
@@ -110,7 +111,7 @@ fn teardrop(length: f64, bending: f64, stretching: f64) -> f64 {
         angle: std::f64::consts::PI,
     };
     let section = Section::isotropic(bending, bending, stretching, stretching, 0.0);
-    let rod = Rod::new("teardrop", &shape, false, section, 60, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("teardrop", &shape, RodMesh::open(60, 3), section, Natural::Straight).unwrap();
     let last = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let slides = Support { node: last, position: [true, false, true], rotation: [false; 3] };
     let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), slides];

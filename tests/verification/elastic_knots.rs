@@ -35,7 +35,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use common::braid::braid;
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -75,7 +75,7 @@ fn tied(h: f64, crossings: f64) -> Shape {
 /// Contact force over B R^(−3/2) h^(−1/2), distance of the outer points over (h²B/T)^¼, elastic energy over πB/R.
 fn pulled(h: f64, crossings: f64, elements: usize) -> [f64; 3] {
     let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, h);
-    let rod = Rod::new("knot", &tied(h, crossings), false, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("knot", &tied(h, crossings), RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
     let end = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let guide = Support { node: end, position: [false, true, true], rotation: [false, true, true] };
     let top = NodeRef { rod: 0, node: rod.num_nodes() / 2 };

@@ -18,7 +18,7 @@ use common::{any_equilibrium, path_point, runge_kutta, threshold, to_branch_poin
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, LineLoad, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Engine, FollowOptions, PathEnd, PointKind, Solver, Start};
 
@@ -38,7 +38,7 @@ fn elliptic(k: f64) -> (f64, f64) {
 fn column(rigid: f64, along: Vec3, planar: bool, weight: bool) -> Solver {
     let section = Section::isotropic(1.0, 1.3, rigid, rigid, 1e-3);
     let shape = Shape::Line { start: Vec3::zeros(), direction: along, length: 1.0 };
-    let rod = Rod::new("column", &shape, false, section, 24, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("column", &shape, RodMesh::open(24, 3), section, Natural::Straight).unwrap();
     let top = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let mut model = Model { contact: Contact::NONE, rods: vec![rod], planar, ..Model::default() };
     model.supports.push(Support::clamp(NodeRef { rod: 0, node: 0 }));

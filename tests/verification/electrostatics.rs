@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Electrostatics, Model, NodeRef, Support};
 use supercoil::solve::{self, Options, Solver, Status};
 
@@ -34,7 +34,7 @@ fn integral(end: f64, f: impl Fn(f64) -> f64) -> f64 {
 fn line(name: &str, middle: Vec3, direction: Vec3, length: f64, bending: f64) -> Rod {
     let shape = Shape::Line { start: middle - direction * (0.5 * length), direction, length };
     let section = Section::isotropic(bending, bending, bending, bending, 0.5);
-    Rod::new(name, &shape, false, section, 40, 3, Natural::Straight).unwrap()
+    Rod::new(name, &shape, RodMesh::open(40, 3), section, Natural::Straight).unwrap()
 }
 
 fn clamped(rods: Vec<Rod>) -> Model {
@@ -91,7 +91,7 @@ fn a_ring_has_the_energy_of_its_integral() {
     let (radius, lambda) = (5.0, CHARGES.debye_length);
     let circle = Shape::Circle { length: TAU * radius, center: Vec3::zeros(), normal: Vec3::z() };
     let section = Section::isotropic(1e6, 1e6, 1e6, 1e6, 0.5);
-    let rod = Rod::new("ring", &circle, true, section, 40, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &circle, RodMesh::closed(40, 3), section, Natural::Straight).unwrap();
     let seen = at_rest(Model { rods: vec![rod], electrostatics: Some(CHARGES), ..Model::default() });
     let phi = |r: f64| (-r / lambda).exp() / r;
     let density = integral(PI * radius, |s| {

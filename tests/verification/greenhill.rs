@@ -14,7 +14,7 @@ use crate::common;
 use common::{any_equilibrium, end_of, history, threshold, verify};
 use std::f64::consts::TAU;
 use supercoil::math::{Quat, Vec3};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Solver, State, Status};
 
@@ -24,7 +24,7 @@ const RIGID: f64 = 1e8;
 fn rod_under(tension: f64, order: usize, elements: usize) -> (Solver, NodeRef) {
     let section = Section::isotropic(1.0, TWISTING, RIGID, RIGID, 0.01);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("rod", &shape, false, section, elements, order, Natural::Straight).unwrap();
+    let rod = Rod::new("rod", &shape, RodMesh::open(elements, order), section, Natural::Straight).unwrap();
     let end = end_of(&rod);
     let sliding = Support { node: end, position: [false, true, true], rotation: [true; 3] };
     let model = Model {

@@ -16,7 +16,7 @@ use common::{any_equilibrium, cantilever, verify_point};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Ramp, Stage};
 use supercoil::solve::{Solution, Status, run};
 
@@ -24,7 +24,7 @@ use supercoil::solve::{Solution, Status, run};
 fn tips(elements: usize, force: f64, moment: f64, stages: &[(f64, usize)]) -> Vec<Vec3> {
     let section = Section::isotropic(100.0, 100.0, 1e4, 1e4, 0.1);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 10.0 };
-    let rod = Rod::new("rod", &shape, false, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
     let model = cantilever(rod, Vec3::z() * force, Vec3::z() * moment);
     let stages: Vec<Stage> =
         stages.iter().map(|&(to, steps)| Stage { ramps: vec![Ramp::Load { to }], steps }).collect();

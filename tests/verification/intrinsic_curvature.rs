@@ -16,7 +16,7 @@ use crate::common;
 
 use common::{cantilever, elastic_energy, end_of, fitted_order, history, sci, strains_of, tip, verify, verify_point};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -32,7 +32,7 @@ fn rod(elements: usize, order: usize) -> Rod {
         contact_radius: 0.01,
     };
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::z(), length: 1.0 };
-    Rod::new("curl", &shape, false, section, elements, order, Natural::Uniform { kappa: NATURAL }).unwrap()
+    Rod::new("curl", &shape, RodMesh::open(elements, order), section, Natural::Uniform { kappa: NATURAL }).unwrap()
 }
 
 /// Dead end moment that balances the straight rod: −K u0 in the frame of the straight rod.

@@ -14,7 +14,7 @@ use crate::common;
 
 use common::{any_equilibrium, cantilever, history, threshold, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, LineLoad, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Solver, Status};
 
@@ -36,7 +36,7 @@ fn strip() {
     // d1 along z, d2 along −y: bending about d2 moves the rod along z
     let section = Section { shearing: [1e9; 2], stretching: 1e9, bending: [soft, 1e7], twisting, contact_radius: 1e-3 };
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("strip", &shape, false, section, 24, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("strip", &shape, RodMesh::open(24, 3), section, Natural::Straight).unwrap();
     let unit = (soft * twisting).sqrt();
     let (factor, count) = critical_factor(cantilever(rod, Vec3::z() * -unit, Vec3::zeros()), reference);
     verify("lateral buckling of a strip", "P L²/√(B GJ)", factor, reference, 1e-5 * reference);
@@ -48,7 +48,7 @@ fn column_under_its_own_weight() {
     let reference = 7.837_347_438_9;
     let section = Section::isotropic(1.0, 1.3, 1e6, 1e6, 1e-3);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::z(), length: 1.0 };
-    let rod = Rod::new("column", &shape, false, section, 24, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("column", &shape, RodMesh::open(24, 3), section, Natural::Straight).unwrap();
     let model = Model {
         supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
         line_loads: vec![LineLoad::of_force(0, -Vec3::z())],

@@ -15,7 +15,7 @@ use common::{any_equilibrium, fitted_order, path_point, verify};
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{FollowOptions, PathEnd, PointKind, Solver};
 
@@ -26,7 +26,7 @@ fn frame(shear_factor: f64, elements: usize) -> Solver {
     let corner = Vec3::y() * LENGTH;
     let line = |name: &str, start: Vec3, direction: Vec3| {
         let shape = Shape::Line { start, direction, length: LENGTH };
-        Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
     };
     let rods = vec![line("column", Vec3::zeros(), Vec3::y()), line("beam", corner, Vec3::x())];
     let end = rods[0].num_nodes() - 1;

@@ -13,14 +13,14 @@ use crate::common;
 
 use common::{any_equilibrium, history, threshold, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Solver, Status};
 
 fn ring(ratio: f64, order: usize, elements: usize) -> Solver {
     let section = Section::isotropic(1.0, ratio, 1e8, 1e8, 0.005);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, elements, order, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, order), section, Natural::Straight).unwrap();
     let model = Model { contact: Contact::NONE, rods: vec![rod], ..Model::default() };
     Solver::new(model, any_equilibrium()).unwrap()
 }

@@ -40,7 +40,7 @@ use common::kirchhoff_ring::{Event, event_of};
 use common::{any_equilibrium, path_point, to_branch_point, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::{contact_sites, observe};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PointKind, Solver, Start, State, Status};
 
@@ -78,10 +78,10 @@ impl Stack {
         let section = |b: f64| Section::isotropic(b, b, self.stretch, 1e5, 0.5 * DIAMETER);
         let points = (0..=32).map(|k| f64::from(k) / 32.0);
         let points = points.map(|x| Vec3::new(x, 0.5 * self.rise * (1.0 - (TAU * x).cos()), 0.0)).collect();
-        let arch = Rod::new("arch", &Shape::Points(points), false, section(1.0), 16, 3, Natural::AsShaped);
+        let arch = Rod::new("arch", &Shape::Points(points), RodMesh::open(16, 3), section(1.0), Natural::AsShaped);
         let beam = |name: &str, y: f64, b: f64| {
             let line = Shape::Line { start: Vec3::new(0.5, y, -0.5), direction: Vec3::z(), length: 1.0 };
-            Rod::new(name, &line, false, section(b), 16, 3, Natural::Straight)
+            Rod::new(name, &line, RodMesh::open(16, 3), section(b), Natural::Straight)
         };
         let soft = beam("soft", self.height, self.bending[0]);
         let stiff = beam("stiff", self.height - DIAMETER - self.clear, self.bending[1]);
@@ -219,7 +219,7 @@ const RING: f64 = 0.03;
 fn ring(kappa: f64, options: Options) -> Solver {
     let section = Section::isotropic(1.0, 1.5, 1e7, 1e7, 0.5 * RING);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 96, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(96, 3), section, Natural::Straight).unwrap();
     let law = ContactLaw::Penalty { stiffness: kappa * (0.5 * RING).powi(4) };
     Solver::new(Model { contact: Contact { law }, rods: vec![rod], ..Model::default() }, options).unwrap()
 }

@@ -17,7 +17,7 @@ use common::curvature::{PointForce, interpolate_to_zero, tangent_and_curvature};
 use common::{observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -52,7 +52,7 @@ fn touch(mut at: impl FnMut(f64) -> Observation, from: f64, step: f64) -> (f64, 
 fn elastica_at_touch(diameter: f64) -> [f64; 2] {
     let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, 0.5 * diameter);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
-    let rod = Rod::new("elastica", &shape, false, section, 32, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("elastica", &shape, RodMesh::open(32, 3), section, Natural::Straight).unwrap();
     let last = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
     let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(last)];
     let model = Model { rods: vec![rod], supports, planar: true, ..Model::default() };
@@ -88,7 +88,7 @@ fn ring_under_pressure_touches_itself() {
     for (diameter, pressure) in [(0.01, 5.2174186), (0.05, 5.1031792), (0.1, 4.9681208)] {
         let section = Section::isotropic(1.0, 1.0, 1e6, 1e6, 0.5 * diameter);
         let shape = Shape::Circle { length: std::f64::consts::TAU, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 32, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(32, 3), section, Natural::Straight).unwrap();
         let model = Model { rods: vec![rod], planar: true, ..Model::default() };
         let mut solver = Solver::new(model, Options::default()).unwrap();
         let press = |to: f64| Ramp::Pressure { rod: 0, to };
@@ -174,7 +174,7 @@ fn coarse_thin_ring_is_carried_into_contact() {
     for diameter in [1e-3, 2e-3] {
         let section = Section::isotropic(1.0, 1.0, 1e6, 1e6, 0.5 * diameter);
         let shape = Shape::Circle { length: TAU, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 32, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(32, 3), section, Natural::Straight).unwrap();
         let model = Model { rods: vec![rod], planar: true, ..Model::default() };
         let mut solver = Solver::new(model, Options::default()).unwrap();
         let press = |to: f64| Ramp::Pressure { rod: 0, to };
@@ -197,7 +197,7 @@ fn a_step_cut_short_is_not_rest() {
     let diameter = 2e-3;
     let section = Section::isotropic(1.0, 1.0, 1e6, 1e6, 0.5 * diameter);
     let shape = Shape::Circle { length: TAU, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 32, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(32, 3), section, Natural::Straight).unwrap();
     let law = ContactLaw::Penalty { stiffness: 1e4 * (0.5 * diameter).powi(4) };
     let model = Model { rods: vec![rod], planar: true, contact: Contact { law }, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();

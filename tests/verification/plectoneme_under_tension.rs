@@ -31,7 +31,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use common::{history, observed, verify};
 use supercoil::internals::quaternion::spin;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -109,9 +109,9 @@ impl Tweezers {
     fn new(alpha: f64, tail: f64, spacing: f64) -> Self {
         let shape = shape(alpha, tail);
         let section = Section::isotropic(1.0, TWISTING, STIFF, STIFF, 1.0);
-        let rough = Rod::new("dna", &shape, false, section, 100, 3, Natural::Straight).unwrap();
+        let rough = Rod::new("dna", &shape, RodMesh::open(100, 3), section, Natural::Straight).unwrap();
         let elements = 2 * (rough.length / (6.0 * spacing)).ceil() as usize;
-        let mut rod = Rod::new("dna", &shape, false, section, elements, 3, Natural::Straight).unwrap();
+        let mut rod = Rod::new("dna", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
         let step = rod.length / (rod.num_nodes() - 1) as f64;
         for (k, frame) in rod.frames.iter_mut().enumerate() {
             *frame *= spin(-moment(alpha) / TWISTING * step * k as f64);

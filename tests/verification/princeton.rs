@@ -12,7 +12,7 @@ use crate::common;
 
 use common::{cantilever, history, tip, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::Ramp;
 use supercoil::solve::{Options, Solver, Status};
 
@@ -33,7 +33,7 @@ fn tip_displacements_at_four_angles() {
             contact_radius: 1e-3,
         };
         let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 0.508 };
-        let rod = Rod::new("beam", &shape, false, section, 16, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("beam", &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap();
         let (sin, cos) = degrees.to_radians().sin_cos();
         let weight = Vec3::new(0.0, cos, sin) * 8.896;
         let mut solver = Solver::new(cantilever(rod, weight, Vec3::zeros()), Options::default()).unwrap();

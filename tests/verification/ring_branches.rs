@@ -26,7 +26,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::observe::{contact_sites, observe};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Solver, Start, Status};
 
@@ -36,7 +36,7 @@ const RAMP: Ramp = Ramp::ExcessLink { rod: 0, to: 2.0 };
 fn ring_at_the_root(ratio: f64, rigid: f64, contact: Contact, diameter: f64) -> Solver {
     let section = Section::isotropic(1.0, ratio, rigid, rigid, 0.5 * diameter);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, 48, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(48, 3), section, Natural::Straight).unwrap();
     let model = Model { contact, rods: vec![rod], ..Model::default() };
     let mut solver = Solver::new(model, any_equilibrium()).unwrap();
     let root = to_branch_point(&mut solver, &RAMP);

@@ -53,7 +53,7 @@ use common::kirchhoff_ring::{Event, event_of};
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::report::{Observation, SiteReport};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -111,7 +111,7 @@ impl Ring {
     fn new(diameter: f64, fineness: Fineness) -> Self {
         let section = Section::isotropic(1.0, 1.5, fineness.stretch, fineness.stretch, 0.5 * diameter);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, ELEMENTS, ORDER, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(ELEMENTS, ORDER), section, Natural::Straight).unwrap();
         let contact = Contact { law: penalty(fineness.soft, diameter) };
         let solver = Solver::new(Model { rods: vec![rod], contact, ..Model::default() }, Options::default()).unwrap();
         Self { solver, diameter, fineness }

@@ -30,7 +30,7 @@ use std::f64::consts::TAU;
 use common::kirchhoff_ring::{Event, event_of};
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -51,7 +51,7 @@ fn compare(diameter: f64, elements: usize, contact: Contact, tolerances: [f64; 2
     ];
     let section = Section::isotropic(1.0, TWISTING, 1e8, 1e8, 0.5 * diameter);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let model = Model { rods: vec![rod], contact, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
     for (to, topology, event) in states {

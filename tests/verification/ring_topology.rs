@@ -27,7 +27,7 @@ use common::cases::oval_ring;
 use common::{history, observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::report::{Observation, SiteReport};
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -48,7 +48,7 @@ fn topology(sites: &[SiteReport]) -> String {
 fn ring(elements: usize, diameter: f64, law: ContactLaw) -> Solver {
     let section = Section::isotropic(1.0, 1.5, 1e7, 1e7, 0.5 * diameter);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     Solver::new(Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }, Options::default()).unwrap()
 }
 

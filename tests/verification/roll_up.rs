@@ -15,7 +15,7 @@ use crate::common;
 use common::{cantilever, fitted_order, history, sci, slender_disc, tip, verify};
 use std::f64::consts::{PI, TAU};
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Shape};
 use supercoil::scene::Ramp;
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
@@ -28,7 +28,7 @@ fn rolled(order: usize, elements: usize, slenderness: f64, moment: f64, planar: 
 fn tried(order: usize, elements: usize, slenderness: f64, moment: f64, planar: bool) -> (Solver, StepReport) {
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let section = slender_disc(slenderness);
-    let rod = Rod::new("cantilever", &shape, false, section, elements, order, Natural::Straight).unwrap();
+    let rod = Rod::new("cantilever", &shape, RodMesh::open(elements, order), section, Natural::Straight).unwrap();
     let mut model = cantilever(rod, Vec3::zeros(), Vec3::z() * moment);
     model.planar = planar;
     let mut solver = Solver::new(model, Options::default()).unwrap();

@@ -34,7 +34,7 @@ use std::f64::consts::{PI, TAU};
 use common::{history, observed, verify};
 use supercoil::contact::Cubic;
 use supercoil::math::Vec3;
-use supercoil::rod::{Natural, Rod, Section, Shape, TorusKnot};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape, TorusKnot};
 use supercoil::scene::{Contact, ContactLaw, Model};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -90,7 +90,8 @@ struct Tight {
 /// `lengths`: natural lengths that the rods are given one after the other, each the share of it that is its own.
 fn pull(start: &[(Shape, f64)], lengths: &[f64], elements: usize) -> Tight {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1.0);
-    let place = |shape: &Shape| Rod::new("strand", shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let place =
+        |shape: &Shape| Rod::new("strand", shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let mut rods: Vec<Rod> = start.iter().map(|(shape, _)| place(shape)).collect();
     let law = |stiffness: f64| ContactLaw::Penalty { stiffness };
     let mut options = Options::default();
@@ -166,8 +167,14 @@ fn figure_eight() {
 fn tighter_knots_do_not_pretend_to_rest() {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1.0);
     for natural in [32.743, 32.5] {
-        let mut rod =
-            Rod::new("strand", &TorusKnot::new(42.0, [2, 3]).into(), true, section, 60, 3, Natural::Straight).unwrap();
+        let mut rod = Rod::new(
+            "strand",
+            &TorusKnot::new(42.0, [2, 3]).into(),
+            RodMesh::closed(60, 3),
+            section,
+            Natural::Straight,
+        )
+        .unwrap();
         rod.length = natural;
         let law = ContactLaw::Penalty { stiffness: 3e3 };
         let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };

@@ -16,14 +16,14 @@ use std::f64::consts::{PI, TAU};
 use common::{observed, verify};
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
-use supercoil::rod::{Natural, Rod, Section, Shape};
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status, StepReport};
 
 fn ring(elements: usize, diameter: f64, stiff: f64, law: impl Fn(f64) -> ContactLaw) -> Solver {
     let section = Section::isotropic(1.0, 1.5, stiff, stiff, 0.5 * diameter);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
     let contact = Contact { law: law((0.5 * diameter).powi(4)) };
     Solver::new(Model { rods: vec![rod], contact, ..Model::default() }, Options::default()).unwrap()
 }
@@ -209,7 +209,7 @@ fn threads_do_not_change_a_bit() {
     let run = |threads: usize| {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 24, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(24, 3), section, Natural::Straight).unwrap();
         let options = Options { threads: Some(threads), ..Options::default() };
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, options).unwrap();
         let mut sites = String::new();

@@ -19,7 +19,7 @@ use supercoil::internals::quadrature::gauss;
 use supercoil::math::{Quat, Vec3};
 use supercoil::nalgebra::{SMatrix, SVector, Vector6};
 use supercoil::observe::strains;
-use supercoil::rod::{Along, Natural, NaturalStrains, Rod, Section, Shape, Stiffness};
+use supercoil::rod::{Along, Natural, NaturalStrains, Rod, RodMesh, Section, Shape, Stiffness};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
@@ -94,7 +94,7 @@ fn bent(elements: usize, order: usize, force: Vec3, moment: Vec3) -> Solver {
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let section = Section::of_diagonal(&coupled(0.5), 0.0);
     let natural = Natural::Varying(Along::function(helical));
-    let rod = Rod::new("rod", &shape, false, section, elements, order, natural).unwrap();
+    let rod = Rod::new("rod", &shape, RodMesh::open(elements, order), section, natural).unwrap();
     let rod = rod.with_stiffness(Along::function(coupled)).unwrap();
     let mut solver = Solver::new(cantilever(rod, force, moment), Options::default()).unwrap();
     // first to the natural shape, then up with the dead moment, which has no potential
@@ -188,7 +188,7 @@ fn twist_wave_of_a_ring() {
     let circle = Shape::Circle { length: LENGTH, center: Vec3::zeros(), normal: Vec3::z() };
     let section = Section::of_diagonal(&ideal_dna(0.0), 0.0);
     let natural = Natural::Varying(Along::constant(double_helix(0.0)));
-    let rod = Rod::new("ring", &circle, true, section, 104, 3, natural).unwrap();
+    let rod = Rod::new("ring", &circle, RodMesh::closed(104, 3), section, natural).unwrap();
     let excess = LINK - rod.natural_link();
     let rod = rod.with_stiffness(Along::constant(ideal_dna(0.0))).unwrap().with_excess_link(excess).unwrap();
     let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };

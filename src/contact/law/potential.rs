@@ -24,8 +24,9 @@ use integral::{PairIntegral, Projector};
 pub use pressure::Offsets;
 use pressure::PairLaw;
 pub(crate) use pressure::Pressures;
+pub use stiffness::Hessian;
 use stiffness::{Coordinates, PairStiffness};
-pub use term::{ContactPair, Hessian, PairTerm, Want, ZonePiece};
+pub use term::{ContactPair, PairTerm, Want, ZonePiece};
 pub(crate) use term::{EndTerm, PairForce, Request};
 
 mod guess;

@@ -1,11 +1,9 @@
 //! One branch of the projection: its foot traced along the slave, cut where distance − reach changes sign.
 
+use super::piece::{NUM_SAMPLES, falling_root};
 use super::{Branch, BranchPiece, FootKind, Projection, Sample, SegmentPair, unit};
 use crate::math::Vec3;
 
-/// Samples per branch interval. The bracketing can miss only dips narrower than the oscillations of a cubic between two
-/// samples.
-pub(super) const NUM_SAMPLES: usize = 7;
 /// Iterations of the safeguarded root finder; bisection alone ends after 53.
 const MAX_ROOT_ITERATIONS: usize = 100;
 
@@ -216,27 +214,5 @@ impl SegmentPair<'_> {
             previous = *sample;
         }
         out.push(BranchPiece { u: [first.u, last.u], v: [first.v, last.v], branch, nearest });
-    }
-}
-
-/// The root of a function that falls over an interval, by bisection; the nearer end if there is none.
-pub(super) fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
-    let start = f(low);
-    if start <= 0.0 || start.is_nan() {
-        return low;
-    }
-    if f(high) >= 0.0 {
-        return high;
-    }
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            return middle;
-        }
-        if f(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
     }
 }

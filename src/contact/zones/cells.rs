@@ -11,8 +11,8 @@
 
 use std::collections::VecDeque;
 
-use super::branch::falling_root;
 use super::facing::convexity;
+use super::piece::falling_root;
 use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, ROUNDING, Sample, SegmentPair};
 use crate::contact::curves::curve::Cubic;
 use crate::contact::pairs::capsule;

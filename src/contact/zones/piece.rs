@@ -1,7 +1,10 @@
 //! Parts of contact zones: branches of the projection, their pieces within reach, points of these.
 
-use super::branch::{NUM_SAMPLES, falling_root};
 use crate::math::Vec3;
+
+/// Samples per branch interval. The bracketing can miss only dips narrower than the oscillations of a cubic between two
+/// samples.
+pub(super) const NUM_SAMPLES: usize = 7;
 
 /// Kind of foot along a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,5 +148,27 @@ impl Sample {
     /// The parameter other than that of the branch.
     pub(super) fn other(&self, branch: &Branch) -> f64 {
         if branch.kind == FootKind::Fold { self.u } else { self.v }
+    }
+}
+
+/// The root of a function that falls over an interval, by bisection; the nearer end if there is none.
+pub(super) fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    let start = f(low);
+    if start <= 0.0 || start.is_nan() {
+        return low;
+    }
+    if f(high) >= 0.0 {
+        return high;
+    }
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if f(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
 }

@@ -3,12 +3,12 @@
 use super::*;
 use crate::dna::sequence::Sequence;
 use crate::math::link::{link_numbers, linking_number};
-use crate::rod::{Natural, Rod, Section, Shape};
+use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 
 fn ring(link: f64, count: usize) -> BasePairs {
     let circle = Shape::Circle { length: 0.34 * count as f64, center: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::y() };
     let section = Section::isotropic(200.0, 300.0, 1e3, 1e3, 0.0);
-    let rod = Rod::new("ring", &circle, true, section, 40, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &circle, RodMesh::closed(40, 3), section, Natural::Straight).unwrap();
     let rod = rod.with_excess_link(link).unwrap();
     let nodes =
         Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(link), turns_left_out: 0.0 };

@@ -8,7 +8,7 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, Natural, Rod, RodNumber, Stiffness};
+use crate::rod::{Along, Natural, Rod, RodMesh, RodNumber, Stiffness};
 use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
@@ -300,7 +300,13 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
             }
             (error, ..) => error,
         })?;
-        Rod::new(&text.name, &shape, text.closed, section, elements, text.order, natural)?
+        Rod::new(
+            &text.name,
+            &shape,
+            RodMesh { closed: text.closed, num_elements: elements, order: text.order },
+            section,
+            natural,
+        )?
     };
     if let Some(stiffness) = stiffness {
         rod = rod.with_stiffness(stiffness)?;

@@ -10,7 +10,7 @@
 
 use crate::contact::chain::{ChainPiece, chains};
 use crate::contact::potential::plane::{PlanePiece, plane_runs};
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;

@@ -2,7 +2,9 @@
 //!
 //! | | |
 //! |---|---|
-//! | `solve_step` | the step from start to end; begin here |
+//! | `solver` | [`Solver`](crate::solve::Solver): engine, workspace, all that one step leaves to the next |
+//! | `ramped_step` | ramps become a target, which is predicted, searched for and accepted; begin here |
+//! | `solve_step` | the search for a target from start to end |
 //! | `predictor` | the next state extrapolated from those before |
 //! | `multipliers`, `complementarity` | the augmented Lagrangian: offsets raised and lowered until gaps and pressures fit |
 //! | `penalty_continuation`, `multiplier_estimate` | pressures that a search begins with: of a softer law, of a start shape |
@@ -17,6 +19,8 @@ mod nested_iteration;
 mod penalty_continuation;
 mod periodic_extension;
 pub(in crate::solve) mod predictor;
+mod ramped_step;
 mod refine;
 pub(in crate::solve) mod solve_step;
+pub(in crate::solve) mod solver;
 pub(in crate::solve) mod step_report;

@@ -11,10 +11,10 @@
 use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::math::Vec3;
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::state::PrescribedMotion;
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
 
 /// Pressure, over the law's own, at which touching strands are probed: small, so that strands nearby stay apart.
 const PROBING_PRESSURE: f64 = 0.01;
@@ -151,9 +151,9 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Natural, Plectoneme, Rod, Section, Shape};
+    use crate::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
-    use crate::solve::Options;
+    use crate::solve::options::Options;
 
     /// A plectoneme under the moment M = 2B sin³α cosα/(R cos2α): its strands press with p = B sin⁴α/(R³ cos2α) on each
     /// other and are under the tension pR, so that no force crosses a section; no pressure where the end loops are
@@ -168,7 +168,8 @@ mod tests {
         let moment = 2.0 * sin.powi(3) * cos / (radius * steepness);
         let link = plectoneme.writhe() - moment * length / (1.5 * std::f64::consts::TAU);
         let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, radius);
-        let rod = Rod::new("ply", &Shape::Plectoneme(plectoneme), true, section, 150, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ply", &Shape::Plectoneme(plectoneme), RodMesh::closed(150, 3), section, Natural::Straight)
+            .unwrap();
         let rod = rod.with_excess_link(link).unwrap();
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
         let scale = solver.engine.pressure_scale();

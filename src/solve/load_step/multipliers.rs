@@ -3,9 +3,10 @@
 use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::load_step::complementarity::{Complementarity, TOL_COMPLEMENTARITY, TOL_OPENING};
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::assembly::Residual;
-use crate::solve::problem::contact_field::{self, ContactField};
+use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::contact_gaps::smallest_gaps;
 use crate::solve::problem::contact_side::ContactSide;
 
 /// Pressure, relative to that of a core law, at which its stiffness is evaluated.
@@ -142,7 +143,7 @@ impl Solver {
     pub(in crate::solve) fn contact_errors_of(&self, residual: &Residual) -> ContactErrors {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let window = |slave, master| self.window(side, slave, master);
-        let gaps = contact_field::smallest_gaps(side, residual, &self.engine.state.positions, window);
+        let gaps = smallest_gaps(side, residual, &self.engine.state.positions, window);
         let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
         ContactErrors { gaps, penetration }
     }

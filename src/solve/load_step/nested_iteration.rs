@@ -21,13 +21,14 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
-use crate::solve::Options;
 use crate::solve::load_step::solve_step::{AT_REST, TURNS_AT_ONCE};
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::path::run::Solver;
+use crate::solve::options::Options;
 use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 
 /// Factors between the elements of the mesh and of a coarse one.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
@@ -186,14 +187,14 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Rod, Section, Shape};
+    use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// A flat ring of 64 elements, D/L = .02.
     fn ring(supports: Vec<Support>) -> Solver {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
-        let rod = Rod::new("ring", &shape, true, section, 64, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(64, 3), section, Natural::Straight).unwrap();
         Solver::new(Model { rods: vec![rod], supports, ..Model::default() }, Options::default()).unwrap()
     }
 

@@ -9,7 +9,7 @@
 
 use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 

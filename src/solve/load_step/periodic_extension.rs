@@ -31,10 +31,11 @@ use crate::math::{Mat3, Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
 use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::path::run::Solver;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
 
 /// Turns of the superhelix that the short rod keeps. More are tried if it does not converge.
@@ -301,14 +302,14 @@ fn is_same(a: &State, b: &State, spacing: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Plectoneme, Section, Shape};
-    use crate::solve::Options;
+    use crate::rod::{Plectoneme, RodMesh, Section, Shape};
+    use crate::solve::options::Options;
 
     fn plectoneme(elements: usize, angle: f64) -> Solver {
         let section = Section::isotropic(1.0, 1.5, 1e3, 1e3, 0.5);
         let length = elements as f64;
         let shape = Shape::Plectoneme(Plectoneme { length, ..Plectoneme::of_angle(200.0, 1.0, angle).unwrap() });
-        let rod = Rod::new("ply", &shape, true, section, elements, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("ply", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
         Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
     }
 
@@ -379,7 +380,7 @@ mod tests {
         let turns = -0.06 * length / (0.34 * 10.5);
         let shape = Shape::Plectoneme(Plectoneme::of_link(length, 5.0, 205.7, 308.6, turns).unwrap());
         let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 2.5);
-        let mut rod = Rod::new("dna", &shape, true, section, 960, 3, Natural::Straight).unwrap();
+        let mut rod = Rod::new("dna", &shape, RodMesh::closed(960, 3), section, Natural::Straight).unwrap();
         rod.positions[720] += Vec3::new(0.0, nudge, 0.0);
         let rod = rod.with_excess_link(turns).unwrap();
         Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()

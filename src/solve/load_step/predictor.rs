@@ -15,14 +15,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Unit;
-
 use crate::math::quaternion::{exp, nearest_turn, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{Moved, PrescribedMotion, State, Target, seam_shares};
+use crate::solve::problem::prescribed_motion::{Lifted, Moved, Target, lifted, spin_shares};
+use crate::solve::problem::state::{State, seam_shares};
 
 /// Number of states kept, because a parabola needs three.
 const KEPT: usize = 3;
@@ -34,8 +33,6 @@ const FARTHEST: f64 = 2.0;
 const UNCERTAIN: f64 = 0.1;
 /// Relative deviation of prescribed values from a line that counts as rounding.
 const COLLINEAR: f64 = 1e-6;
-/// Sine of the angle between tangent and axis up to which a support turns a rod about its own tangent.
-const ABOUT_TANGENT: f64 = 1e-9;
 
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
@@ -281,73 +278,15 @@ impl Visited {
     }
 }
 
-/// A prescribed motion lifted from supports to rods.
-#[derive(Debug, Clone)]
-pub(crate) struct Lifted {
-    pub(crate) state: State,
-    /// The part that supports are still to make.
-    pub(crate) drive: PrescribedMotion,
-    /// Nodes that were spun about their tangents, with the angles, rad.
-    pub(crate) spun: Vec<(usize, f64)>,
-}
-
-/// Turns seams, and the supports that turn a rod about its own tangent, with the rod: frames between them spin evenly.
-/// Every centreline stays as it is, and contact with it, so the whole of such a drive can be taken at once.
-pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -> Lifted {
-    let mut state = state.clone();
-    for (rod, &angle) in drive.seams.iter().enumerate() {
-        state.twist(rod, engine.nodes(rod), angle);
-    }
-    let (mut left, mut spun) = (PrescribedMotion::default(), Vec::new());
-    for &(node, displacement, rotation) in &drive.nodes {
-        let tangent = state.frames[node] * Vec3::z();
-        let angle = rotation.dot(&tangent);
-        let about_tangent = (rotation - tangent * angle).norm() <= ABOUT_TANGENT * rotation.norm();
-        if !about_tangent || engine.model.rods[engine.rod_of(node)].closed {
-            left.nodes.push((node, displacement, rotation));
-            continue;
-        }
-        if angle != 0.0 {
-            spin_evenly(engine, &mut state, node, angle);
-            spun.push((node, angle));
-        }
-        if displacement != Vec3::zeros() {
-            left.nodes.push((node, displacement, Vec3::zeros()));
-        }
-    }
-    Lifted { state, drive: left, spun }
-}
-
-/// Spins the frames of an open rod about their tangents: those of `node` by an angle, the others by shares that fall
-/// evenly to zero at the next nodes on both sides whose rotation is held.
-fn spin_evenly(engine: &Engine, state: &mut State, node: usize, angle: f64) {
-    for (k, share) in spin_shares(engine, node).filter(|(_, share)| *share != 0.0) {
-        let turned = state.frames[k] * spin(angle * share);
-        state.frames[k] = Unit::new_normalize(turned.into_inner());
-    }
-}
-
-/// Shares, by node, of the rod in a spin of one of its nodes.
-fn spin_shares(engine: &Engine, node: usize) -> impl Iterator<Item = (usize, f64)> {
-    let nodes = engine.nodes(engine.rod_of(node));
-    let held = |n: &usize| engine.is_turning_held(*n);
-    let before = (nodes.start..node).rev().find(held);
-    let after = (node + 1..nodes.end).find(held);
-    let share = move |k: usize| match (k.cmp(&node), before, after) {
-        (std::cmp::Ordering::Less, Some(held), _) => (k.saturating_sub(held)) as f64 / (node - held) as f64,
-        (std::cmp::Ordering::Greater, _, Some(held)) => (held.saturating_sub(k)) as f64 / (held - node) as f64,
-        _ => 1.0,
-    };
-    nodes.map(move |k| (k, share(k)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::quaternion::exp;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Ramp, Stage, Support};
-    use crate::solve::path::run::{Solver, run};
+    use crate::solve::load_step::solver::Solver;
+    use crate::solve::path::run::run;
+    use crate::solve::problem::prescribed_motion::spin_evenly;
     use crate::solve::{Options, Status};
 
     fn clamped(closed: bool) -> Model {
@@ -355,29 +294,13 @@ mod tests {
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
         let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
         let shape = if closed { circle } else { line };
-        let rods = vec![Rod::new("rod", &shape, closed, section, 12, 3, Natural::Straight).unwrap()];
+        let rods = vec![
+            Rod::new("rod", &shape, RodMesh { closed, num_elements: 12, order: 3 }, section, Natural::Straight)
+                .unwrap(),
+        ];
         let ends = if closed { vec![] } else { vec![0, 36] };
         let supports = ends.into_iter().map(|node| Support::clamp(NodeRef { rod: 0, node })).collect();
         Model { rods, supports, ..Model::default() }
-    }
-
-    /// A turn of a clamp about the tangent is taken by the whole rod: the node is where the drive takes it, its
-    /// neighbours turn by even shares, nothing is left to be pushed; a turn about another axis is left as it is.
-    #[test]
-    fn turns_about_tangents_are_lifted() {
-        let engine = Engine::new(clamped(false), None).unwrap();
-        let drive = |axis: Vec3| PrescribedMotion { nodes: vec![(36, Vec3::zeros(), axis * 2.0)], seams: Vec::new() };
-        let Lifted { state, drive: left, spun } = lifted(&engine, &engine.state, &drive(Vec3::x()));
-        assert!(left.nodes.is_empty());
-        assert_eq!(spun.len(), 1);
-        for node in 0..=36 {
-            let wanted = exp(&(Vec3::x() * (2.0 * node as f64 / 36.0))) * engine.state.frames[node];
-            assert!(state.frames[node].angle_to(&wanted) < 1e-12, "{node}");
-        }
-        assert_eq!(state.positions, engine.state.positions);
-        let Lifted { state, drive: left, spun } = lifted(&engine, &engine.state, &drive(Vec3::y()));
-        assert_eq!((left.nodes.len(), spun.len()), (1, 0));
-        assert_eq!(state, engine.state);
     }
 
     /// A rod that turns about an axis as a whole is predicted to rounding; one that is only spun stays in place.

@@ -6,10 +6,11 @@ use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
 use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
 use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
-use crate::solve::path::run::Solver;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
 use crate::solve::search::newton::relative_residual;
 

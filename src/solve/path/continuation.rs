@@ -23,11 +23,12 @@ use std::ops::ControlFlow;
 
 use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
 use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
 use crate::solve::path::continuation::parameter::Parameter;
-use crate::solve::path::run::{Progress, Solver};
+use crate::solve::path::run::Progress;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::timing::Instant;
 

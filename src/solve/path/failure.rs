@@ -19,7 +19,7 @@ const TIGHT: f64 = 0.95;
 
 /// A place on a rod.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spot {
+pub struct RodPoint {
     /// Name of the rod.
     pub rod: String,
     /// Reference arc length from its start \[L\].
@@ -30,7 +30,7 @@ pub struct Spot {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlap {
     /// Where on both strands.
-    pub at: [Spot; 2],
+    pub at: [RodPoint; 2],
     /// Depth over the smallest contact radius of the model.
     pub depth: f64,
 }
@@ -39,7 +39,7 @@ pub struct Overlap {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TightBend {
     /// Where it is bent the most.
-    pub at: Spot,
+    pub at: RodPoint,
     /// Curvature of the centreline × contact radius.
     pub tightness: f64,
 }
@@ -63,7 +63,7 @@ pub struct Failure {
     /// Largest force out of balance, over the largest sum of contributions.
     pub residual: f64,
     /// Where it is.
-    pub worst: Option<Spot>,
+    pub worst: Option<RodPoint>,
     /// Deepest overlap, if there is one beyond the tolerance of the contact law.
     pub overlap: Option<Overlap>,
     /// The tightest bend of the state that the attempt led on from, if curvature × contact radius is near 1 or beyond:
@@ -144,11 +144,11 @@ fn deepest_overlap(engine: &Engine) -> Option<Overlap> {
     (depth > TOL_DEPTH).then_some(Overlap { at, depth })
 }
 
-fn spot(engine: &Engine, rod: usize, arc: f64) -> Spot {
-    Spot { rod: engine.model.rods[rod].name.clone(), arc }
+fn spot(engine: &Engine, rod: usize, arc: f64) -> RodPoint {
+    RodPoint { rod: engine.model.rods[rod].name.clone(), arc }
 }
 
-impl fmt::Display for Spot {
+impl fmt::Display for RodPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "rod \"{}\" at arc {:.4}", self.rod, self.arc)
     }

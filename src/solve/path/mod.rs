@@ -2,7 +2,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | `run` | stages, steps, halved steps; [`Solver`](crate::solve::Solver) |
+//! | `run` | stages, steps, halved steps |
 //! | `restart` | all that a run needs to go on later |
 //! | `failure` | why a run went no further |
 //! | `continuation` | along a path by its arc length |

@@ -6,17 +6,13 @@
 //! depends on how that step was reached and would show in the last bits of the next. So a run that goes on from a
 //! [`Restart`] takes the same steps, bit for bit, as one that never stopped.
 
-use crate::contact::broad_phase::BroadPhase;
-use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
-use crate::contact::screened::Repulsion;
-use crate::error::{InputError, SolveError};
+use crate::error::InputError;
 use crate::solve::load_step::predictor::History;
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{Moved, State};
-use crate::solve::search::newton::Workspace;
+use crate::solve::problem::prescribed_motion::Moved;
+use crate::solve::problem::state::State;
 
 /// Where a run stands between two load steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +65,7 @@ impl Solver {
     /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
     /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place) -> Restart {
-        let Self { engine, workspace: _, options: _, moved, history, failure: _ } = self;
+        let Self { engine, workspace: _, options: _, moved, history } = self;
         let contact =
             engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
         Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), history: history.clone() }
@@ -113,28 +109,5 @@ impl Solver {
         self.moved = moved;
         self.history = history;
         Ok(())
-    }
-
-    /// Drops all that depends on how the present state was reached.
-    pub(crate) fn forget_the_way(&mut self) -> Result<(), SolveError> {
-        let timings = self.workspace.timings;
-        self.workspace = Workspace::default();
-        self.workspace.timings = timings;
-        self.engine.forget_the_way()
-    }
-}
-
-impl Engine {
-    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh
-    /// one. Of a law under which no step was taken, as where strands were apart, none is remembered.
-    fn forget_the_way(&mut self) -> Result<(), SolveError> {
-        if let Some(side) = &mut self.contact {
-            side.before = None;
-            side.exclusion = Exclusion::new();
-            side.broad_phase = BroadPhase::new();
-            side.repulsion.iter_mut().for_each(Repulsion::forget);
-        }
-        let state = self.state.clone();
-        self.update_contact(&state).map(|_| ())
     }
 }

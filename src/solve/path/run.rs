@@ -3,21 +3,15 @@
 use std::ops::ControlFlow;
 
 use crate::error::{InputError, SolveError};
-use crate::math::Vec3;
-use crate::math::parallel::in_pool;
-use crate::math::quaternion::exp;
-use crate::scene::model::{RemainingPath, unit};
-use crate::scene::{ContactLaw, Model, Pose, Ramp, Stage};
-use crate::solve::Options;
-use crate::solve::load_step::predictor::{History, lifted};
+use crate::scene::{Model, Ramp, Stage};
+use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::options::Options;
 use crate::solve::path::failure::Failure;
 use crate::solve::path::restart::{Place, Restart};
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::problem_size::ProblemSize;
-use crate::solve::problem::state::{Moved, PrescribedMotion, State, Target};
-use crate::solve::search::newton::Workspace;
-use crate::solve::search::timing::{Instant, Timings};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::search::timing::Instant;
 
 /// State after an accepted step, for the observer.
 #[derive(Debug)]
@@ -50,20 +44,6 @@ pub struct Solution {
     pub iterations: usize,
     /// The attempt that ended the run, if it ended neither at its target nor because it was asked to.
     pub failure: Option<Failure>,
-}
-
-/// Engine and workspace: finds equilibria one after the other.
-#[derive(Debug)]
-pub struct Solver {
-    pub(crate) engine: Engine,
-    pub(crate) workspace: Workspace,
-    pub(crate) options: Options,
-    /// Motions of supports so far.
-    pub(crate) moved: Moved,
-    /// The attempt that ended the run.
-    pub(crate) failure: Option<Failure>,
-    /// The last accepted states, for predictions.
-    pub(crate) history: History,
 }
 
 /// An accepted state that a run may be taken up from.
@@ -117,38 +97,22 @@ pub fn run_from(
     observer: &mut Observer,
 ) -> Result<Solution, RunError> {
     model.check_stages(stages)?;
-    let mut solver = Solver::new(model, options.clone())?;
-    let (mut place, mut status) = match from {
-        None => solver.run_start(observer)?,
-        Some(restart) => {
-            let place = restart.place;
-            for stage in stages.iter().take(place.stage) {
-                solver.change_supports(&stage.ramps)?;
-            }
-            if let Some(stage) = stages.get(place.stage).filter(|_| place.fraction > 0.0) {
-                solver.change_supports(&stage.ramps)?;
-            }
-            if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan()
-            {
-                let reason =
-                    format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);
-                return Err(InputError::Inconsistent { field: "restart".to_owned(), reason }.into());
-            }
-            solver.take_over(restart)?;
-            solver.forget_the_way()?;
-            (place, Status::Converged)
-        }
+    let solver = Solver::new(model, options.clone())?;
+    let mut run = LoadStepping { solver, place: Place::start_of(0, 0, 0), failure: None, observer };
+    let mut status = match from {
+        None => run.find_start()?,
+        Some(restart) => run.resume(restart, stages)?,
     };
-    for (index, stage) in stages.iter().enumerate().skip(place.stage) {
+    for (index, stage) in stages.iter().enumerate().skip(run.place.stage) {
         if status != Status::Converged {
             break;
         }
-        if index > place.stage {
-            place = Place::start_of(index, place.num_steps, place.iterations);
+        if index > run.place.stage {
+            run.place = Place::start_of(index, run.place.num_steps, run.place.iterations);
         }
-        status = solver.run_stage(stage, &mut place, observer)?;
+        status = run.run_stage(stage)?;
     }
-    let failure = solver.failure.take();
+    let LoadStepping { solver, place, failure, .. } = run;
     Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations, failure })
 }
 
@@ -163,193 +127,113 @@ pub enum RunError {
     Solve(#[from] SolveError),
 }
 
-impl Solver {
-    /// Builds the engine.
-    ///
-    /// # Errors
-    /// Refused input; a rod so far from the origin that rounding moves its nodes by a thousandth of their spacing.
-    pub fn new(model: Model, options: Options) -> Result<Self, InputError> {
-        options.check()?;
-        let engine = Engine::new(model, options.threads)?;
-        engine.check_resolution()?;
-        Ok(Self {
-            engine,
-            workspace: Workspace::default(),
-            options,
-            moved: Moved::default(),
-            failure: None,
-            history: History::default(),
-        })
-    }
+/// A run under way.
+struct LoadStepping<'a, 'o> {
+    solver: Solver,
+    /// Where it stands.
+    place: Place,
+    /// The attempt that ended it.
+    failure: Option<Failure>,
+    observer: &'a mut Observer<'o>,
+}
 
-    /// The engine.
-    pub fn engine(&self) -> &Engine {
-        &self.engine
-    }
+/// Part of a stage that one attempt is to do.
+struct Attempt {
+    /// Fractions of the stage, from where to where.
+    span: [f64; 2],
+    /// Fraction of the stage.
+    size: f64,
+    /// Fraction of the remaining change of each ramp.
+    take: f64,
+}
 
-    /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
-    /// [`Solver::step_to`] without ramps, but not predicted from earlier steps.
-    pub fn find_equilibrium(&mut self) -> StepReport {
-        self.solve_step(&PrescribedMotion::default())
+impl Attempt {
+    /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended, on
+    /// the grid of steps `full`.
+    fn next(done: f64, size: f64, full: f64) -> Self {
+        let planned = ((done / full + 1e-6).floor() + 1.0) * full - done;
+        let size = size.min(planned);
+        // ramps are measured from where they are
+        let take = (size / (1.0 - done)).min(1.0);
+        let take = if 1.0 - done - size < 1e-9 { 1.0 } else { take };
+        Self { span: [done, done + take * (1.0 - done)], size, take }
     }
+}
 
-    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
-    /// and dropped for a penalty.
-    ///
-    /// # Errors
-    /// A law out of range; a change from or to no contact, which needs a new solver.
-    pub fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
-        self.engine.set_contact_law(law)
-    }
-
-    /// Replaces the configuration: by a start shape of one's own, or by the state of the same rods under other loads or
-    /// supports.
-    ///
-    /// # Errors
-    /// `InputError::Inconsistent` when the sizes do not match the model.
-    pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
-        self.engine.set_state(state)
-    }
-
-    /// Sizes of the problem with the contact candidates of the present state; analyses the pattern of the tangent anew,
-    /// which takes about as long as a Newton iteration.
-    ///
-    /// # Errors
-    /// Contact geometry that breaks down, a factorisation that does not fit into memory.
-    pub fn problem_size(&mut self) -> Result<ProblemSize, SolveError> {
-        self.engine.problem_size()
-    }
-
-    /// The solver's options.
-    pub fn options_mut(&mut self) -> &mut Options {
-        &mut self.options
-    }
-
-    /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
-    ///
-    /// # Errors
-    /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
-    pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
-        if !ramps.is_empty() {
-            self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
-        }
-        self.change_supports(ramps)
-            .map_err(|error| InputError::Inconsistent { field: "ramp".to_owned(), reason: error.to_string() })?;
-        self.note_numbers(ramps);
-        let round = self.largest_round(ramps);
-        let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
-        InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
-        let target = self.target(ramps, 1.0);
-        let report = self.attempt(&target);
-        if report.status == Status::Converged {
-            self.remember(&report);
-        }
-        Ok(report)
-    }
-
-    /// Where the time of all searches of this solver went.
-    pub fn timings(&self) -> Timings {
-        self.workspace.timings
-    }
-
-    /// Number of unstable directions at the present state.
-    ///
-    /// # Errors
-    /// When the tangent cannot be factorised.
-    pub fn num_unstable(&mut self) -> Result<usize, SolveError> {
-        self.workspace.count_unstable(&mut self.engine)
-    }
-
+impl LoadStepping<'_, '_> {
     /// Brings the start state to rest.
-    fn run_start(&mut self, observer: &mut Observer) -> Result<(Place, Status), RunError> {
+    fn find_start(&mut self) -> Result<Status, RunError> {
         let started = Instant::now();
-        let mut report = self.in_own_pool(|solver| solver.solve_step(&PrescribedMotion::default()));
-        self.judge_turning(&mut report);
-        let place = Place::start_of(0, 0, report.iterations);
+        let mut report = self.solver.in_own_pool(|solver| solver.solve_step(&PrescribedMotion::default()));
+        self.solver.judge_turning(&mut report);
+        self.place.iterations = report.iterations;
         let settled = report.status == Status::Converged;
         if settled {
-            self.remember(&report);
-            self.forget_the_way()?;
+            self.solver.remember(&report);
+            self.solver.forget_path()?;
         } else if report.status != Status::Stopped {
-            self.failure = Some(Failure::of(&self.engine, &report, &self.options.newton));
+            self.failure = Some(self.failure_of(&report));
         }
-        let progress = Progress {
-            engine: &self.engine,
-            stage: 0,
-            step: 0,
-            fraction: 0.0,
-            report: &report,
-            seconds: started.elapsed().as_secs_f64(),
-        };
-        let seen = observer(&progress, &Waypoint { solver: self, place, settled });
-        Ok((place, if seen.is_break() { Status::Stopped } else { report.status }))
+        Ok(if self.show(&report, started).is_break() { Status::Stopped } else { report.status })
     }
 
-    fn run_stage(&mut self, stage: &Stage, place: &mut Place, observer: &mut Observer) -> Result<Status, RunError> {
+    /// Takes up a run where an earlier one left it.
+    fn resume(&mut self, restart: Restart, stages: &[Stage]) -> Result<Status, RunError> {
+        let place = restart.place;
+        for stage in stages.iter().take(place.stage) {
+            self.solver.change_supports(&stage.ramps)?;
+        }
+        if let Some(stage) = stages.get(place.stage).filter(|_| place.fraction > 0.0) {
+            self.solver.change_supports(&stage.ramps)?;
+        }
+        if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan() {
+            let reason =
+                format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);
+            return Err(InputError::Inconsistent { field: "restart".to_owned(), reason }.into());
+        }
+        self.solver.take_over(restart)?;
+        self.solver.forget_path()?;
+        self.place = place;
+        Ok(Status::Converged)
+    }
+
+    /// Runs a stage from where it stands, in steps that are halved where they fail.
+    fn run_stage(&mut self, stage: &Stage) -> Result<Status, RunError> {
         // of the whole stage, also where it is taken up half-way
-        let rounds = self.largest_round(&stage.ramps) / (1.0 - place.fraction) / Ramp::MAX_ROUND;
+        let rounds = self.solver.largest_round(&stage.ramps) / (1.0 - self.place.fraction) / Ramp::MAX_ROUND;
         let full = 1.0 / (stage.steps as f64).max((rounds - 1e-6).ceil());
-        let mut size = place.step_size.min(full);
-        self.change_supports(&stage.ramps)?;
-        self.note_numbers(&stage.ramps);
+        let mut size = self.place.step_size.min(full);
+        self.solver.change_supports(&stage.ramps)?;
+        self.solver.note_numbers(&stage.ramps);
         let mut started = Instant::now();
         let mut failed_iterations = 0;
-        while place.fraction < 1.0 - 1e-12 {
-            let done = place.fraction;
-            // of the rest: ramps are measured from where they are
-            // after a step that was halved the next ends where it would have ended
-            let planned = ((done / full + 1e-6).floor() + 1.0) * full - done;
-            let here = size.min(planned);
-            let take = (here / (1.0 - done)).min(1.0);
-            let take = if 1.0 - done - here < 1e-9 { 1.0 } else { take };
-            let snapshot = self.snapshot();
-            let target = self.target(&stage.ramps, take);
-            let advance = take * (1.0 - done);
-            let mut report = self.attempt(&target);
-            place.iterations += report.iterations;
+        while self.place.fraction < 1.0 - 1e-12 {
+            let attempt = Attempt::next(self.place.fraction, size, full);
+            let snapshot = self.solver.snapshot();
+            let target = self.solver.target(&stage.ramps, attempt.take);
+            let mut report = self.solver.attempt(&target);
+            self.place.iterations += report.iterations;
             if report.status != Status::Converged {
                 failed_iterations += report.iterations;
-                size = 0.5 * here;
-                let gives_up = size < full * self.options.min_step;
+                size = 0.5 * attempt.size;
+                let gives_up = size < full * self.solver.options.min_step;
                 let failed = gives_up && report.status != Status::Stopped;
-                let failure = failed.then(|| Failure::of(&self.engine, &report, &self.options.newton));
-                self.restore(snapshot)?;
-                if let Some(failure) = failure {
-                    let is_load = |ramp: &Ramp| matches!(ramp, Ramp::Load { .. } | Ramp::Pressure { .. });
-                    let ramps_loads = stage.ramps.iter().any(is_load);
-                    let (stage, span) = (Some(place.stage), [done, done + advance]);
-                    let failure = failure.from_state(&self.engine);
-                    self.failure = Some(Failure { stage, span, ramps_loads, ..failure });
-                }
+                let failure = failed.then(|| self.failure_in(stage, &attempt, &report));
+                self.solver.restore(snapshot)?;
+                self.failure = failure.map(|failure| failure.from_state(&self.solver.engine));
                 if report.status == Status::Stopped || gives_up {
-                    if let Some(error @ SolveError::TooTwisted { .. }) = report.error {
-                        return Err(error.into()); // what is wrong is the mesh
-                    }
-                    let tight = self.failure.as_ref().is_some_and(|failure| failure.bend.is_some());
-                    return Ok(match report.status {
-                        Status::BrokeDown | Status::MaxIterations | Status::Penetration if tight => Status::TooTight,
-                        Status::BrokeDown | Status::MaxIterations => Status::StepTooSmall,
-                        other => other,
-                    });
+                    return ending(report, self.failure.as_ref());
                 }
                 continue;
             }
             size = (2.0 * size).min(full);
-            place.fraction += advance;
-            place.step_size = size;
-            place.num_steps += 1;
+            self.place.fraction = attempt.span[1];
+            self.place.step_size = size;
+            self.place.num_steps += 1;
             report.iterations += std::mem::take(&mut failed_iterations);
-            self.remember(&report);
-            self.forget_the_way()?;
-            let progress = Progress {
-                engine: &self.engine,
-                stage: place.stage,
-                step: place.num_steps,
-                fraction: place.fraction,
-                report: &report,
-                seconds: started.elapsed().as_secs_f64(),
-            };
-            if observer(&progress, &Waypoint { solver: self, place: *place, settled: true }).is_break() {
+            self.solver.remember(&report);
+            self.solver.forget_path()?;
+            if self.show(&report, started).is_break() {
                 return Ok(Status::Stopped);
             }
             started = Instant::now();
@@ -357,145 +241,44 @@ impl Solver {
         Ok(Status::Converged)
     }
 
-    /// Adds the accepted state to those from which the next one is predicted.
-    fn remember(&mut self, report: &StepReport) {
-        if report.escapes > 0 {
-            self.history.clear();
-        }
-        self.history.push(&self.engine.state, &self.moved);
-    }
-
-    fn turns_left(&self, node: usize, to: f64) -> f64 {
-        to - self.moved.turned.get(&node).copied().unwrap_or(0.0)
-    }
-
-    /// The way from where a node is to a pose.
-    fn way_left(&self, node: usize, pose: &Pose) -> RemainingPath {
-        let state = &self.engine.state;
-        let turned = self.moved.turned.get(&node).copied().unwrap_or(0.0);
-        pose.remaining_path(&state.positions[node], &state.remainders[node], &state.frames[node], turned)
-    }
-
-    /// Turns by which the ramps will carry a node round an axis or to a pose, at most.
-    fn largest_round(&self, ramps: &[Ramp]) -> f64 {
-        let round = |ramp: &Ramp| match ramp {
-            Ramp::RotationAbout { node, to, .. } => {
-                self.turns_left(self.engine.first_node[node.rod] + node.node, *to).abs()
-            }
-            Ramp::Pose { node, pose } => {
-                let way = self.way_left(self.engine.first_node[node.rod] + node.node, pose);
-                way.rotation.norm() / std::f64::consts::TAU
-            }
-            _ => 0.0,
+    /// Calls the observer.
+    fn show(&mut self, report: &StepReport, started: Instant) -> ControlFlow<()> {
+        let (solver, place) = (&self.solver, self.place);
+        let progress = Progress {
+            engine: &solver.engine,
+            stage: place.stage,
+            step: place.num_steps,
+            fraction: place.fraction,
+            report,
+            seconds: started.elapsed().as_secs_f64(),
         };
-        ramps.iter().map(round).fold(0.0, f64::max)
+        let settled = report.status == Status::Converged;
+        (self.observer)(&progress, &Waypoint { solver, place, settled })
     }
 
-    /// The target when every ramp takes the fraction `take` of its remaining change.
-    fn target(&self, ramps: &[Ramp], take: f64) -> Target {
-        let mut target = Target::default();
-        let node_of = |n: &crate::scene::NodeRef| self.engine.first_node[n.rod] + n.node;
-        for ramp in ramps {
-            match ramp {
-                Ramp::ExcessLink { rod, to } => {
-                    let seams = &mut target.drive.seams;
-                    seams.resize(self.engine.model.rods.len(), 0.0);
-                    let link = to + self.engine.model.rods[*rod].natural_link();
-                    seams[*rod] = (link * std::f64::consts::TAU - self.engine.state.seams[*rod]) * take;
-                }
-                Ramp::Rotation { node, axis, to } => {
-                    let node = node_of(node);
-                    let change = self.turns_left(node, *to) * take;
-                    let vector = unit(axis) * (change * std::f64::consts::TAU);
-                    target.drive.nodes.push((node, Vec3::zeros(), vector));
-                    target.turned.push((node, change));
-                }
-                Ramp::RotationAbout { node, axis, through, to } => {
-                    let node = node_of(node);
-                    let change = self.turns_left(node, *to) * take;
-                    let vector = unit(axis) * (change * std::f64::consts::TAU);
-                    let state = &self.engine.state;
-                    let displaced = self.moved.displaced.get(&node).copied().unwrap_or_default();
-                    let arm = (state.positions[node] - through - displaced) + state.remainders[node];
-                    target.drive.nodes.push((node, exp(&vector) * arm - arm, vector));
-                    target.turned.push((node, change));
-                }
-                Ramp::Displacement { node, to } => {
-                    let node = node_of(node);
-                    let change = (to - self.moved.displaced.get(&node).copied().unwrap_or_default()) * take;
-                    target.drive.nodes.push((node, change, Vec3::zeros()));
-                    target.displaced.push((node, change));
-                }
-                Ramp::Pose { node, pose } => {
-                    let node = node_of(node);
-                    let (position, way) = (self.engine.state.positions[node], self.way_left(node, pose));
-                    target.drive.nodes.push((node, way.displacement(take), way.rotation * take));
-                    if way.turns != 0.0 {
-                        // a second motion of the node: the rod takes it by itself, being about its tangent
-                        let angle = way.turns * take * std::f64::consts::TAU;
-                        let tangent = self.engine.state.frames[node] * Vec3::z();
-                        target.drive.nodes.push((node, Vec3::zeros(), tangent * angle));
-                        target.turned.push((node, way.turns * take));
-                    }
-                    target.posed.push((node, way.controls(&position).map(|v| v * take)));
-                }
-                Ramp::Load { to } => {
-                    let now = self.engine.state.load_factor;
-                    target.load_factor = Some(now + (to - now) * take);
-                }
-                Ramp::Pressure { rod, to } => {
-                    let now = self.engine.state.pressures[*rod];
-                    target.pressures.push((*rod, now + (to - now) * take));
-                }
-                Ramp::Plane { plane, to } => {
-                    let now = self.engine.state.plane_heights[*plane];
-                    target.plane_heights.push((*plane, now + (to - now) * take));
-                }
-                Ramp::Number { rod, which, to } => {
-                    let now = self.engine.model.rods[*rod].number(*which);
-                    target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { now + (to - now) * take });
-                }
-                // done before the stage's first step
-                Ramp::Hold(_) | Ramp::Release(_) => {}
-            }
-        }
-        target
+    fn failure_of(&self, report: &StepReport) -> Failure {
+        Failure::of(&self.solver.engine, report, &self.solver.options.newton)
     }
 
-    /// A state whose elements may have taken the other way round is no equilibrium of the rod.
-    fn judge_turning(&self, report: &mut StepReport) {
-        if report.status != Status::Converged {
-            return;
-        }
-        if let Err(error) = self.engine.check_turning() {
-            (report.status, report.error) = (Status::BrokeDown, Some(error));
+    fn failure_in(&self, stage: &Stage, attempt: &Attempt, report: &StepReport) -> Failure {
+        let is_load = |ramp: &Ramp| matches!(ramp, Ramp::Load { .. } | Ramp::Pressure { .. });
+        Failure {
+            stage: Some(self.place.stage),
+            span: attempt.span,
+            ramps_loads: stage.ramps.iter().any(is_load),
+            ..self.failure_of(report)
         }
     }
+}
 
-    /// Runs `work` in the solver's own pool, if it has one, because to enter the pool for every sum takes longer than a
-    /// small sum.
-    fn in_own_pool<R: Send>(&mut self, work: impl FnOnce(&mut Self) -> R + Send) -> R {
-        let pool = self.engine.pool.take();
-        let result = in_pool(pool.as_ref(), || work(self));
-        self.engine.pool = pool;
-        result
-    }
-
-    fn attempt(&mut self, target: &Target) -> StepReport {
-        let spun = lifted(&self.engine, &self.engine.state, &target.drive).spun;
-        if let Err(error) = self.engine.check_spun(&target.drive.seams, &spun) {
-            return StepReport::refused(error);
-        }
-        let predicted = self.history.predict(&self.engine, target).or_else(|| self.unforeseen(target));
-        target.load(&mut self.engine.state);
-        if let Err(error) = self.engine.take_numbers() {
-            return StepReport::refused(SolveError::Symbolic { reason: error.to_string() });
-        }
-        let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
-        self.judge_turning(&mut report);
-        if report.status == Status::Converged {
-            self.moved.go_on(target, &spun);
-        }
-        report
+/// How a run ends with an attempt that failed and is not halved any more.
+fn ending(report: StepReport, failure: Option<&Failure>) -> Result<Status, RunError> {
+    let is_tight = failure.is_some_and(|failure| failure.bend.is_some());
+    match (report.status, report.error) {
+        // what is wrong is the mesh
+        (_, Some(error @ SolveError::TooTwisted { .. })) => Err(error.into()),
+        (Status::BrokeDown | Status::MaxIterations | Status::Penetration, _) if is_tight => Ok(Status::TooTight),
+        (Status::BrokeDown | Status::MaxIterations, _) => Ok(Status::StepTooSmall),
+        (other, _) => Ok(other),
     }
 }

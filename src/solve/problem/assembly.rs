@@ -12,7 +12,8 @@ use crate::contact::potential::plane::PlaneContact;
 use crate::contact::potential::{ContactPair, Request};
 use crate::rod::element::Strain;
 use crate::solve::problem::engine::{Engine, give_to_masters};
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::sparse::Pattern;
 

@@ -85,7 +85,7 @@ fn rate_of_stretch(strains: &[Strain; 3], points: &[f64], g: usize) -> Vec3 {
 mod tests {
     use super::*;
     use crate::math::Quat;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
 
     /// Sections that lean by .4 rad from the tangent of a helix of radius 1 and pitch 2π, and turn about their normal 9
@@ -99,9 +99,9 @@ mod tests {
             pitch: std::f64::consts::TAU,
             turns: 1.0,
         };
-        for (order, tol) in [(1, 0.2), (2, 5e-2), (3, 2e-3)] {
+        for (order, tol) in [(1, 0.2_f64), (2, 5e-2), (3, 2e-3)] {
             let section = Section::isotropic(1.0, 1.0, 1.0, 1.0, 0.3);
-            let rod = Rod::new("helix", &shape, false, section, 48, order, Natural::Straight).unwrap();
+            let rod = Rod::new("helix", &shape, RodMesh::open(48, order), section, Natural::Straight).unwrap();
             let mut engine = Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap();
             let plain = engine.largest_curvature(0)[0];
             assert!((plain - 0.5).abs() < 0.02 * tol.max(0.1), "{order}: {plain}");

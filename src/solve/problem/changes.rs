@@ -1,40 +1,61 @@
-//! Changes of the problem by stages: ramped numbers of rods, supports that are set and removed.
+//! Changes of the problem: another state, another contact law, ramped numbers of rods.
 //!
 //! Numbers belong to the state, as loads do: a restored state has its own numbers. The engine's model
 //! follows them ([`Engine::take_numbers`]).
 
-use std::collections::BTreeMap;
-
+use crate::contact::broad_phase::BroadPhase;
+use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
+use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
-use crate::rod::{Natural, RodNumber};
-use crate::scene::Ramp;
-use crate::solve::load_step::predictor::{History, Lifted, Prediction, lifted};
-use crate::solve::path::run::Solver;
+use crate::rod::Natural;
+use crate::scene::ContactLaw;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::engine::{Engine, Reference};
-use crate::solve::problem::state::Target;
-
-/// Numbers of rods that have been ramped.
-pub type Numbers = BTreeMap<(usize, RodNumber), f64>;
-
-/// Numbers as a list: text formats have words for keys only.
-#[cfg(feature = "serde")]
-pub(crate) mod as_list {
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    use super::{Numbers, RodNumber};
-
-    pub(crate) fn serialize<S: Serializer>(numbers: &Numbers, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(numbers)
-    }
-
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Numbers, D::Error> {
-        Vec::<((usize, RodNumber), f64)>::deserialize(deserializer).map(|list| list.into_iter().collect())
-    }
-}
+use crate::solve::problem::state::State;
 
 impl Engine {
+    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
+    /// and dropped for a penalty.
+    ///
+    /// # Errors
+    /// A law out of range; a change from or to no contact, which needs a new engine.
+    pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
+        let asked = law;
+        let law = law.on_mesh(&self.model.rods);
+        let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
+            let reason = "contact cannot be switched on or off in a running engine".to_owned();
+            return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
+        };
+        InputError::positive("contact.stiffness", stiffness)?;
+        let raised = contact_side::stiffness(stiffness, self.scales.bending, side.min_radius);
+        let offsets = if matches!(law, ContactLaw::Penalty { .. }) { side.no_offsets() } else { side.offsets.clone() };
+        side.change_law(Law::Linear { stiffness: raised }, offsets);
+        self.model.contact.law = law;
+        self.law_asked = asked;
+        Ok(())
+    }
+
+    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other
+    /// loads or supports, to go on from there.
+    ///
+    /// # Errors
+    /// `InputError::Inconsistent` when the sizes do not match the model.
+    pub(crate) fn set_state(&mut self, state: State) -> Result<(), InputError> {
+        let fits = state.positions.len() == self.state.positions.len()
+            && state.remainders.len() == self.state.remainders.len()
+            && state.frames.len() == self.state.frames.len()
+            && state.seams.len() == self.state.seams.len()
+            && state.pressures.len() == self.state.pressures.len()
+            && state.plane_heights.len() == self.state.plane_heights.len();
+        if !fits {
+            let reason = "has another number of nodes or rods than the model".to_owned();
+            return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
+        }
+        self.state = state;
+        self.take_numbers()
+    }
+
     /// Makes the model that of the state's numbers.
     ///
     /// # Errors
@@ -81,41 +102,18 @@ impl Engine {
         self.contact = Some(fresh);
         Ok(())
     }
-}
 
-impl Solver {
-    /// Notes the present values of numbers that ramps are about to move, so that a step that fails goes back to them.
-    pub(in crate::solve) fn note_numbers(&mut self, ramps: &[Ramp]) {
-        for ramp in ramps {
-            if let Ramp::Number { rod, which, .. } = ramp {
-                let value = self.engine.model.rods[*rod].number(*which);
-                self.engine.state.numbers.entry((*rod, *which)).or_insert(value);
-            }
+    /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh
+    /// one. Of a law under which no step was taken, as where strands were apart, none is remembered.
+    pub(in crate::solve) fn forget_path(&mut self) -> Result<(), SolveError> {
+        if let Some(side) = &mut self.contact {
+            side.before = None;
+            side.exclusion = Exclusion::new();
+            side.broad_phase = BroadPhase::new();
+            side.repulsion.iter_mut().for_each(Repulsion::forget);
         }
-    }
-
-    /// Sets and takes away supports as a stage says, before its first step: nodes are held where they are.
-    ///
-    /// # Errors
-    /// Contact geometry that breaks down.
-    pub(in crate::solve) fn change_supports(&mut self, ramps: &[Ramp]) -> Result<(), SolveError> {
-        if !self.engine.model.change_supports(ramps) {
-            return Ok(());
-        }
-        self.engine.find_unknowns();
-        self.history = History::default();
-        self.forget_the_way()
-    }
-
-    /// Where a step leads that changes numbers: nowhere by itself, supports move as they are told.
-    pub(in crate::solve) fn unforeseen(&self, target: &Target) -> Option<Prediction> {
-        let changes = target.numbers.iter().any(|(key, value)| self.engine.state.numbers.get(key) != Some(value));
-        changes.then(|| {
-            let Lifted { drive, .. } = lifted(&self.engine, &self.engine.state, &target.drive);
-            let mut still = Prediction::still(&self.engine);
-            drive.add_to(&mut still.increment);
-            still
-        })
+        let state = self.state.clone();
+        self.update_contact(&state).map(|_| ())
     }
 }
 
@@ -123,7 +121,7 @@ impl Solver {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::rod::{Rod, Section, Shape};
+    use crate::rod::{Rod, RodMesh, RodNumber, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of before.
@@ -132,7 +130,7 @@ mod tests {
         let rod = |height: f64| {
             let shape = Shape::Line { start: Vec3::z() * height, direction: Vec3::x(), length: 1.0 };
             let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
-            Rod::new("rod", &shape, false, section, 4, 3, Natural::Straight).unwrap()
+            Rod::new("rod", &shape, RodMesh::open(4, 3), section, Natural::Straight).unwrap()
         };
         let supports = (0..2).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
         let model = Model { rods: vec![rod(0.0), rod(0.1)], supports, ..Model::default() };

@@ -211,27 +211,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
-    /// and dropped for a penalty.
-    ///
-    /// # Errors
-    /// A law out of range; a change from or to no contact, which needs a new engine.
-    pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
-        let asked = law;
-        let law = law.on_mesh(&self.model.rods);
-        let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
-            let reason = "contact cannot be switched on or off in a running engine".to_owned();
-            return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
-        };
-        InputError::positive("contact.stiffness", stiffness)?;
-        let raised = contact_side::stiffness(stiffness, self.scales.bending, side.min_radius);
-        let offsets = if matches!(law, ContactLaw::Penalty { .. }) { side.no_offsets() } else { side.offsets.clone() };
-        side.change_law(Law::Linear { stiffness: raised }, offsets);
-        self.model.contact.law = law;
-        self.law_asked = asked;
-        Ok(())
-    }
-
     /// Stiffness of the contact law asked for \[F/L²\]; 0 without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
@@ -304,26 +283,6 @@ impl Engine {
     /// The present configuration.
     pub fn state(&self) -> &State {
         &self.state
-    }
-
-    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other
-    /// loads or supports, to go on from there.
-    ///
-    /// # Errors
-    /// `InputError::Inconsistent` when the sizes do not match the model.
-    pub(crate) fn set_state(&mut self, state: State) -> Result<(), InputError> {
-        let fits = state.positions.len() == self.state.positions.len()
-            && state.remainders.len() == self.state.remainders.len()
-            && state.frames.len() == self.state.frames.len()
-            && state.seams.len() == self.state.seams.len()
-            && state.pressures.len() == self.state.pressures.len()
-            && state.plane_heights.len() == self.state.plane_heights.len();
-        if !fits {
-            let reason = "has another number of nodes or rods than the model".to_owned();
-            return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
-        }
-        self.state = state;
-        self.take_numbers()
     }
 
     /// Scales, materials and masses of rods whose numbers have changed.

@@ -205,13 +205,13 @@ fn extrapolation(table: &ShapeTable) -> [[f64; 3]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
 
     fn helix(order: usize) -> Engine {
         let shape = Shape::Helix { center: Vec3::zeros(), axis: Vec3::z(), radius: 1.0, pitch: TAU, turns: 1.0 };
         let section = Section::isotropic(1.0, 1.0, 1.0, 1.0, 0.0);
-        let rod = Rod::new("helix", &shape, false, section, 24, order, Natural::Straight).unwrap();
+        let rod = Rod::new("helix", &shape, RodMesh::open(24, order), section, Natural::Straight).unwrap();
         Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap()
     }
 
@@ -233,7 +233,7 @@ mod tests {
         let shape =
             Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius: 2.0, angle: 1.0 };
         let section = Section::isotropic(3.0, 1.0, 50.0, 50.0, 0.0);
-        let rod = Rod::new("arc", &shape, false, section, 8, 3, Natural::Straight).unwrap();
+        let rod = Rod::new("arc", &shape, RodMesh::open(8, 3), section, Natural::Straight).unwrap();
         let engine = Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap();
         let fields = engine.nodal_fields(0);
         for (force, moment) in fields.internal_force.iter().zip(&fields.internal_moment) {

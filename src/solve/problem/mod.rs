@@ -4,23 +4,27 @@
 //! |---|---|
 //! | `engine` | model, unknowns, state, in one place |
 //! | `state` | positions and unit quaternions, and how an increment moves them |
+//! | `prescribed_motion` | motions of supports and seams, lifted to the rods |
 //! | `assembly` | elements, loads and contact summed into gradient and tangent |
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
+//! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
 //! | `twist_limit` | no frame turns past half a turn against its neighbour |
 //! | `bend` | how tightly rods are bent for their thickness |
-//! | `changes` | numbers of rods and supports that stages change |
+//! | `changes` | another state, contact law or number of a rod |
 //! | `fields`, `problem_size` | strains and forces along the rods; unknowns and entries |
 
 pub(crate) mod assembly;
 pub(crate) mod bend;
 pub(in crate::solve) mod changes;
 pub(in crate::solve) mod contact_field;
+pub(in crate::solve) mod contact_gaps;
 pub(crate) mod contact_side;
 pub(crate) mod engine;
 pub(in crate::solve) mod fields;
-mod moment_load;
+pub(in crate::solve) mod moment_load;
+pub(in crate::solve) mod prescribed_motion;
 pub(in crate::solve) mod problem_size;
 pub(in crate::solve) mod state;
 pub(crate) mod swivel;

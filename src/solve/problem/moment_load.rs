@@ -9,38 +9,35 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::math::Vec3;
 use crate::solve::problem::engine::Engine;
-use crate::solve::search::newton::Workspace;
 
-impl Workspace {
-    /// Turns the solution `x` of K x = b into that of (K − ½[m×]) x = b. Nothing happens without moments or in planar
-    /// scenes, where a moment has a potential.
-    pub(crate) fn add_moment_skew(&mut self, engine: &Engine, x: &mut [f64]) {
-        if engine.is_conservative() {
-            return;
+/// Turns the solution `x` of K x = b into that of (K − ½[m×]) x = b; `solve` solves K x = b. Nothing happens without moments or in planar
+/// scenes, where a moment has a potential.
+pub(crate) fn add_moment_skew(engine: &Engine, x: &mut [f64], mut solve: impl FnMut(&[f64]) -> Vec<f64>) {
+    if engine.is_conservative() {
+        return;
+    }
+    let loaded = loaded_rotations(engine);
+    let size = 3 * loaded.len();
+    let mut skew = DMatrix::<f64>::zeros(size, size);
+    let mut responses = Vec::with_capacity(size);
+    for (k, (node, moment)) in loaded.iter().enumerate() {
+        let block = moment.cross_matrix() * -0.5;
+        skew.view_mut((3 * k, 3 * k), (3, 3)).copy_from(&block);
+        for axis in 0..3 {
+            let mut unit = vec![0.0; x.len()];
+            unit[6 * node + 3 + axis] = 1.0;
+            responses.push(solve(&unit));
         }
-        let loaded = loaded_rotations(engine);
-        let size = 3 * loaded.len();
-        let mut skew = DMatrix::<f64>::zeros(size, size);
-        let mut responses = Vec::with_capacity(size);
-        for (k, (node, moment)) in loaded.iter().enumerate() {
-            let block = moment.cross_matrix() * -0.5;
-            skew.view_mut((3 * k, 3 * k), (3, 3)).copy_from(&block);
-            for axis in 0..3 {
-                let mut unit = vec![0.0; x.len()];
-                unit[6 * node + 3 + axis] = 1.0;
-                responses.push(self.solve_last(engine, &unit));
-            }
-        }
-        let rotation = |v: &[f64], i: usize| v[6 * loaded[i / 3].0 + 3 + i % 3];
-        let compliance = DMatrix::from_fn(size, size, |i, j| rotation(&responses[j], i));
-        let here = DVector::from_fn(size, |i, _| rotation(x, i));
-        let system = DMatrix::identity(size, size) + &skew * compliance;
-        // singular only where the loaded equilibrium is: then the symmetric step is as good as any
-        let Some(weights) = system.lu().solve(&(&skew * here)) else { return };
-        for (response, weight) in responses.iter().zip(weights.iter()) {
-            for (x, r) in x.iter_mut().zip(response) {
-                *x -= weight * r;
-            }
+    }
+    let rotation = |v: &[f64], i: usize| v[6 * loaded[i / 3].0 + 3 + i % 3];
+    let compliance = DMatrix::from_fn(size, size, |i, j| rotation(&responses[j], i));
+    let here = DVector::from_fn(size, |i, _| rotation(x, i));
+    let system = DMatrix::identity(size, size) + &skew * compliance;
+    // singular only where the loaded equilibrium is: then the symmetric step is as good as any
+    let Some(weights) = system.lu().solve(&(&skew * here)) else { return };
+    for (response, weight) in responses.iter().zip(weights.iter()) {
+        for (x, r) in x.iter_mut().zip(response) {
+            *x -= weight * r;
         }
     }
 }

@@ -7,7 +7,26 @@ use nalgebra::Unit;
 use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
-use crate::solve::problem::changes::Numbers;
+use crate::rod::RodNumber;
+
+/// Numbers of rods that have been ramped.
+pub type Numbers = BTreeMap<(usize, RodNumber), f64>;
+
+/// Numbers as a list: text formats have words for keys only.
+#[cfg(feature = "serde")]
+pub(crate) mod as_list {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{Numbers, RodNumber};
+
+    pub(crate) fn serialize<S: Serializer>(numbers: &Numbers, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(numbers)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Numbers, D::Error> {
+        Vec::<((usize, RodNumber), f64)>::deserialize(deserializer).map(|list| list.into_iter().collect())
+    }
+}
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,129 +48,8 @@ pub struct State {
     /// Per plane: how far it has been moved along its normal \[L\].
     pub plane_heights: Vec<f64>,
     /// Numbers of rods that ramps have changed.
-    #[cfg_attr(feature = "serde", serde(with = "crate::solve::problem::changes::as_list"))]
+    #[cfg_attr(feature = "serde", serde(with = "as_list"))]
     pub numbers: Numbers,
-}
-
-/// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps,
-/// so that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct PrescribedMotion {
-    /// (node, displacement \[L\], rotation vector \[rad\]) of supported nodes.
-    pub nodes: Vec<(usize, Vec3, Vec3)>,
-    /// Per rod: change of the seam angle, rad; empty if none changes.
-    pub seams: Vec<f64>,
-}
-
-/// Where one load step leads.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Target {
-    pub(crate) drive: PrescribedMotion,
-    pub(crate) load_factor: Option<f64>,
-    /// By rod \[F/L\].
-    pub(crate) pressures: Vec<(usize, f64)>,
-    /// By plane \[L\].
-    pub(crate) plane_heights: Vec<(usize, f64)>,
-    /// Numbers of rods.
-    pub(crate) numbers: Numbers,
-    /// Turns that supports make, by node.
-    pub(crate) turned: Vec<(usize, f64)>,
-    /// Displacements that supports make, by node \[L\].
-    pub(crate) displaced: Vec<(usize, Vec3)>,
-    /// Motions of nodes towards poses: velocity \[L\] and rotation vector, rad, see `Way::controls`.
-    pub(crate) posed: Vec<(usize, [Vec3; 2])>,
-}
-
-impl Target {
-    /// Puts loads, pressures, planes and numbers of rods in force.
-    pub(crate) fn load(&self, state: &mut State) {
-        if let Some(factor) = self.load_factor {
-            state.load_factor = factor;
-        }
-        for &(rod, pressure) in &self.pressures {
-            state.pressures[rod] = pressure;
-        }
-        for &(plane, height) in &self.plane_heights {
-            state.plane_heights[plane] = height;
-        }
-        state.numbers.extend(&self.numbers);
-    }
-}
-
-/// Motions of supports so far, by node.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Moved {
-    /// Turns.
-    pub(crate) turned: BTreeMap<usize, f64>,
-    /// Displacements \[L\].
-    pub(crate) displaced: BTreeMap<usize, Vec3>,
-    /// Angles by which rods were spun about their own tangents, rad.
-    pub(crate) spun: BTreeMap<usize, f64>,
-    /// Sums of the constant rates of each path to a pose: velocity \[L\] and rotation vector, rad.
-    pub(crate) posed: BTreeMap<usize, [Vec3; 2]>,
-}
-
-impl Moved {
-    /// After a step to a target on which these nodes were spun.
-    pub(crate) fn go_on(&mut self, target: &Target, spun: &[(usize, f64)]) {
-        for &(node, turns) in &target.turned {
-            *self.turned.entry(node).or_insert(0.0) += turns;
-        }
-        for &(node, by) in &target.displaced {
-            *self.displaced.entry(node).or_default() += by;
-        }
-        for &(node, by) in &target.posed {
-            let sums = self.posed.entry(node).or_default();
-            sums.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
-        }
-        for &(node, angle) in spun {
-            *self.spun.entry(node).or_insert(0.0) += angle;
-        }
-    }
-
-    /// The same of nodes that are called by other numbers.
-    pub(crate) fn on_nodes(&self, number: impl Fn(usize) -> usize) -> Self {
-        Self {
-            turned: self.turned.iter().map(|(&node, &turns)| (number(node), turns)).collect(),
-            displaced: self.displaced.iter().map(|(&node, &by)| (number(node), by)).collect(),
-            spun: self.spun.iter().map(|(&node, &angle)| (number(node), angle)).collect(),
-            posed: self.posed.iter().map(|(&node, &by)| (number(node), by)).collect(),
-        }
-    }
-
-    /// All nodes that supports have moved.
-    pub(crate) fn nodes(&self) -> impl Iterator<Item = usize> {
-        self.turned.keys().chain(self.displaced.keys()).chain(self.spun.keys()).chain(self.posed.keys()).copied()
-    }
-}
-
-impl PrescribedMotion {
-    /// The drive in equal parts in none of which a seam turns by more than `turns` turns. Supports move in the first
-    /// part.
-    pub(crate) fn parts(&self, turns: f64) -> Vec<Self> {
-        let largest = self.seams.iter().fold(0.0f64, |a, b| a.max(b.abs())) / std::f64::consts::TAU;
-        let count = (largest / turns - 1e-9).ceil().clamp(1.0, 1000.0);
-        let seams: Vec<f64> = self.seams.iter().map(|angle| angle / count).collect();
-        let first = Self { nodes: self.nodes.clone(), seams: seams.clone() };
-        let rest = Self { nodes: Vec::new(), seams };
-        std::iter::once(first).chain(std::iter::repeat_n(rest, count as usize - 1)).collect()
-    }
-
-    /// Adds the supports' motions to an increment (six per node).
-    pub(crate) fn add_to(&self, increment: &mut [f64]) {
-        for &(node, displacement, rotation) in &self.nodes {
-            for k in 0..3 {
-                increment[6 * node + k] += displacement[k];
-                increment[6 * node + 3 + k] += rotation[k];
-            }
-        }
-    }
-
-    /// The supports' motions times a factor.
-    pub(crate) fn scaled(&self, factor: f64) -> Self {
-        Self { nodes: self.nodes.iter().map(|&(n, d, r)| (n, d * factor, r * factor)).collect(), seams: Vec::new() }
-    }
 }
 
 /// Shares of the nodes of a closed rod in the turn of its seam, which twists it evenly.

@@ -2,13 +2,16 @@
 //!
 //! | | |
 //! |---|---|
-//! | `newton` | linearisation, factorisation, the plain search |
+//! | `workspace` | linearisation, factorisation, inertia |
+//! | `equilibrate` | a search from start to end; begin here |
+//! | `newton` | the plain search |
 //! | `trust_region` | the guarded search: corrected steps that the potential confirms |
 //! | `second_order` | forces that a step's linear prediction missed |
 //! | `step_bound` | the longest step in which no strand passes another |
 //! | `stability` | unstable directions of a state |
 //! | `interrupt`, `timing` | a request to stop; where the time went |
 
+mod equilibrate;
 pub(in crate::solve) mod interrupt;
 pub(in crate::solve) mod newton;
 mod second_order;
@@ -16,3 +19,4 @@ mod stability;
 pub(in crate::solve) mod step_bound;
 pub(in crate::solve) mod timing;
 pub(in crate::solve) mod trust_region;
+pub(in crate::solve) mod workspace;

@@ -165,10 +165,10 @@ impl ContactSide {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::{Natural, Rod, Section, Shape};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Contact, ContactLaw, Model, NodeRef, Support};
     use crate::solve::problem::assembly::Tangent;
-    use crate::solve::problem::state::PrescribedMotion;
+    use crate::solve::problem::prescribed_motion::PrescribedMotion;
 
     const RADIUS: f64 = 0.1;
     const OVERLAP: f64 = 0.01;
@@ -179,7 +179,7 @@ mod tests {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, RADIUS);
         let rod = |name: &str, start: Vec3, direction: Vec3| {
             let shape = Shape::Line { start, direction, length: LENGTH };
-            Rod::new(name, &shape, false, section, 5, 3, Natural::Straight).unwrap()
+            Rod::new(name, &shape, RodMesh::open(5, 3), section, Natural::Straight).unwrap()
         };
         let up = Vec3::z() * (2.0 * RADIUS - OVERLAP);
         let middle = Vec3::x() * (0.52 * LENGTH);

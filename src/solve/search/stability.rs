@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::solve::problem::engine::Engine;
-use crate::solve::search::newton::Workspace;
+use crate::solve::search::workspace::Workspace;
 
 /// Inverse iterations for the direction in which an unstable equilibrium is left: so few that something of other modes
 /// stays in it. A direction converged to rounding has the symmetry of the state, and rounding would decide which of two

@@ -190,7 +190,7 @@ mod tests {
     use super::*;
     use crate::math::link::{linking_number, writhe};
     use crate::math::quaternion::{exp, spin};
-    use crate::rod::{Natural, Rod, Section, Shape, TorusKnot};
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape, TorusKnot};
     use crate::scene::{Model, NodeRef, Support};
 
     /// A rod above another at right angles, `height` radii apart.
@@ -198,7 +198,7 @@ mod tests {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
         let rod = |name: &str, start: Vec3, direction: Vec3| {
             let shape = Shape::Line { start, direction, length: 1.0 };
-            Rod::new(name, &shape, false, section, 9, 3, Natural::Straight).unwrap()
+            Rod::new(name, &shape, RodMesh::open(9, 3), section, Natural::Straight).unwrap()
         };
         let rods = vec![
             rod("lower", Vec3::new(-0.5, 0.0, 0.0), Vec3::x()),
@@ -250,11 +250,11 @@ mod tests {
     fn knot(elements: usize, with_ring: bool) -> Engine {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.008);
         let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
-        let mut rods = vec![Rod::new("knot", &knot, true, section, elements, 3, Natural::Straight).unwrap()];
+        let mut rods = vec![Rod::new("knot", &knot, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap()];
         if with_ring {
             let center = rods[0].positions[0];
             let ring = Shape::Circle { length: 0.4, center, normal: rods[0].frames[0] * Vec3::x() };
-            rods.push(Rod::new("ring", &ring, true, section, 8, 3, Natural::Straight).unwrap());
+            rods.push(Rod::new("ring", &ring, RodMesh::closed(8, 3), section, Natural::Straight).unwrap());
         }
         let mut engine = Engine::new(Model { rods, ..Model::default() }, None).unwrap();
         let state = engine.state.clone();
@@ -324,7 +324,7 @@ mod tests {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 1e-3);
         let line = |name: &str, start: Vec3, direction: Vec3, elements: usize| {
             let shape = Shape::Line { start, direction, length: 1.0 };
-            Rod::new(name, &shape, false, section, elements, 3, Natural::Straight).unwrap()
+            Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
         };
         for (bar, angle, free) in [(false, 6.1, true), (false, -3.0, true), (true, 3.0, false), (true, -3.0, true)] {
             let mut rods = vec![line("swings", Vec3::zeros(), Vec3::x(), 9)];
@@ -386,7 +386,7 @@ mod tests {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, radius);
         // coarse: control points are far below the curve
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::y() };
-        let rod = Rod::new("ring", &shape, true, section, 6, 1, Natural::Straight).unwrap();
+        let rod = Rod::new("ring", &shape, RodMesh::closed(6, 1), section, Natural::Straight).unwrap();
         let lowest = -1.0 / TAU;
         for height in [1.0, 1.5, 3.0, 20.0] {
             let point = Vec3::new(7.0, -5.0, lowest - height * radius);

@@ -24,10 +24,10 @@ use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{PrescribedMotion, State};
-use crate::solve::search::newton::{
-    Iteration, NewtonOptions, NewtonReport, Workspace, increment_size, relative_residual,
-};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
+use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, increment_size, relative_residual};
+use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
 use corrected_step::CorrectedStep;
 use progress::SearchProgress;
@@ -201,13 +201,13 @@ impl Workspace {
         (size, longest): (f64, f64),
     ) -> Result<CorrectedStep, SolveError> {
         let pushed = search.is_pushed();
-        let mut trial = self.trial(engine, &search.state, residual, step, longest, pushed)?;
+        let mut trial = self.trial(engine, (&search.state, residual), step, longest, pushed)?;
         for &shorter in if pushed { [].as_slice() } else { &SHORTER } {
             let falls = gain(residual, &trial) >= ENOUGH * trial.expected - noise(residual);
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
-            trial = self.trial(engine, &search.state, residual, step, shorter, pushed)?;
+            trial = self.trial(engine, (&search.state, residual), step, shorter, pushed)?;
         }
         Ok(trial)
     }

@@ -11,7 +11,6 @@
 //! of the map δx ↦ control points, so each point adds two vectors of 24 numbers. The last term is summed over w alone
 //! and added at the end.
 
-use super::Hessian;
 use crate::contact::curves::curve::Cubic;
 use crate::math::{Mat3, Vec3};
 
@@ -25,6 +24,9 @@ pub(in crate::contact) enum Coordinates {
     /// slave and master \[L\].
     Ends([Vec3; 4]),
 }
+
+/// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
+pub type Hessian = [[Mat3; 8]; 8];
 
 /// Second derivative with respect to 24 coordinates: blocks of six rows p ≤ six columns q filled, those on the diagonal
 /// in full.

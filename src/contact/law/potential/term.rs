@@ -1,12 +1,9 @@
 //! Terms of the contact potential, one for each pair of segments in contact.
 
-use super::stiffness::PairTangent;
+use super::stiffness::{Hessian, PairTangent};
 use crate::contact::curves::input::Strands;
 use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::{Mat3, Vec3};
-
-/// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
-pub type Hessian = [[Mat3; 8]; 8];
 
 /// One piece of a contact zone, for reports and multiplier updates.
 #[derive(Debug, Clone, Copy)]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::rod::{Natural, Section, Shape};
+use crate::rod::{Natural, RodMesh, Section, Shape};
 use crate::scene::{Contact, LineLoad, NodeLoad, Support};
 
 const START: NodeRef = NodeRef { rod: 0, node: 0 };
@@ -11,12 +11,12 @@ fn section(radius: f64) -> Section {
 
 fn beam() -> Rod {
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
-    Rod::new("beam", &shape, false, section(0.1), 4, 2, Natural::Straight).unwrap()
+    Rod::new("beam", &shape, RodMesh::open(4, 2), section(0.1), Natural::Straight).unwrap()
 }
 
 fn ring() -> Rod {
     let shape = Shape::Circle { length: 6.0, center: Vec3::zeros(), normal: Vec3::z() };
-    Rod::new("ring", &shape, true, section(0.1), 4, 2, Natural::Straight).unwrap()
+    Rod::new("ring", &shape, RodMesh::closed(4, 2), section(0.1), Natural::Straight).unwrap()
 }
 
 fn loaded(supports: Vec<Support>) -> Model {

@@ -5,7 +5,7 @@ use crate::contact::arc::{self, ascending};
 use crate::contact::chain::{ChainPiece, pieces};
 use crate::contact::curve::CurveSet;
 use crate::math::groups::Groups;
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::engine::Engine;
 
 /// How well a foot is known, relative to the contact radius, where the distance hardly changes along it.

@@ -4,13 +4,14 @@ use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::multipliers::SecantSteps;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::parameter::Parameter;
-use crate::solve::path::run::Solver;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::{NEUTRAL_SHIFT, increment_size, relative_residual};
+use crate::solve::search::newton::{increment_size, relative_residual};
+use crate::solve::search::workspace::NEUTRAL_SHIFT;
 
 /// Newton iterations allowed per point; about twice as many as a good step takes.
 const MAX_ITERATIONS: usize = 20;

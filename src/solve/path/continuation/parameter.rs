@@ -8,10 +8,11 @@ use crate::rod::element::MAX_DOF;
 use crate::rod::element::{Stress, predicted_stress};
 use crate::scene::Ramp;
 use crate::scene::model::unit;
-use crate::solve::path::run::Solver;
+use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::assembly::symmetric;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{PrescribedMotion, State};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 
 /// Quantity that the parameter changes, per unit of the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 use super::*;
 use crate::math::Vec3;
-use crate::rod::{Natural, Rod, Section, Shape};
+use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{Contact, LineLoad, Model, NodeLoad, NodeRef, Support};
 use crate::solve::{Options, State};
 
@@ -8,7 +8,7 @@ use crate::solve::{Options, State};
 fn open_rod() -> Solver {
     let section = Section { bending: [1.0, 1.3], ..Section::isotropic(1.0, 1.5, 900.0, 700.0, 0.0) };
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };
-    let rod = Rod::new("rod", &line, false, section, 4, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("rod", &line, RodMesh::open(4, 3), section, Natural::Straight).unwrap();
     let ends = [0, rod.num_nodes() - 1].map(|node| NodeRef { rod: 0, node });
     let middle = NodeRef { rod: 0, node: 6 };
     let model = Model {
@@ -25,7 +25,7 @@ fn open_rod() -> Solver {
 fn ring(planar: bool) -> Solver {
     let section = Section::isotropic(1.0, 1.5, 900.0, 700.0, 0.0);
     let circle = Shape::Circle { length: 2.0, center: Vec3::zeros(), normal: Vec3::z() };
-    let rod = Rod::new("ring", &circle, true, section, 4, 3, Natural::Straight).unwrap();
+    let rod = Rod::new("ring", &circle, RodMesh::closed(4, 3), section, Natural::Straight).unwrap();
     let model = Model { contact: Contact::NONE, rods: vec![rod], planar, ..Model::default() };
     Solver::new(model, Options::default()).unwrap()
 }

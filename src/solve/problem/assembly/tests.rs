@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::math::Vec3;
-use crate::rod::{Natural, Rod, Section, Shape};
+use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Plane};
 
 /// Two free rings that overlap, with dead loads and pressure, moved off every symmetry.
@@ -14,7 +14,7 @@ fn engine_with(electrostatics: Option<Electrostatics>) -> Engine {
     let section = Section { bending: [1.0, 1.3], ..Section::isotropic(1.0, 1.5, 900.0, 700.0, 0.06) };
     let ring = |name: &str, center: Vec3, normal: Vec3| {
         let shape = Shape::Circle { length: 2.0, center, normal };
-        Rod::new(name, &shape, true, section, 8, 3, Natural::Straight).unwrap()
+        Rod::new(name, &shape, RodMesh::closed(8, 3), section, Natural::Straight).unwrap()
     };
     let rods = vec![ring("a", Vec3::zeros(), Vec3::z()), ring("b", Vec3::new(0.55, 0.0, 0.02), Vec3::y())];
     let law = ContactLaw::Penalty { stiffness: 0.5 };

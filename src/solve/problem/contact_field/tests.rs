@@ -1,6 +1,8 @@
 use super::*;
-use crate::rod::{Natural, Rod, Section, Shape};
+use crate::math::Vec3;
+use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
+use crate::solve::problem::contact_gaps::joined;
 use crate::solve::{Options, Solver, Status};
 
 fn entry(node: u32, curve: u32, arc: [f64; 2]) -> Entry {
@@ -117,7 +119,7 @@ fn beams() -> Solver {
     let section = Section::isotropic(1.0, 1.0, 1e2, 1e5, 0.05);
     let beam = |k: i32| {
         let shape = Shape::Line { start: Vec3::y() * (0.1005 * f64::from(k)), direction: Vec3::x(), length: 1.0 };
-        Rod::new("beam", &shape, false, section, 12, 3, Natural::Straight).unwrap()
+        Rod::new("beam", &shape, RodMesh::open(12, 3), section, Natural::Straight).unwrap()
     };
     let rods: Vec<Rod> = (0..3).map(beam).collect();
     let ends = (0..3).flat_map(|rod| [0, 36].map(|node| Support::clamp(NodeRef { rod, node })));
@@ -171,8 +173,8 @@ fn restarts_carry_all_offsets() {
     let offsets = |solver: &Solver| solver.engine.contact.as_ref().unwrap().offsets.clone();
     assert!(!offsets(&solver).entries.is_empty());
     assert_eq!(offsets(&solver), offsets(&later));
-    solver.forget_the_way().unwrap();
-    later.forget_the_way().unwrap();
+    solver.forget_path().unwrap();
+    later.forget_path().unwrap();
     let step = |solver: &mut Solver| solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     assert_eq!(step(&mut solver), step(&mut later));
     assert_eq!(solver.engine.state, later.engine.state);

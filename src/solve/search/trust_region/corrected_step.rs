@@ -8,8 +8,8 @@ use crate::rod::element::{Strain, Stress};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::Workspace;
 use crate::solve::search::timing::timed;
+use crate::solve::search::workspace::Workspace;
 
 /// Change of contact forces in a step, relative to the largest force, up to which the whole residual is corrected instead
 /// of its second-order part.
@@ -46,8 +46,7 @@ impl Workspace {
     pub(super) fn trial(
         &mut self,
         engine: &mut Engine,
-        state: &State,
-        residual: &Residual,
+        (state, residual): (&State, &Residual),
         step: &ModelStep,
         longest: f64,
         pushed: bool,
@@ -85,7 +84,7 @@ impl Workspace {
             // near equilibrium the whole residual is corrected (a chord step)
             let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= GENTLE;
             let with_contact = !(pushed || gentle);
-            let (excess, second_order) = self.second_order(engine, state, residual, &there, &trial, with_contact);
+            let (excess, second_order) = self.second_order(engine, (state, residual), &there, &trial, with_contact);
             let (from, correction) = if gentle {
                 let mut unbalanced = there.gradient;
                 self.zero_energy.remove_sliding_force(&mut unbalanced);
@@ -127,8 +126,7 @@ impl Workspace {
     fn second_order(
         &self,
         engine: &Engine,
-        state: &State,
-        residual: &Residual,
+        (state, residual): (&State, &Residual),
         there: &Residual,
         trial: &CorrectedStep,
         contact: bool,

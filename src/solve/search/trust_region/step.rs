@@ -5,8 +5,8 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::PrescribedMotion;
-use crate::solve::search::newton::{NEUTRAL_SHIFT, Workspace};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 
 use super::unseen;
 

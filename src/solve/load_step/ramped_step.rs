@@ -1,0 +1,211 @@
+//! One load step as a caller asks for it: ramps become a target, the target is predicted, searched for and accepted.
+
+use std::f64::consts::TAU;
+
+use crate::error::{InputError, SolveError};
+use crate::math::Vec3;
+use crate::math::quaternion::exp;
+use crate::scene::model::{RemainingPath, unit};
+use crate::scene::{NodeRef, Pose, Ramp, Stage};
+use crate::solve::load_step::predictor::{History, Prediction};
+use crate::solve::load_step::solver::Solver;
+use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target, lifted};
+
+impl Solver {
+    /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
+    /// [`Solver::step_to`] without ramps, but not predicted from earlier steps.
+    pub fn find_equilibrium(&mut self) -> StepReport {
+        self.solve_step(&PrescribedMotion::default())
+    }
+
+    /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
+    ///
+    /// # Errors
+    /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
+    pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
+        if !ramps.is_empty() {
+            self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
+        }
+        self.change_supports(ramps)
+            .map_err(|error| InputError::Inconsistent { field: "ramp".to_owned(), reason: error.to_string() })?;
+        self.note_numbers(ramps);
+        let round = self.largest_round(ramps);
+        let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
+        InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
+        let target = self.target(ramps, 1.0);
+        let report = self.attempt(&target);
+        if report.status == Status::Converged {
+            self.remember(&report);
+        }
+        Ok(report)
+    }
+
+    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
+    pub(in crate::solve) fn attempt(&mut self, target: &Target) -> StepReport {
+        let spun = lifted(&self.engine, &self.engine.state, &target.drive).spun;
+        if let Err(error) = self.engine.check_spun(&target.drive.seams, &spun) {
+            return StepReport::refused(error);
+        }
+        let predicted = self.history.predict(&self.engine, target).or_else(|| self.unpredicted(target));
+        target.load(&mut self.engine.state);
+        if let Err(error) = self.engine.take_numbers() {
+            return StepReport::refused(SolveError::Symbolic { reason: error.to_string() });
+        }
+        let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
+        self.judge_turning(&mut report);
+        if report.status == Status::Converged {
+            self.moved.go_on(target, &spun);
+        }
+        report
+    }
+
+    /// Adds the accepted state to those from which the next one is predicted.
+    pub(in crate::solve) fn remember(&mut self, report: &StepReport) {
+        if report.escapes > 0 {
+            self.history.clear();
+        }
+        self.history.push(&self.engine.state, &self.moved);
+    }
+
+    /// A state whose elements may have taken the other way round is no equilibrium of the rod.
+    pub(in crate::solve) fn judge_turning(&self, report: &mut StepReport) {
+        if report.status != Status::Converged {
+            return;
+        }
+        if let Err(error) = self.engine.check_turning() {
+            (report.status, report.error) = (Status::BrokeDown, Some(error));
+        }
+    }
+
+    fn turns_left(&self, node: usize, to: f64) -> f64 {
+        to - self.moved.turned.get(&node).copied().unwrap_or(0.0)
+    }
+
+    /// The way from where a node is to a pose.
+    fn remaining_path(&self, node: usize, pose: &Pose) -> RemainingPath {
+        let state = &self.engine.state;
+        let turned = self.moved.turned.get(&node).copied().unwrap_or(0.0);
+        pose.remaining_path(&state.positions[node], &state.remainders[node], &state.frames[node], turned)
+    }
+
+    /// Turns by which the ramps will carry a node round an axis or to a pose, at most.
+    pub(in crate::solve) fn largest_round(&self, ramps: &[Ramp]) -> f64 {
+        let round = |ramp: &Ramp| match ramp {
+            Ramp::RotationAbout { node, to, .. } => {
+                self.turns_left(self.engine.first_node[node.rod] + node.node, *to).abs()
+            }
+            Ramp::Pose { node, pose } => {
+                let way = self.remaining_path(self.engine.first_node[node.rod] + node.node, pose);
+                way.rotation.norm() / TAU
+            }
+            _ => 0.0,
+        };
+        ramps.iter().map(round).fold(0.0, f64::max)
+    }
+
+    /// The target when every ramp takes the fraction `take` of its remaining change.
+    pub(in crate::solve) fn target(&self, ramps: &[Ramp], take: f64) -> Target {
+        let mut target = Target::default();
+        let node_of = |n: &NodeRef| self.engine.first_node[n.rod] + n.node;
+        for ramp in ramps {
+            match ramp {
+                Ramp::ExcessLink { rod, to } => {
+                    let seams = &mut target.drive.seams;
+                    seams.resize(self.engine.model.rods.len(), 0.0);
+                    let link = to + self.engine.model.rods[*rod].natural_link();
+                    seams[*rod] = (link * TAU - self.engine.state.seams[*rod]) * take;
+                }
+                Ramp::Rotation { node, axis, to } => {
+                    let node = node_of(node);
+                    let change = self.turns_left(node, *to) * take;
+                    let vector = unit(axis) * (change * TAU);
+                    target.drive.nodes.push((node, Vec3::zeros(), vector));
+                    target.turned.push((node, change));
+                }
+                Ramp::RotationAbout { node, axis, through, to } => {
+                    let node = node_of(node);
+                    let change = self.turns_left(node, *to) * take;
+                    let vector = unit(axis) * (change * TAU);
+                    let state = &self.engine.state;
+                    let displaced = self.moved.displaced.get(&node).copied().unwrap_or_default();
+                    let arm = (state.positions[node] - through - displaced) + state.remainders[node];
+                    target.drive.nodes.push((node, exp(&vector) * arm - arm, vector));
+                    target.turned.push((node, change));
+                }
+                Ramp::Displacement { node, to } => {
+                    let node = node_of(node);
+                    let change = (to - self.moved.displaced.get(&node).copied().unwrap_or_default()) * take;
+                    target.drive.nodes.push((node, change, Vec3::zeros()));
+                    target.displaced.push((node, change));
+                }
+                Ramp::Pose { node, pose } => {
+                    let node = node_of(node);
+                    let (position, way) = (self.engine.state.positions[node], self.remaining_path(node, pose));
+                    target.drive.nodes.push((node, way.displacement(take), way.rotation * take));
+                    if way.turns != 0.0 {
+                        // a second motion of the node: the rod takes it by itself, being about its tangent
+                        let angle = way.turns * take * TAU;
+                        let tangent = self.engine.state.frames[node] * Vec3::z();
+                        target.drive.nodes.push((node, Vec3::zeros(), tangent * angle));
+                        target.turned.push((node, way.turns * take));
+                    }
+                    target.posed.push((node, way.controls(&position).map(|v| v * take)));
+                }
+                Ramp::Load { to } => {
+                    let now = self.engine.state.load_factor;
+                    target.load_factor = Some(now + (to - now) * take);
+                }
+                Ramp::Pressure { rod, to } => {
+                    let now = self.engine.state.pressures[*rod];
+                    target.pressures.push((*rod, now + (to - now) * take));
+                }
+                Ramp::Plane { plane, to } => {
+                    let now = self.engine.state.plane_heights[*plane];
+                    target.plane_heights.push((*plane, now + (to - now) * take));
+                }
+                Ramp::Number { rod, which, to } => {
+                    let now = self.engine.model.rods[*rod].number(*which);
+                    target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { now + (to - now) * take });
+                }
+                // done before the stage's first step
+                Ramp::Hold(_) | Ramp::Release(_) => {}
+            }
+        }
+        target
+    }
+
+    /// Notes the present values of numbers that ramps are about to move, so that a step that fails goes back to them.
+    pub(in crate::solve) fn note_numbers(&mut self, ramps: &[Ramp]) {
+        for ramp in ramps {
+            if let Ramp::Number { rod, which, .. } = ramp {
+                let value = self.engine.model.rods[*rod].number(*which);
+                self.engine.state.numbers.entry((*rod, *which)).or_insert(value);
+            }
+        }
+    }
+
+    /// Sets and takes away supports as a stage says, before its first step: nodes are held where they are.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down.
+    pub(in crate::solve) fn change_supports(&mut self, ramps: &[Ramp]) -> Result<(), SolveError> {
+        if !self.engine.model.change_supports(ramps) {
+            return Ok(());
+        }
+        self.engine.find_unknowns();
+        self.history = History::default();
+        self.forget_path()
+    }
+
+    /// Where a step leads that changes numbers: nowhere by itself, supports move as they are told.
+    pub(in crate::solve) fn unpredicted(&self, target: &Target) -> Option<Prediction> {
+        let changes = target.numbers.iter().any(|(key, value)| self.engine.state.numbers.get(key) != Some(value));
+        changes.then(|| {
+            let Lifted { drive, .. } = lifted(&self.engine, &self.engine.state, &target.drive);
+            let mut still = Prediction::still(&self.engine);
+            drive.add_to(&mut still.increment);
+            still
+        })
+    }
+}

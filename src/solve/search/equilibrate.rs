@@ -1,0 +1,118 @@
+//! One search from start to end: plain Newton where it is safe, then the trust region.
+
+use crate::error::SolveError;
+use crate::solve::problem::contact_side::ContactSide;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
+use crate::solve::search::newton::{Iteration, MAX_DIRECT, NewtonOptions, NewtonReport, SearchStart};
+use crate::solve::search::timing::timed;
+use crate::solve::search::workspace::Workspace;
+
+impl Workspace {
+    /// Finds an equilibrium from the engine's state with the motions of `drive`; the engine keeps the last iterate.
+    ///
+    /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
+    /// one step, across indefinite tangents between two stable states. It comes first, too, near an equilibrium. The
+    /// trust-region search follows if it does not converge, if strands would touch or pass each other, and when leaving
+    /// an unstable state (`leaving`). It ends, not converged, when the potential falls below the value of `leaving`, which
+    /// is enough to know that a motion is not neutral.
+    ///
+    /// # Errors
+    /// Numerical breakdown; the report says whether the search converged.
+    pub(crate) fn equilibrate(
+        &mut self,
+        engine: &mut Engine,
+        drive: &PrescribedMotion,
+        options: &NewtonOptions,
+        leaving: Option<f64>,
+    ) -> Result<NewtonReport, SolveError> {
+        let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
+        engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
+        let drive = &drive;
+        let forces = std::mem::take(&mut self.start_forces);
+        engine.state = start.clone();
+        self.refresh(engine, &start)?;
+        let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
+        let mut spent = Vec::new();
+        if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
+            let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
+            if let Some(report) = plain(self, engine, (drive, &forces), options, &mut spent)? {
+                return Ok(report);
+            }
+            engine.state = start.clone();
+            self.refresh(engine, &start)?;
+        }
+        if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
+            let direct = NewtonOptions {
+                stable_only: false,
+                max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
+                ..options.clone()
+            };
+            match self.direct(engine, (drive, &forces), &direct, options.stable_only) {
+                Ok(report) if !options.stable_only || report.converged => return Ok(report),
+                Ok(report) => spent = report.iterations,
+                Err(_) if options.stable_only => {}
+                Err(error) => return Err(error),
+            }
+            engine.state = start;
+        }
+        let mut report =
+            self.trust_region_search(engine, drive, options, (&forces, leaving.unwrap_or(f64::NEG_INFINITY)))?;
+        spent.append(&mut report.iterations);
+        report.iterations = spent;
+        Ok(report)
+    }
+
+    /// The plain search without contact, for rods that are apart. Its result counts if nothing touches there and a path
+    /// without passage leads there; otherwise its iterations are added to `spent`.
+    fn direct_apart(
+        &mut self,
+        engine: &mut Engine,
+        start: SearchStart,
+        options: &NewtonOptions,
+        spent: &mut Vec<Iteration>,
+    ) -> Result<Option<NewtonReport>, SolveError> {
+        let before = engine.state.clone();
+        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
+        let side = engine.contact.take();
+        let outcome = self.direct(engine, start, &direct, true);
+        engine.contact = side;
+        // after a breakdown the other searches begin from the start
+        let Ok(mut report) = outcome else { return Ok(None) };
+        if report.converged
+            && timed(&mut self.timings.detection, || engine.is_path_free(&before)).unwrap_or(false)
+            && !engine.is_touching()
+        {
+            if engine.contact.as_ref().is_some_and(ContactSide::is_near) {
+                report.num_unstable = self.count_unstable(engine)?;
+            }
+            return Ok(Some(report));
+        }
+        spent.append(&mut report.iterations);
+        Ok(None)
+    }
+
+    /// The plain search with contact: where pressures hardly change, its steps are as good as those of the trust region
+    /// at a third of the cost. Its result counts if it is stable; otherwise its iterations are added to `spent`.
+    fn direct_in_contact(
+        &mut self,
+        engine: &mut Engine,
+        start: SearchStart,
+        options: &NewtonOptions,
+        spent: &mut Vec<Iteration>,
+    ) -> Result<Option<NewtonReport>, SolveError> {
+        let before = engine.contact.as_ref().and_then(|side| side.before.clone());
+        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
+        // after a breakdown the trust-region search begins from the start
+        if let Ok(mut report) = self.direct(engine, start, &direct, true) {
+            if report.converged && report.num_unstable == 0 {
+                return Ok(Some(report));
+            }
+            spent.append(&mut report.iterations);
+        }
+        if let Some(side) = &mut engine.contact {
+            side.before = before;
+        }
+        Ok(None)
+    }
+}
