@@ -28,7 +28,7 @@ use super::replace::fill_and_rename;
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
-pub const FORMAT: u32 = 10;
+pub const FORMAT: u32 = 11;
 const MAGIC: &[u8; 8] = b"SUPRCOIL";
 const HEADER: usize = 28;
 
