@@ -14,6 +14,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use console::Term;
 use supercoil::InputError;
 use supercoil::dna::base_pairs::BasePairs;
 use supercoil::dna::sequence::Sequence;
@@ -29,7 +30,7 @@ use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Interrupt, Options, RunError, Solver, Status};
 
-use progress::Bar;
+use progress::{Bar, terminal_width};
 
 const CONVERGED: u8 = 0;
 const NOT_CONVERGED: u8 = 1;
@@ -457,7 +458,11 @@ fn stop_on_signal(interrupt: Interrupt, note: impl Fn(&str) + Send + 'static) {
 }
 
 fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, dir: &Path) {
-    say(format_args!("{}", StepTable { units, steps: &outcome.steps }));
+    let table = StepTable { units, steps: &outcome.steps };
+    match terminal_width(&Term::stdout()) {
+        Some(width) => say(format_args!("{}", table.within(width))),
+        None => say(format_args!("{table}")),
+    }
     if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
         let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
         say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));

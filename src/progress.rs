@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use console::Term;
 use indicatif::{ProgressBar, ProgressStyle};
 use supercoil::observe::report::Observation;
 use supercoil::scene::Stage;
@@ -16,6 +17,22 @@ const HEARTBEAT: Duration = Duration::from_secs(30);
 
 /// Ticks of the bar per planned step.
 const TICKS: f64 = 100.0;
+
+/// Width of a terminal, in columns, from which bars have both times: they take up to 75.
+const WIDE: usize = 80;
+
+/// Columns of a terminal: those of the variable `COLUMNS` if it is set, else what the terminal says. None if there is no
+/// terminal.
+pub fn terminal_width(terminal: &Term) -> Option<usize> {
+    let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).filter(|&columns| columns > 0);
+    told.or_else(|| terminal.size_checked().map(|(_, columns)| usize::from(columns)))
+}
+
+/// The first style, or the second on a narrow terminal, where a longer line would wrap and leave its remains behind.
+pub fn bar_style(wide: &str, narrow: &str) -> ProgressStyle {
+    let is_narrow = terminal_width(&Term::stderr()).is_some_and(|width| width < WIDE);
+    ProgressStyle::with_template(if is_narrow { narrow } else { wide }).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
 
 /// A bar over all planned steps of all stages. Clones show the same bar.
 #[derive(Clone)]
@@ -33,9 +50,10 @@ impl Bar {
         let steps: Vec<usize> = stages.iter().map(|stage| stage.steps).collect();
         let total = (TICKS * steps.iter().sum::<usize>().max(1) as f64) as u64;
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };
-        let style =
-            ProgressStyle::with_template("{bar:20} {percent:>3} %  {elapsed} spent, about {eta} left  {wide_msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_style(bar_style(
+            "{bar:20} {percent:>3} %  {elapsed} spent, about {eta} left  {wide_msg}",
+            "{percent:>3} %  {eta:>4} left {wide_bar}",
+        ));
         bar.enable_steady_tick(Duration::from_millis(500));
         let this = Self { bar, steps, is_over: Arc::default() };
         if !quiet && !std::io::stderr().is_terminal() {

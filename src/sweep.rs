@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use supercoil::InputError;
 use supercoil::io::csv::{Cell, write_table};
 use supercoil::io::sweep::{
     Collected, ColumnValues, Plan, PlotAxes, Shard, SweepRun, SweepTable, Tally, collect, plot, ranges, status,
 };
 
-use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, say, seconds, stop_on_signal};
+use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, progress::bar_style, say, seconds, stop_on_signal};
 
 #[derive(Subcommand)]
 pub enum SweepCommand {
@@ -117,8 +117,10 @@ fn plan(file: &Path, out: Option<PathBuf>) -> Result<u8, InputError> {
 
 fn run(dir: &Path, run: &SweepRun, quiet: bool) -> Result<u8, InputError> {
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
-    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} cases  {elapsed} spent, about {eta} left  {msg}");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_style(bar_style(
+        "{bar:30} {pos} of {len} cases  {elapsed} spent, about {eta} left  {msg}",
+        "{pos} of {len}  {eta:>4} left {wide_bar}",
+    ));
     let shown = bar.clone();
     stop_on_signal(run.interrupt.clone(), move |line| shown.suspend(|| eprintln!("{line}")));
     let started = std::time::Instant::now();

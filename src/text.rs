@@ -30,6 +30,9 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     Ok(bytes)
 }
 
+/// First bytes of a checkpoint.
+pub(crate) const CHECKPOINT: &[u8; 8] = b"SUPRCOIL";
+
 /// The text of a regular file.
 pub(crate) fn read_regular(path: &Path) -> Result<String, InputError> {
     check_regular(path)?;

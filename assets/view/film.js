@@ -4,8 +4,8 @@ const film = JSON.parse(document.getElementById("film").textContent);
 
 /** Numbers of a node in the data: point, direction, pressure, curvature, twist. */
 const IN_DATA = 9;
-/** Numbers of a node as it is drawn: point, tangent, direction, pressure, curvature, twist. */
-const AS_DRAWN = 12;
+/** Numbers of a node as it is drawn: point, tangent, direction, pressure, curvature, twist, radius. */
+const AS_DRAWN = 13;
 /** Films of fewer nodes stay decoded. */
 const KEPT = 300000;
 
@@ -34,7 +34,7 @@ function frameNodes(index) {
   film.rods.forEach((rod, r) => {
     const source = data.subarray(from, (from += IN_DATA * frame.counts[r]));
     const target = nodes.data.subarray(AS_DRAWN * to, AS_DRAWN * (to + drawn[r]));
-    const striped = fill(source, target, rod.closed, frame.seams[r]);
+    const striped = fill(source, target, rod.closed, frame.seams[r], frame.radii[r]);
     nodes.turning = Math.max(nodes.turning, largestTurning(target));
     nodes.rods.push({ first: to, count: drawn[r], striped });
     to += drawn[r];
@@ -45,7 +45,7 @@ function frameNodes(index) {
 }
 
 /** Fills in the nodes of one rod; returns whether it has a material direction. */
-function fill(source, target, closed, seam) {
+function fill(source, target, closed, seam, radii) {
   const count = source.length / IN_DATA;
   const point = (i) => {
     const j = IN_DATA * (closed ? (i + count) % count : Math.min(Math.max(i, 0), count - 1));
@@ -64,7 +64,7 @@ function fill(source, target, closed, seam) {
     before = direction;
     // the seam's whole turns are not seen, and without a stripe none
     if (k >= count && striped) direction = turned(direction, tangent, 2 * Math.PI * (seam - Math.round(seam)));
-    target.set([...point(i), ...tangent, ...direction, source[j + 6], source[j + 7], source[j + 8]], AS_DRAWN * k);
+    target.set([...point(i), ...tangent, ...direction, source[j + 6], source[j + 7], source[j + 8], radii[i] ?? radii[0]], AS_DRAWN * k);
   }
   return striped;
 }

@@ -18,8 +18,9 @@ vec4 projected(vec3 p) {
 const TUBE_VERTEX = CAMERA + `
 in vec2 corner;          // along the span 0 to 1, about it -1/2 to 1/2
 in vec3 pointA, tangentA, directionA, valuesA, pointB, tangentB, directionB, valuesB;
+in float radiusA, radiusB;
 uniform vec3 pick;
-uniform float radius, pixel;
+uniform float pixel;
 out vec3 at, normal;
 out float value, angle;
 
@@ -42,7 +43,7 @@ void main() {
   vec3 n = normalize(base * cos(phi) + cross(t, base) * sin(phi));
   vec3 axis = seen(p);
   // never thinner than can be seen
-  float r = max(radius, -axis.z * pixel);
+  float r = max(mix(radiusA, radiusB, u), -axis.z * pixel);
   at = axis + turn * n * r;
   normal = turn * n;
   value = mix(dot(pick, valuesA), dot(pick, valuesB), u);
@@ -54,13 +55,14 @@ void main() {
 const BALL_VERTEX = CAMERA + `
 in vec3 corner;          // on the unit sphere
 in vec3 pointA, valuesA;
+in float radiusA;
 uniform vec3 pick;
-uniform float radius, pixel;
+uniform float pixel;
 out vec3 at, normal;
 out float value, angle;
 void main() {
   vec3 center = seen(pointA);
-  at = center + corner * max(radius, -center.z * pixel);
+  at = center + corner * max(radiusA, -center.z * pixel);
   normal = corner;
   value = dot(pick, valuesA);
   angle = 3.0;

@@ -29,7 +29,7 @@ const view = {
   stripe: true,
 };
 
-const thickest = film.frames.reduce((most, frame) => Math.max(most, ...frame.radii), 1e-300);
+const thickest = film.frames.reduce((most, frame) => Math.max(most, ...frame.radii.flat()), 1e-300);
 let largestForce = Math.max(0, ...film.frames.flatMap((frame) => frame.forces.map((f) => Math.hypot(f[3], f[4], f[5]))));
 
 /** Makes a program and finds its inputs. */
@@ -247,6 +247,7 @@ function drawRods(lens, aspect, pixel) {
       ["point", "tangent", "direction", "values"].forEach((name, k) => {
         input(inputs[name + end], 3, AS_DRAWN, AS_DRAWN * (rod.first + shift) + 3 * k, !asLines);
       });
+      input(inputs["radius" + end], 1, AS_DRAWN, AS_DRAWN * (rod.first + shift) + 12, !asLines);
     }
     if (asLines) return gl.drawArrays(gl.LINE_STRIP, 0, rod.count);
     gl.bindBuffer(gl.ARRAY_BUFFER, grid.points);
@@ -262,7 +263,6 @@ function rodSurface(which, index, pixel) {
   surface(which, film.strands[index % film.strands.length], view.quantity > 0);
   gl.uniform3fv(which.uniforms.pick, [1, 2, 3].map((k) => (k === view.quantity ? 1 : 0)));
   gl.uniform1f(which.uniforms.pixel, pixel);
-  gl.uniform1f(which.uniforms.radius, film.frames[view.frame].radii[index]);
 }
 
 function drawEnds(lens, aspect, pixel) {
@@ -279,6 +279,7 @@ function drawEnds(lens, aspect, pixel) {
     for (const node of [rod.first, rod.first + rod.count - 1]) {
       input(inputs.pointA, 3, AS_DRAWN, AS_DRAWN * node, true);
       input(inputs.valuesA, 3, AS_DRAWN, AS_DRAWN * node + 9, true);
+      input(inputs.radiusA, 1, AS_DRAWN, AS_DRAWN * node + 12, true);
       gl.drawElementsInstanced(gl.TRIANGLES, stage.sphere.count, gl.UNSIGNED_INT, 0, 1);
     }
   });
@@ -293,7 +294,7 @@ function drawForces(lens, aspect) {
   surface(which, [214, 60, 48], false);
   gl.uniform1f(uniforms.stripeAngle, -1);
   // by the radii of the step: arrows begin at the surface
-  const radius = Math.max(...film.frames[view.frame].radii);
+  const radius = Math.max(...film.frames[view.frame].radii.flat());
   gl.uniform1f(uniforms.size, (ARROW * radius) / (largestForce || 1));
   gl.uniform1f(uniforms.thick, 0.36 * radius);
   gl.uniform1f(uniforms.off, radius);

@@ -134,7 +134,7 @@ impl State {
         };
         let tube = |rod: &Rod| Tube {
             points: points(&rod.positions),
-            radius: radius(rod),
+            radii: vec![radius(rod)],
             closed: rod.closed,
             colors: vec![[60, 120, 180]],
             stripe: Some(Stripe { seam_turns: rod.seam_turns, ..Stripe::along(points(&rod.directions)) }),

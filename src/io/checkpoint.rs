@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::scene::Scene;
 use crate::solve::Restart;
+use crate::text::CHECKPOINT as MAGIC;
 
 use super::fingerprint::Fingerprint;
 use super::record::RecordState;
@@ -28,8 +29,7 @@ use super::replace::fill_and_rename;
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
-pub const FORMAT: u32 = 10;
-const MAGIC: &[u8; 8] = b"SUPRCOIL";
+pub const FORMAT: u32 = 11;
 const HEADER: usize = 28;
 
 /// A run between two steps: all data to resume it and to write its outputs.

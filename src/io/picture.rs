@@ -33,8 +33,8 @@ pub use strip::film_strip;
 pub struct Tube {
     /// Centreline points \[L\]. A smooth curve through them is drawn, so a coarse mesh looks smooth.
     pub points: Vec<Vec3>,
-    /// Radius \[L\], greater than 0.
-    pub radius: f64,
+    /// Radii \[L\], greater than 0: one per point, or one for the whole tube.
+    pub radii: Vec<f64>,
     /// Whether the curve returns to its first point (which is not repeated).
     pub closed: bool,
     /// Colours (sRGB): one per point, one for the whole tube, or none for grey.
@@ -97,7 +97,7 @@ pub enum View {
 /// ```
 /// use supercoil::{io::picture::{Tube, TubePicture}, math::Vec3};
 /// let ring = (0..60).map(|i| f64::from(i) * 0.1047198).map(|t| Vec3::new(t.cos(), t.sin(), 0.3 * (2.0 * t).sin()));
-/// let tube = Tube { points: ring.collect(), radius: 0.1, closed: true, colors: vec![[60, 120, 180]], stripe: None };
+/// let tube = Tube { points: ring.collect(), radii: vec![0.1], closed: true, colors: vec![[60, 120, 180]], stripe: None };
 /// let picture = TubePicture { tubes: vec![tube], width: 320, height: 240, ..TubePicture::default() }.render()?;
 /// assert_eq!(picture.pixels().len(), 3 * 320 * 240);
 /// # Ok::<(), supercoil::InputError>(())
@@ -186,11 +186,20 @@ impl TubePicture {
 }
 
 impl Tube {
+    /// Radius at a point.
+    fn radius(&self, point: usize) -> f64 {
+        self.radii.get(point).or(self.radii.first()).copied().unwrap_or(0.0)
+    }
+
     /// Refuses what cannot be drawn.
     fn check(&self, field: &str) -> Result<(), InputError> {
-        InputError::positive(&format!("{field}.radius"), self.radius)?;
         check_vectors(&format!("{field}.points"), &self.points)?;
         let num = self.points.len();
+        if self.radii.len() != 1 && self.radii.len() != num {
+            let field = format!("{field}.radii");
+            return Err(InputError::Count { field, value: self.radii.len(), allowed: "1 or one a point" });
+        }
+        self.radii.iter().try_for_each(|&radius| InputError::positive(&format!("{field}.radii"), radius))?;
         if self.colors.len() > 1 && self.colors.len() != num {
             let field = format!("{field}.colors");
             return Err(InputError::Count { field, value: self.colors.len(), allowed: "0, 1 or one a point" });

@@ -42,6 +42,9 @@ pub(super) struct RodHead {
     pub name: String,
     length: f64,
     contact_radius: f64,
+    /// Contact radius at each node of a rod along which it varies; empty for other rods.
+    #[serde(skip)]
+    radii: Vec<f64>,
     pub closed: bool,
     elements: usize,
     order: usize,
@@ -77,9 +80,14 @@ impl RodHead {
         self.length / (self.elements * self.order) as f64
     }
 
-    /// Radius it is drawn with; a rod without a contact radius is a thin line.
+    /// Largest radius it is drawn with; a rod without a contact radius is a thin line.
     pub fn radius(&self) -> f64 {
         if self.contact_radius > 0.0 { self.contact_radius } else { 2e-3 * self.length }
+    }
+
+    /// The like at a node.
+    fn radius_at(&self, node: usize) -> f64 {
+        self.radii.get(node).copied().unwrap_or_else(|| self.radius())
     }
 }
 
@@ -206,6 +214,9 @@ impl Record {
             name: rod.name.clone(),
             length: rod.length,
             contact_radius: rod.section.contact_radius,
+            radii: rod.contact_radii.as_ref().map_or_else(Vec::new, |radii| {
+                (0..rod.num_nodes()).map(|node| radii.at(node as f64 * rod.spacing())).collect()
+            }),
             closed: rod.closed,
             elements: rod.num_elements,
             order: rod.order,
@@ -444,7 +455,7 @@ impl Record {
             ];
             let scalars = vec![
                 ("arc_length", kept.iter().map(|&i| spacing * i as f64).collect()),
-                ("radius", vec![head.radius(); kept.len()]),
+                ("radius", kept.iter().map(|&i| head.radius_at(i)).collect()),
                 ("curvature", scalar(&fields.curvature)),
                 ("twist_rate", scalar(&fields.twist_rate)),
             ];

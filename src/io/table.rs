@@ -24,8 +24,11 @@ pub struct StepTable<'a> {
     pub steps: &'a [Observation],
 }
 
-/// Name of each column in two lines, its unit and its width: those of `table.csv` (link numbers without the rod's name).
-fn columns(units: &Units) -> [([&'static str; 2], String, usize); 13] {
+/// Name of a column in two lines, its unit and its width.
+type PrintedColumn = ([&'static str; 2], String, usize);
+
+/// The columns, named as in `table.csv` (link numbers without the rod's name).
+fn columns(units: &Units) -> [PrintedColumn; 13] {
     let energy = format!("{} {}", units.force, units.length);
     let turns = || "turns".to_owned();
     let none = String::new;
@@ -46,44 +49,93 @@ fn columns(units: &Units) -> [([&'static str; 2], String, usize); 13] {
     ]
 }
 
+/// Names, names continued, units and a rule.
+fn head(columns: &[PrintedColumn]) -> [String; 4] {
+    let names = |line: usize| -> String {
+        columns.iter().map(|(names, _, width)| format!("{:>width$}", names[line])).collect()
+    };
+    let units: String = columns.iter().map(|(_, unit, width)| format!("{unit:>width$}")).collect();
+    let rule = "-".repeat(units.chars().count());
+    [names(0), names(1), units, rule]
+}
+
+/// The cells of a step, each as wide as its column.
+fn cells(step: &Observation) -> [String; 13] {
+    let link = step.links.first();
+    let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9}", fixed(x, 4)));
+    // what is rounding beside the others, or beside a bend by one radian, is zero
+    let e = &step.energies;
+    let of_a_bend = step.sizes.iter().map(|size| size.bending / size.length).fold(0.0, f64::max);
+    let least = ROUNDING * e.total.abs().max(of_a_bend);
+    let energy = |x: f64| number(if x.abs() < least { 0.0 } else { x });
+    let iterations = match step.iterations_on_other_meshes {
+        0 => step.iterations.to_string(),
+        elsewhere => format!("{}+{elsewhere}", step.iterations),
+    };
+    [
+        format!("{:>5}", step.step),
+        turns(link.map(|l| l.excess_link)),
+        turns(link.map(|l| l.writhe)),
+        turns(link.map(|l| l.twist)),
+        energy(e.bending),
+        energy(e.twisting),
+        format!(" {}", energy(e.stretching)),
+        energy(e.shearing),
+        step.min_gap.map_or_else(|| format!("{:>11}", "-"), |gap| number(gap.lower)),
+        format!("{:>6}", step.num_sites),
+        format!(" {}", number(step.total_contact_force)),
+        format!("{:>9}", step.num_unstable),
+        format!("{iterations:>11}"),
+    ]
+}
+
+/// After the last column: a status other than converged, a star for notes.
+fn remark(step: &Observation) -> String {
+    let status = if step.status == CONVERGED { String::new() } else { format!("  {}", step.status) };
+    status + if step.notes.is_empty() { "" } else { "  *" }
+}
+
 impl StepTable<'_> {
     /// The three head lines (names, names continued, units) and a rule.
     pub fn head(units: &Units) -> String {
-        let columns = columns(units);
-        let names = |line: usize| -> String {
-            columns.iter().map(|(names, _, width)| format!("{:>width$}", names[line])).collect()
-        };
-        let units: String = columns.iter().map(|(_, unit, width)| format!("{unit:>width$}")).collect();
-        format!("{}\n{}\n{units}\n{}", names(0), names(1), "-".repeat(units.chars().count()))
+        head(&columns(units)).join("\n")
     }
 
     /// The line of one step.
     pub fn line(step: &Observation) -> String {
-        let link = step.links.first();
-        let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9}", fixed(x, 4)));
-        let gap = step.min_gap.map_or_else(|| format!("{:>11}", "-"), |gap| number(gap.lower));
-        let e = &step.energies;
-        let mut line = format!("{:>5}", step.step);
-        line += &[link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)].map(turns).concat();
-        // what is rounding beside the others, or beside a bend by one radian, is zero
-        let of_a_bend = step.sizes.iter().map(|size| size.bending / size.length).fold(0.0, f64::max);
-        let least = ROUNDING * e.total.abs().max(of_a_bend);
-        let energy = |x: f64| number(if x.abs() < least { 0.0 } else { x });
-        line += &[e.bending, e.twisting].map(energy).concat();
-        line += &format!(" {}{}", energy(e.stretching), energy(e.shearing));
-        line += &format!("{gap}{:>6} {}", step.num_sites, number(step.total_contact_force));
-        let iterations = match step.iterations_on_other_meshes {
-            0 => step.iterations.to_string(),
-            elsewhere => format!("{}+{elsewhere}", step.iterations),
-        };
-        line += &format!("{:>9}{iterations:>11}", step.num_unstable);
-        if step.status != CONVERGED {
-            line += &format!("  {}", step.status);
+        cells(step).concat() + &remark(step)
+    }
+
+    /// The table in lines of at most `width` columns: blocks one below the other, each with the numbers of the steps and
+    /// as many columns as fit, at least one. Notes are not broken.
+    pub fn within(&self, width: usize) -> String {
+        let columns = columns(self.units);
+        let remarks: Vec<String> = self.steps.iter().map(remark).collect();
+        let cells: Vec<_> = self.steps.iter().map(cells).collect();
+        let longest = remarks.iter().map(|remark| remark.chars().count()).max().unwrap_or(0);
+        let (first, mut text) = (columns[0].2, String::new());
+        let mut from = 1;
+        while from < columns.len() {
+            let (mut to, mut used) = (from + 1, first + columns[from].2);
+            while let Some(column) = columns.get(to) {
+                // remarks follow the last column
+                let more = column.2 + if to + 1 == columns.len() { longest } else { 0 };
+                if used + more > width {
+                    break;
+                }
+                (to, used) = (to + 1, used + more);
+            }
+            let shown: Vec<_> = columns[..1].iter().chain(&columns[from..to]).cloned().collect();
+            text += if from > 1 { "\n" } else { "" };
+            head(&shown).iter().for_each(|line| text += &format!("{line}\n"));
+            for (cells, remark) in cells.iter().zip(&remarks) {
+                let remark = if to == columns.len() { remark.as_str() } else { "" };
+                text += &format!("{}{}{remark}\n", cells[0], cells[from..to].concat());
+            }
+            from = to;
         }
-        if !step.notes.is_empty() {
-            line += "  *";
-        }
-        line
+        self.footnotes().iter().for_each(|note| text += &format!("{note}\n"));
+        text
     }
 
     /// Notes of the steps marked by a star, one a line; steps that follow each other with the same note share a line.
@@ -287,6 +339,32 @@ pub(super) mod tests {
         assert!(text.contains("1.235e5") && text.contains("1.000e-6"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(StepTable::line(&failed).ends_with("  stopped"));
+    }
+
+    /// A table for a narrow terminal has the cells of the whole one, in their order, and no line too long.
+    #[test]
+    fn narrow_terminals_get_blocks_of_columns() {
+        let mut steps: Vec<Observation> = (0..12).map(observation).collect();
+        steps[11].status = "stopped".to_owned();
+        let units = Units::default();
+        let table = StepTable { units: &units, steps: &steps };
+        let whole: Vec<Vec<String>> =
+            steps.iter().map(|step| StepTable::line(step).split_whitespace().map(str::to_owned).collect()).collect();
+        for width in [26, 40, 79, 80, 126, 140, 1000] {
+            let text = table.within(width);
+            assert!(text.lines().all(|line| line.chars().count() <= width), "{width}:\n{text}");
+            let mut rows: Vec<Vec<String>> = (0..12).map(|k| vec![k.to_string()]).collect();
+            for block in text.split("\n\n") {
+                for (row, line) in rows.iter_mut().zip(block.lines().skip(4)) {
+                    let mut words = line.split_whitespace().map(str::to_owned);
+                    assert_eq!(words.next(), row.first().cloned(), "{text}");
+                    row.extend(words);
+                }
+            }
+            assert_eq!(rows, whole, "{width}:\n{text}");
+        }
+        assert_eq!(table.within(1000), table.to_string());
+        assert!(table.within(1).lines().count() == 12 * 16 + 11, "one column a block");
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub struct Frame {
     pub forces: Vec<[Vec3; 2]>,
 }
 
-/// A rod in one state; all lists have one entry per point.
+/// A rod in one state; lists have one entry per point.
 #[derive(Debug, Clone, Default)]
 pub struct FrameRod {
     /// Points of the centreline \[L\]; a smooth curve through them is drawn.
@@ -78,10 +78,17 @@ pub struct FrameRod {
     pub curvature: Vec<f64>,
     /// Twist a length \[rad/L\].
     pub twist_rate: Vec<f64>,
-    /// Radius it is drawn with \[L\], greater than 0.
-    pub radius: f64,
+    /// Radii it is drawn with \[L\], greater than 0: one per point, or one for the whole rod.
+    pub radii: Vec<f64>,
     /// Turns of the frame at the end of a closed rod against that at its start; 0 if open.
     pub seam_turns: f64,
+}
+
+impl FrameRod {
+    /// Radius at a point.
+    fn radius(&self, point: usize) -> f64 {
+        self.radii.get(point).or(self.radii.first()).copied().unwrap_or(0.0)
+    }
 }
 
 /// Numbers of the steps.
@@ -187,7 +194,7 @@ impl Film {
             return (Vec3::zeros(), Mat3::identity(), 1.0);
         }
         let last = self.frames.last().into_iter().flat_map(|frame| &frame.rods);
-        let radius = last.map(|rod| rod.radius).fold(0.0, f64::max);
+        let radius = last.flat_map(|rod| &rod.radii).copied().fold(0.0, f64::max);
         let mut axes = principal_axes(points, true);
         let up = -axes.row(1);
         axes.set_row(1, &up);
@@ -219,7 +226,10 @@ impl Film {
                 {
                     values.iter().try_for_each(|&x| InputError::check(&field(name), x, true, FINITE))?;
                 }
-                InputError::positive(&field("radius"), rod.radius)?;
+                if rod.radii.len() != 1 {
+                    count(field("radii"), rod.radii.len(), num, "1 or one a point")?;
+                }
+                rod.radii.iter().try_for_each(|&radius| InputError::positive(&field("radii"), radius))?;
                 InputError::check(&field("seam_turns"), rod.seam_turns, true, FINITE)?;
             }
         }

@@ -84,7 +84,9 @@ pub struct SiteReport {
     /// smaller of the two of a section) under a law of stiffness κ, "point" otherwise. That is 1.5 times the zone of a
     /// point contact at the load at which it opens into a line or into two points. Stiffer laws shorten the zone of a
     /// point (as κ^(−1/3)), but not a line. Contacts nearer to each other on both strands than two layers (B/κ)^¼ are
-    /// one site, because the pressure of a line may vanish between nodes.
+    /// one site, because the pressure of a line may vanish between nodes; so are three or more in a row, each within an
+    /// element of the next, because light pressure gathers once an element. Only contacts that press about as hard as each
+    /// other are joined, and what is joined is a line only if it is longer than an element.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
@@ -118,7 +120,8 @@ pub struct LineSample {
     pub rod_b: usize,
     /// Arc length on strand b \[L\].
     pub arc_b: f64,
-    /// Force per arc length of strand a \[F/L\], smoothed over the width of the contact law; its integral is the site's force.
+    /// Force per arc length of strand a \[F/L\], smoothed over the width of the contact law or half an element; its
+    /// integral is the site's force.
     pub pressure: f64,
     /// Gap \[L\].
     pub gap: f64,

@@ -4,8 +4,10 @@
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
 //!    force is the sum over all its zones, because each view carries half of it.
-//! 3. Sites nearer to each other on both strands than the width of the contact law are fragments of one (`fragments`).
-//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`].
+//! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
+//!    within an element of the next, are fragments of one (`fragments`).
+//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`], and,
+//!    if it is in fragments, longer than an element: where in an element pressure gathers is not known.
 
 use crate::contact::arc::{self, ascending, near};
 use crate::contact::chain::{ChainPiece, TOL_FOOT, chains};
@@ -84,6 +86,8 @@ pub(super) struct Layer {
     pub(super) stiffness: f64,
     /// Smaller bending stiffness of each curve \[F·L²\].
     pub(super) bending: Vec<f64>,
+    /// Length of the elements of each curve \[L\].
+    pub(super) elements: Vec<f64>,
 }
 
 impl Layer {
@@ -95,6 +99,12 @@ impl Layer {
     /// The same of a strand on a plane.
     pub(super) fn width_on_plane(&self, curve: usize) -> f64 {
         (self.bending[curve] / self.stiffness).powf(0.25)
+    }
+
+    /// Length over which pressure is known, along strand `a` \[L\]: the law spreads it over the layer, and elements
+    /// gather it. Smoothed with a Gaussian of half an element, what varies from element to element is reduced to 2 exp(−π²/2) = 1.4 %.
+    fn resolution(&self, a: usize, b: usize) -> f64 {
+        self.width(a, b).max(0.5 * self.elements[a])
     }
 
     fn shortest_line(&self, a: usize, b: usize) -> f64 {
@@ -286,7 +296,9 @@ fn site(
         })
     };
     let (load_a, load_b) = (total(false, set.period(first.curve_a)), total(true, period_b));
-    let is_line = 0.5 * (width_a + width_b) > layer.shortest_line(first.curve_a, first.curve_b);
+    let in_fragments = [false, true].into_iter().any(|flipped| seen_from(flipped).count() > 1);
+    let element = if in_fragments { layer.elements[first.curve_a].max(layer.elements[first.curve_b]) } else { 0.0 };
+    let is_line = 0.5 * (width_a + width_b) > layer.shortest_line(first.curve_a, first.curve_b).max(element);
     let center = |load: &Load, feet: [f64; 2], period: Option<f64>| {
         let center = if load.force > 0.0 { load.center } else { 0.5 * (feet[0] + feet[1]) };
         period.map_or(center, |p| center.rem_euclid(p))

@@ -94,7 +94,8 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
     sites_of(engine, &engine.residual(engine.state()))
 }
 
-/// Contact along the lines of the engine's state: pressure and gap at points half the contact law's width apart.
+/// Contact along the lines of the engine's state: pressure and gap at points half the contact law's width, or a quarter of
+/// an element, apart.
 pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
     let residual = engine.residual(engine.state());
     engine
@@ -127,7 +128,9 @@ fn layer(engine: &Engine, side: &ContactSide) -> Layer {
         Law::Linear { stiffness } => stiffness,
         Law::Core { .. } => engine.contact_stiffness(),
     };
-    Layer { stiffness, bending: side.rods.iter().map(softer).collect() }
+    let element = |rod: &usize| engine.model().rods[*rod].length / engine.model().rods[*rod].num_elements as f64;
+    let (bending, elements) = (side.rods.iter().map(softer).collect(), side.rods.iter().map(element).collect());
+    Layer { stiffness, bending, elements }
 }
 
 fn energies(potential: &Potential) -> Energies {

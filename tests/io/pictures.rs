@@ -52,7 +52,7 @@ fn knot_tube(n: usize, stripe: bool) -> Tube {
     let points = torus_knot(n);
     let values: Vec<f64> = (0..n).map(|i| (TAU * 3.0 * i as f64 / n as f64).sin()).collect();
     let stripe = stripe.then(|| Stripe::along(direction(&points, 6.0)));
-    Tube { colors: colors_by_value(&values, Palette::Viridis, None), points, radius: 0.42, closed: true, stripe }
+    Tube { colors: colors_by_value(&values, Palette::Viridis, None), points, radii: vec![0.42], closed: true, stripe }
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn automatic_view_stripe_and_spot() {
         color: [255, 0, 0],
         ..Stripe::along((0..20).map(|i| Vec3::x() * 2.0 - Vec3::y() * f64::from(i) * 0.1).collect())
     };
-    let tube = Tube { points, radius: 1.0, closed: false, colors: vec![[0, 0, 255]], stripe: Some(stripe) };
+    let tube = Tube { points, radii: vec![1.0], closed: false, colors: vec![[0, 0, 255]], stripe: Some(stripe) };
     let view = View::Along { forward: -Vec3::x(), up: Vec3::y() };
     let mut picture = TubePicture { tubes: vec![tube], width: 300, height: 100, view, ..TubePicture::default() };
     picture.spots = vec![Spot { center: Vec3::new(1.0, 0.0, 3.0), radius: 0.8, color: [0, 255, 0] }];
@@ -93,6 +93,34 @@ fn automatic_view_stripe_and_spot() {
     assert!((30..270).all(|c| colored(&automatic, c, 50)) && !(0..300).any(|c| colored(&automatic, c, 20)));
 }
 
+/// A tapered tube is as wide at each place as its radius there.
+#[test]
+fn tapered_tubes_are_drawn_tapered() {
+    let radius = |x: f64| 0.2 + 0.08 * x;
+    let points: Vec<Vec3> = (0..=10).map(|i| Vec3::x() * f64::from(i)).collect();
+    let tube = Tube { radii: points.iter().map(|point| radius(point.x)).collect(), points, ..Tube::default() };
+    let view = View::Along { forward: -Vec3::z(), up: Vec3::y() };
+    let visible_width = Some(14.0);
+    let picture = TubePicture {
+        tubes: vec![tube.clone()],
+        width: 700,
+        height: 300,
+        view,
+        visible_width,
+        ..TubePicture::default()
+    };
+    let drawn = picture.render().unwrap();
+    let width = |column: usize| (0..300).filter(|&row| drawn.pixel(column, row) != [255; 3]).count() as f64;
+    // 50 pixels a length; the picture's middle is that of the tube with its round ends, x from -0.2 to 11
+    for column in (140..600).step_by(20) {
+        let x = 5.4 + (column as f64 + 0.5 - 350.0) / 50.0;
+        let exact = 100.0 * radius(x);
+        assert!((width(column) - exact).abs() < 2.5, "{x}: {} {exact}", width(column));
+    }
+    let wrong = TubePicture { tubes: vec![Tube { radii: vec![0.1; 3], ..tube }], ..picture };
+    assert!(wrong.render().unwrap_err().to_string().contains("tubes[0].radii"));
+}
+
 #[test]
 fn same_bytes_for_any_number_of_threads() {
     let picture = TubePicture { tubes: vec![knot_tube(200, true)], width: 160, height: 120, ..TubePicture::default() };
@@ -105,7 +133,7 @@ fn same_bytes_for_any_number_of_threads() {
 #[test]
 fn extremes_are_drawn_or_refused() {
     let small = |tube: Tube| TubePicture { tubes: vec![tube], width: 40, height: 30, ..TubePicture::default() };
-    let tube = |points: Vec<Vec3>| Tube { points, radius: 0.1, ..Tube::default() };
+    let tube = |points: Vec<Vec3>| Tube { points, radii: vec![0.1], ..Tube::default() };
     for points in [vec![], vec![Vec3::x()], vec![Vec3::x(); 3], vec![Vec3::zeros(), Vec3::x() * 1e9]] {
         for closed in [false, true] {
             assert!(small(Tube { closed, ..tube(points.clone()) }).render().is_ok(), "{points:?}");
@@ -113,12 +141,12 @@ fn extremes_are_drawn_or_refused() {
     }
     for scale in [1e-9, 1e9] {
         let points = torus_knot(50).iter().map(|p| p * scale).collect();
-        let drawn = small(Tube { points, radius: 0.4 * scale, closed: true, ..Tube::default() }).render().unwrap();
+        let drawn = small(Tube { points, radii: vec![0.4 * scale], closed: true, ..Tube::default() }).render().unwrap();
         assert!(drawn.pixel(20, 3) != [255; 3] || drawn.pixels().iter().any(|c| *c < 200), "{scale}");
     }
     let error = small(tube(vec![Vec3::zeros(), Vec3::repeat(f64::NAN)])).render().unwrap_err().to_string();
     assert!(error.starts_with("tubes[0].points[1] = (NaN"), "{error}");
-    assert!(small(Tube { radius: 0.0, ..tube(torus_knot(5)) }).render().is_err());
+    assert!(small(Tube { radii: vec![0.0], ..tube(torus_knot(5)) }).render().is_err());
     assert!(small(Tube { colors: vec![[0; 3]; 2], ..tube(torus_knot(5)) }).render().is_err());
     assert!(small(Tube { stripe: Some(Stripe::along(vec![])), ..tube(torus_knot(5)) }).render().is_err());
     assert!(TubePicture { width: 9000, height: 9000, ..TubePicture::default() }.render().is_err());
@@ -155,7 +183,7 @@ fn plectoneme_picture(wound: f64, size: (usize, usize)) -> TubePicture {
         colors: colors_by_value(&height, Palette::Plasma, Some((0.0, 1.8))),
         stripe: Some(Stripe::along(direction(&points, 14.0))),
         points,
-        radius: 0.46,
+        radii: vec![0.46],
         closed: true,
     };
     TubePicture {
@@ -195,7 +223,7 @@ fn draw_gallery() {
         .collect();
     film_strip(&frames, 2, [255; 3]).unwrap().save_png(&folder.join("strip.png")).unwrap();
     let points = plectoneme(200_000, 120.0, 1.0).iter().map(|p| Vec3::new(p.x * 12.0, p.y, p.z)).collect();
-    let long = Tube { points, radius: 0.45, closed: true, ..Tube::default() };
+    let long = Tube { points, radii: vec![0.45], closed: true, ..Tube::default() };
     save("long.png", &TubePicture { tubes: vec![long], width: 2000, height: 200, ..TubePicture::default() });
     let mut text = Picture::filled(700, 220, [255; 3]);
     for (row, line) in [

@@ -238,6 +238,14 @@ fn a_run_starts_from_the_end_of_another() {
         assert!((ratio - 1.0).abs() < 1e-4, "{elements}: {ratio}");
         std::fs::remove_dir_all(dir.join("out")).unwrap();
     }
+    // a checkpoint is none, and says what makes one of it
+    std::fs::write(dir.join("first/checkpoint.bin"), b"SUPRCOIL\x0b\0\0\0").unwrap();
+    let again = clamped("", "").replace(
+        "shape = { kind = \"line\", length = 1.0 }",
+        "shape = { kind = \"state\", file = \"first/checkpoint.bin\" }",
+    );
+    let (code, _, error) = run(&dir, &again);
+    assert!(code == 2 && error.contains("supercoil resume DIR --time-limit 0"), "{error}");
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
@@ -319,5 +327,57 @@ fn zero_is_printed_as_zero() {
     let last = cells("1 ");
     assert_eq!([last[4], last[6], last[7]], ["0.0000"; 3], "{printed}");
     assert!(!printed.contains("see notes"));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// A terminal of 40 columns: the table in blocks that fit, each with the numbers of the steps.
+#[test]
+fn narrow_terminals_are_not_overrun() {
+    let dir = folder("narrow");
+    let file = dir.join("scene.toml");
+    let stage = "[[stages]]\nramp = { displacement = { at = \"end\", to = [-0.05, 0.1, 0] } }\nsteps = 2";
+    std::fs::write(&file, clamped("elements = 8", stage)).unwrap();
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_supercoil"))
+        .args(["run", "scene.toml", "--out", "out"])
+        .current_dir(&dir)
+        .env("COLUMNS", "40")
+        .output()
+        .unwrap();
+    let printed = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success(), "{printed}");
+    let (table, _) = printed.split_once("\n\nconverged").unwrap();
+    let lines = || table.lines().skip_while(|line| !line.contains("excess_"));
+    assert!(lines().all(|line| line.chars().count() <= 40), "{printed}");
+    for name in ["writhe", "bending_", "iterations"] {
+        assert!(table.contains(name), "{printed}");
+    }
+    assert!(lines().filter(|line| line.trim_start().starts_with("2 ")).count() >= 4, "{printed}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+/// The minicircle with the finest preset: as soon as there is a line, its contact is a line between two points, at every step.
+#[test]
+fn a_supercoiled_ring_touches_along_a_line_between_two_points() {
+    let scene = "fidelity = \"reference\"\n[[rods]]\nclosed = true\nshape = { kind = \"circle\", length = 114.24 }\n\
+                 section = { bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }\n\
+                 [[stages]]\nramp = { excess_link = { to = -3.0 } }\nsteps = 30\n[output]\nvtk = false\npicture = false\n";
+    let dir = folder("ring");
+    rows(&dir, scene);
+    let summary: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.join("out/summary.json")).unwrap()).unwrap();
+    let kinds = |step: &serde_json::Value| -> Vec<String> {
+        let mut sites: Vec<(f64, String)> = step["sites"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|site| (site["arc_a"][0].as_f64().unwrap(), site["kind"].as_str().unwrap().to_owned()))
+            .collect();
+        sites.sort_by(|x, y| x.0.total_cmp(&y.0));
+        sites.into_iter().map(|site| site.1).collect()
+    };
+    let kinds: Vec<Vec<String>> = summary["steps"].as_array().unwrap().iter().map(kinds).collect();
+    let first = kinds.iter().position(|kinds| kinds.iter().any(|kind| kind == "line")).unwrap();
+    assert!(kinds.len() - first >= 7, "{kinds:?}");
+    assert!(kinds[first..].iter().all(|kinds| *kinds == ["point", "line", "point"]), "{:?}", &kinds[first..]);
     std::fs::remove_dir_all(&dir).unwrap();
 }

@@ -24,7 +24,7 @@ fn ring(count: usize, radius: f64) -> FrameRod {
         pressure: (0..count).map(|i| i as f64).collect(),
         curvature: vec![1.0 / radius; count],
         twist_rate: vec![0.0; count],
-        radius: 0.5,
+        radii: vec![0.5],
         seam_turns: 0.0,
     }
 }

@@ -32,10 +32,10 @@ impl Camera {
         let [width, height] = [picture.width, picture.height].map(|n| n * picture.supersampling);
         let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
         for tube in &picture.tubes {
-            for point in &tube.points {
-                let seen = axes * point;
-                low = low.inf(&seen.add_scalar(-tube.radius));
-                high = high.sup(&seen.add_scalar(tube.radius));
+            for (index, point) in tube.points.iter().enumerate() {
+                let (seen, radius) = (axes * point, tube.radius(index));
+                low = low.inf(&seen.add_scalar(-radius));
+                high = high.sup(&seen.add_scalar(radius));
             }
         }
         if low.x > high.x {

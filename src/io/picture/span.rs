@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 pub(in crate::io) struct Node {
     pub point: Vec3,
     pub tangent: Vec3,
+    pub radius: f64,
     /// Linear light.
     pub color: Vec3,
     /// Direction of the stripe, normal to the tangent; zero without stripe.
@@ -25,6 +26,8 @@ pub(in crate::io) struct Span {
     pub turning: f64,
     /// Turn of the stripe, rad.
     pub twist: f64,
+    /// Change of the radius.
+    pub taper: f64,
 }
 
 impl Span {
@@ -34,7 +37,7 @@ impl Span {
         let twist = twist_between(&a, &b) + TAU * (seam - seam.round());
         let twist = twist - TAU * (twist / TAU).round();
         let turning = a.tangent.angle(&b.tangent).max(2.0 * a.tangent.angle(&chord)).max(2.0 * b.tangent.angle(&chord));
-        Self { a, b, length: chord.norm(), turning, twist }
+        Self { a, b, length: chord.norm(), turning, twist, taper: (b.radius - a.radius).abs() }
     }
 
     /// The node at `u` from 0 to 1.
@@ -44,7 +47,8 @@ impl Span {
         let base = transport(a.stripe, a.tangent, tangent);
         let (sin, cos) = (u * self.twist).sin_cos();
         let stripe = base * cos + tangent.cross(&base) * sin;
-        Node { point, tangent, color: a.color.lerp(&b.color, u), stripe }
+        let radius = a.radius + u * (b.radius - a.radius);
+        Node { point, tangent, radius, color: a.color.lerp(&b.color, u), stripe }
     }
 }
 

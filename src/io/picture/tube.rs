@@ -12,6 +12,8 @@ use crate::math::Vec3;
 const TURNING: f64 = 0.1;
 /// Largest turn of the stripe (rad) over one capsule.
 const TWISTING: f64 = 0.3;
+/// Largest step of the radius, in samples, between capsules of a tapered tube, because less than half a sample is invisible.
+const TAPERING: f64 = 0.5;
 /// Points closer than this many radii to the previous one are left out where the tube hardly bends.
 const SPARSE: f64 = 0.4;
 
@@ -58,21 +60,26 @@ pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<TubeSegment> {
     all
 }
 
+/// Smallest radius drawn, samples.
+fn least(camera: &Camera) -> f64 {
+    0.5 * LEAST_WIDTH * camera.per_pixel
+}
+
 /// Style of a tube.
 struct TubeStyle<'a> {
     tube: &'a Tube,
     stripe: Option<&'a Stripe>,
-    /// Radius as drawn, samples.
+    /// Largest radius as drawn, samples.
     radius: f64,
     thin: bool,
 }
 
 impl<'a> TubeStyle<'a> {
     fn of(tube: &'a Tube, camera: &Camera) -> Self {
-        let radius = tube.radius * camera.scale;
+        let radius = tube.radii.iter().copied().fold(0.0, f64::max) * camera.scale;
         let thin = radius < THIN;
         let stripe = tube.stripe.as_ref().filter(|_| !thin);
-        Self { tube, stripe, radius: radius.max(0.5 * LEAST_WIDTH * camera.per_pixel), thin }
+        Self { tube, stripe, radius: radius.max(least(camera)), thin }
     }
 
     /// Largest useful number of pieces of a span that turns by `turning` (rad) over `length` samples: the sagitta of a
@@ -86,14 +93,16 @@ impl<'a> TubeStyle<'a> {
     fn cut(&self, span: &Span, caps: [bool; 2], camera: &Camera, all: &mut Vec<TubeSegment>) {
         let pieces = (span.turning / TURNING).max(span.twist.abs() / TWISTING);
         let pieces = pieces.min(self.pieces(span.turning, span.length * camera.scale));
+        let pieces = pieces.max(span.taper * camera.scale / TAPERING);
         let pieces = pieces.ceil().clamp(1.0, 64.0) as usize;
         let at = |k: usize| span.at(k as f64 / pieces as f64);
         let (half_angle, color) = self.stripe.map_or((0.0, [0; 3]), |s: &Stripe| (s.half_angle, s.color));
         let mut from = at(0);
         for k in 1..=pieces {
             let to = at(k);
+            let radius = (0.5 * (from.radius + to.radius) * camera.scale).max(least(camera));
             all.push(TubeSegment {
-                shape: ScreenCapsule { ends: [camera.place(from.point), camera.place(to.point)], radius: self.radius },
+                shape: ScreenCapsule { ends: [camera.place(from.point), camera.place(to.point)], radius },
                 tangents: [camera.turn(from.tangent), camera.turn(to.tangent)],
                 colors: [from.color, to.color],
                 stripe: [camera.turn(from.stripe), camera.turn(to.stripe)],
@@ -108,7 +117,6 @@ impl<'a> TubeStyle<'a> {
 /// Indices of the points to be drawn: none repeated, none closer than visible.
 fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
     let points = &tube.points;
-    let close = (SPARSE * tube.radius).max(sample);
     let mut kept: Vec<usize> = Vec::new();
     for i in 0..points.len() {
         let Some(&before) = kept.last() else {
@@ -116,6 +124,7 @@ fn worth_drawing(tube: &Tube, sample: f64) -> Vec<usize> {
             continue;
         };
         let step = points[i] - points[before];
+        let close = (SPARSE * tube.radius(i)).max(sample);
         let bends = points.get(i + 1).is_some_and(|next| step.angle(&(next - points[i])) > TURNING);
         let twists = tube.stripe.as_ref().is_some_and(|s| s.directions[i].angle(&s.directions[before]) > 1.0);
         let is_end = i + 1 == points.len() && !tube.closed;
@@ -143,6 +152,7 @@ fn nodes(look: &TubeStyle, sample: f64) -> Vec<Node> {
     let node = |(&i, &tangent): (&usize, &Vec3)| Node {
         point: tube.points[i],
         tangent,
+        radius: tube.radius(i),
         color: color(i),
         stripe: stripe(i, tangent),
     };

@@ -161,14 +161,17 @@ impl Record {
             let seam_turns = link.map_or(0.0, |link| link.link);
             let stripe =
                 (!rod.directions.is_empty()).then(|| Stripe { seam_turns, ..Stripe::along(rod.directions.clone()) });
-            let radius = self.head(index, frame.step).radius();
+            let radii = match rod.radii.as_slice() {
+                [] => vec![self.head(index, frame.step).radius()],
+                radii => radii.to_vec(),
+            };
             let colors = match range {
                 Some([low, high]) if !rod.values.is_empty() => {
                     colors_by_value(&rod.values, self.palette(), Some((low, high)))
                 }
                 _ => vec![COLORS[index % COLORS.len()]],
             };
-            Tube { points: rod.points.clone(), radius, closed: head.closed, colors, stripe }
+            Tube { points: rod.points.clone(), radii, closed: head.closed, colors, stripe }
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };

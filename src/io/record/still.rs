@@ -27,6 +27,8 @@ pub(super) struct Still {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct StillRod {
     pub points: Vec<Vec3>,
+    /// Radius at each point of a rod along which it varies; empty for other rods.
+    pub radii: Vec<f64>,
     /// d1 at each point; empty if too many points were left out to interpolate it.
     pub directions: Vec<Vec3>,
     /// Quantity that colours the rod, at each point; empty for colours by strand.
@@ -36,22 +38,24 @@ pub(super) struct StillRod {
 impl Record {
     /// A frame reduced for a picture; `thin` for small pictures.
     pub(super) fn still(&self, frame: &RecordedFrame, thin: bool) -> Still {
-        let rod = |rod: &super::RodSnapshot| {
+        let rod = |(index, rod): (usize, &super::RodSnapshot)| {
+            let radii = &self.rods[index].radii;
             let values = self.values(rod);
             if thin && rod.positions.len() > MAX_POINTS {
                 let kept = few(&rod.positions);
                 let values = kept.iter().filter_map(|&i| values.get(i).copied()).collect();
                 let points = kept.iter().map(|&i| rod.positions[i]).collect();
-                return StillRod { points, directions: Vec::new(), values };
+                let radii = kept.iter().filter_map(|&i| radii.get(i).copied()).collect();
+                return StillRod { points, radii, directions: Vec::new(), values };
             }
             let directions = rod.frames.iter().map(|q| q * Vec3::x()).collect();
-            StillRod { points: rod.positions.clone(), directions, values }
+            StillRod { points: rod.positions.clone(), radii: radii.clone(), directions, values }
         };
         let sites = &self.steps[frame.step].sites;
         let between = sites.iter().map(|site| (self.place(site, frame), site.rod_a));
         let on_planes = self.steps[frame.step].plane_sites.iter().map(|site| (site.nearest.into(), site.rod));
         let spots = between.chain(on_planes).collect();
-        Still { step: frame.step, rods: frame.rods.iter().map(rod).collect(), spots }
+        Still { step: frame.step, rods: frame.rods.iter().enumerate().map(rod).collect(), spots }
     }
 
     /// Quantity that colours pictures, at the nodes of a rod.

@@ -131,8 +131,7 @@ impl<'a> GlbWriter<'a> {
         let (mesh, mode) = match self.sides {
             Some(sides) => {
                 let stripe = linear(Stripe::along(Vec::new()).color);
-                let FrameRod { radius, seam_turns, .. } = *rod;
-                let look = MeshStyle { radius, closed: head.closed, seam_turns, sides, stripe };
+                let look = MeshStyle { closed: head.closed, seam_turns: rod.seam_turns, sides, stripe };
                 (tube(&nodes, &look), Mode::Triangles)
             }
             None => (line(&nodes), if head.closed { Mode::LineLoop } else { Mode::LineStrip }),
@@ -190,7 +189,13 @@ impl<'a> GlbWriter<'a> {
         let node = |(i, tangent): (usize, Vec3)| {
             let direction = rod.directions[i] - tangent * tangent.dot(&rod.directions[i]);
             let stripe = direction.try_normalize(0.0).unwrap_or_default();
-            span::Node { point: rod.points[i] - self.center, tangent, color: linear(colors[i]), stripe }
+            span::Node {
+                point: rod.points[i] - self.center,
+                tangent,
+                radius: rod.radius(i),
+                color: linear(colors[i]),
+                stripe,
+            }
         };
         tangents(&rod.points, self.film.rods[index].closed).into_iter().enumerate().map(node).collect()
     }

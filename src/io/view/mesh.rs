@@ -28,7 +28,6 @@ pub(super) struct Mesh {
 
 /// Style of a tube.
 pub(super) struct MeshStyle {
-    pub radius: f64,
     pub closed: bool,
     pub seam_turns: f64,
     /// Sides of the cross-section in addition to the stripe.
@@ -84,7 +83,7 @@ impl Mesh {
         let e2 = section.tangent.cross(&e1);
         let mut vertex = |angle: f64, color: Vec3| {
             let normal = (e1 * angle.cos() + e2 * angle.sin()) * cos + section.tangent * sin;
-            self.positions.push(section.point + normal * look.radius);
+            self.positions.push(section.point + normal * section.radius);
             self.normals.push(normal);
             self.colors.push(color);
         };
@@ -114,7 +113,7 @@ mod tests {
     use crate::io::picture::span::tangents;
 
     fn nodes(points: &[Vec3], closed: bool) -> Vec<Node> {
-        let node = |(&point, tangent)| Node { point, tangent, color: Vec3::x(), stripe: Vec3::z() };
+        let node = |(&point, tangent)| Node { point, tangent, radius: 0.1, color: Vec3::x(), stripe: Vec3::z() };
         points.iter().zip(tangents(points, closed)).map(node).collect()
     }
 
@@ -126,7 +125,7 @@ mod tests {
 
     #[test]
     fn tubes_enclose_the_volume_of_tori_and_capsules() {
-        let look = |closed| MeshStyle { radius: 0.1, closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
+        let look = |closed| MeshStyle { closed, seam_turns: 0.0, sides: 40, stripe: Vec3::y() };
         let circle: Vec<Vec3> =
             (0..64).map(|i| TAU * i as f64 / 64.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
         let torus = tube(&nodes(&circle, true), &look(true));
@@ -136,6 +135,11 @@ mod tests {
         let capsule = tube(&nodes(&line, false), &look(false));
         let exact = std::f64::consts::PI * (0.01 * 2.0 + 4.0 / 3.0 * 0.001);
         assert!((volume(&capsule) / exact - 1.0).abs() < 0.03, "{} {exact}", volume(&capsule));
+        let mut nodes = nodes(&line, false);
+        nodes.iter_mut().enumerate().for_each(|(k, node)| node.radius = 0.1 + 0.05 * k as f64);
+        let cone = tube(&nodes, &look(false));
+        let exact = std::f64::consts::PI * (2.0 * (0.01 + 0.02 + 0.04) / 3.0 + 2.0 / 3.0 * (0.001 + 0.008));
+        assert!((volume(&cone) / exact - 1.0).abs() < 0.03, "{} {exact}", volume(&cone));
     }
 
     /// A seam of 1¼ turns on a flat ring: the stripe arrives a quarter turn from where it has left.
@@ -143,7 +147,7 @@ mod tests {
     fn the_stripe_turns_into_the_seam() {
         let circle: Vec<Vec3> =
             (0..16).map(|i| TAU * i as f64 / 16.0).map(|t| Vec3::new(t.cos(), t.sin(), 0.0)).collect();
-        let look = MeshStyle { radius: 0.1, closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
+        let look = MeshStyle { closed: true, seam_turns: 1.25, sides: 6, stripe: Vec3::y() };
         let sections = sections(&nodes(&circle, true), &look);
         let (first, last) = (sections[0], sections[sections.len() - 1]);
         let turned = first.tangent.cross(&first.stripe);

@@ -75,7 +75,7 @@ impl Film {
             json!({
                 "step": frame.step,
                 "counts": frame.rods.iter().map(|rod| rod.points.len()).collect::<Vec<_>>(),
-                "radii": frame.rods.iter().map(|rod| rod.radius).collect::<Vec<_>>(),
+                "radii": frame.rods.iter().map(|rod| &rod.radii).collect::<Vec<_>>(),
                 "seams": frame.rods.iter().map(|rod| rod.seam_turns).collect::<Vec<_>>(),
                 "forces": forces.collect::<Vec<_>>(),
             })

@@ -136,13 +136,16 @@ fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
 
 /// A rod with at most `share` of its nodes, drawn with `radius` if its file has none, and the distance from the line drawn within which nodes were left out.
 fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
-    let radius = data.scalars.get("radius").and_then(|radii| radii.first().copied()).unwrap_or(radius);
+    let one = vec![radius];
+    let radii = data.scalars.get("radius").filter(|radii| !radii.is_empty()).unwrap_or(&one);
+    let is_uniform = radii.iter().all(|other| *other == radii[0]);
+    let thinnest = radii.iter().copied().fold(f64::INFINITY, f64::min);
     let num = data.points.len();
     // `within` keeps the ends of its blocks in any case
     let most = ((share * num as f64) as usize).max(num.div_ceil(BLOCK) + 1);
     let (mut tolerance, mut kept) = (0.0, (0..num).collect::<Vec<_>>());
     while kept.len() > most {
-        tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { TOLERANCE * radius };
+        tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { TOLERANCE * thinnest };
         kept = within(&data.points, tolerance, usize::MAX);
     }
     let empty = Vec::new();
@@ -161,7 +164,7 @@ fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
         pressure: kept.iter().filter_map(|&i| force.get(i).map(Vec3::norm)).collect(),
         curvature: kept.iter().filter_map(|&i| curvature.get(i).copied()).collect(),
         twist_rate: kept.iter().filter_map(|&i| twist_rate.get(i).copied()).collect(),
-        radius,
+        radii: if is_uniform { vec![radii[0]] } else { kept.iter().filter_map(|&i| radii.get(i).copied()).collect() },
         seam_turns: 0.0,
     };
     (rod, tolerance)

@@ -3,6 +3,10 @@
 //! Under a law with a contact layer of half the node spacing the pressure may vanish between nodes, and a line breaks
 //! up into one fragment per node. Contacts of two strands that are closer to each other on both than such a mesh
 //! resolves are one site.
+//!
+//! Strands that press each other less than their elements ripple touch once an element: wires of steel laid as a cable
+//! have ripples of 1e-9 m, and their layer is pressed in by 1e-11 m. Such fragments lie up to an element apart. Two
+//! points may, too, but not three in a row: a row is one site.
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
@@ -28,32 +32,59 @@ struct ContactView {
     curves: [usize; 2],
     /// Ascending, on both strands.
     arcs: [[f64; 2]; 2],
-    /// Mean pressure \[F/L\].
-    pressure: f64,
+    /// \[F\].
+    force: f64,
+    /// Mean length on both strands \[L\].
+    length: f64,
 }
 
-/// Whether two contacts have similar mean pressures.
-fn is_alike(x: &ContactView, y: &ContactView) -> bool {
-    x.pressure.max(y.pressure) <= ALIKE * x.pressure.min(y.pressure)
+/// Whether two contacts have similar mean pressures, over their own lengths or over this one \[L\] where they are shorter:
+/// pressure that gathers within a length is known over that length only.
+fn is_alike(x: &ContactView, y: &ContactView, length: f64) -> bool {
+    [0.0, length].into_iter().any(|least| {
+        let [x, y] = [x, y].map(|view| view.force / view.length.max(least).max(f64::MIN_POSITIVE));
+        x.max(y) <= ALIKE * x.min(y)
+    })
 }
+
+/// Fewest contacts, each within an element of the next, that are fragments of a line.
+const ROW: usize = 3;
 
 /// Groups of zones with the fragments of each line merged.
 pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, layer: &Layer) -> Vec<Members> {
+    let near = |[a, b]: [usize; 2]| [NEAR * layer.width(a, b); 2];
+    let within_an_element = |curves: [usize; 2]| {
+        let near = near(curves);
+        [0, 1].map(|k| near[k].max(layer.elements[curves[k]]))
+    };
+    let groups = merged(set, zones, groups, near, 1);
+    merged(set, zones, groups, within_an_element, ROW)
+}
+
+/// Groups merged where at least `least` of them follow each other, alike and no further apart than `reach` of their
+/// curves \[L\].
+fn merged(
+    set: &CurveSet,
+    zones: &[SiteZone],
+    groups: Vec<Members>,
+    reach: impl Fn([usize; 2]) -> [f64; 2],
+    least: usize,
+) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
     sides.sort_by(|x, y| x.curves.cmp(&y.curves).then(x.arcs[0][0].total_cmp(&y.arcs[0][0])));
     let mut next: Vec<Members> = vec![Vec::new(); groups.len()];
     for class in sides.chunk_by(|x, y| x.curves == y.curves) {
         let curves = class[0].curves;
-        let reach = NEAR * layer.width(curves[0], curves[1]);
+        let reach = reach(curves);
         let is_near = |x: &ContactView, y: &ContactView, k: usize| {
-            arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach
+            arc::apart(x.arcs[k], y.arcs[k], set.period(curves[k])) <= reach[k]
         };
         for (i, side) in class.iter().enumerate() {
             let after = (1..class.len()).map(|offset| &class[(i + offset) % class.len()]);
             for other in after
                 .take_while(|other| is_near(side, other, 0))
-                .filter(|other| is_near(side, other, 1) && is_alike(side, other))
+                .filter(|other| is_near(side, other, 1) && is_alike(side, other, reach[0].max(reach[1])))
             {
                 if side.group != other.group {
                     let turned = side.flipped != other.flipped;
@@ -81,7 +112,11 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
         let members = |&(group, turned): &(usize, bool)| {
             groups[group].iter().map(move |&(zone, flipped)| (zone, flipped != turned)).collect::<Vec<_>>()
         };
-        all.push(found.iter().flat_map(members).collect());
+        if found.len() >= least {
+            all.push(found.iter().flat_map(members).collect());
+        } else {
+            all.extend(found.iter().map(members));
+        }
     }
     all
 }
@@ -100,10 +135,9 @@ fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> 
     let arcs = [hull(0), hull(1)];
     let force: f64 = members.iter().map(|&(zone, _)| zones[zone].load.force).sum();
     let length = 0.5 * (arcs[0][1] - arcs[0][0] + arcs[1][1] - arcs[1][0]);
-    let pressure = if length > 0.0 { force / length } else { 0.0 };
-    let mut sides = vec![ContactView { group, flipped: false, curves, arcs, pressure }];
+    let mut sides = vec![ContactView { group, flipped: false, curves, arcs, force, length }];
     if curves[0] == curves[1] {
-        sides.push(ContactView { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], pressure });
+        sides.push(ContactView { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], force, length });
     }
     sides
 }

@@ -1,8 +1,8 @@
 //! Contact along lines: the pressure of each line site as a function of arc length.
 //!
-//! The contact law spreads pressure over a width (B/κ)^¼; faster variations along a line are due to the mesh. So the
-//! force of each piece of a zone is distributed over the samples within that width, with weights of sum 1: the curve is
-//! smooth, and its integral is the force of the site to rounding.
+//! The contact law spreads pressure over a width (B/κ)^¼; faster variations along a line, and those from element to
+//! element, are due to the mesh. So the force of each piece of a zone is distributed over the samples within that width
+//! or half an element, with weights of sum 1: the curve is smooth, and its integral is the force of the site to rounding.
 
 use crate::contact::arc::near;
 use crate::contact::chain::chains;
@@ -12,7 +12,7 @@ use crate::observe::report::{LineSample, SiteKind};
 
 use super::{Layer, SiteZone, contacts, order, piece, site, zone};
 
-/// Samples per width of the contact law.
+/// Samples per width of the smoothing.
 const A_WIDTH: f64 = 2.0;
 /// Most samples of a line.
 const MOST_SAMPLES: usize = 2000;
@@ -66,7 +66,7 @@ pub(in crate::observe) fn lines(
         let length = |arc: [f64; 2], period: Option<f64>| {
             if arc[1] >= arc[0] { arc[1] - arc[0] } else { arc[1] - arc[0] + period.unwrap_or(0.0) }
         };
-        let width = layer.width(curves[0], curves[1]);
+        let width = layer.resolution(curves[0], curves[1]);
         for (arcs, pressure, gap) in smoothed(sources.collect(), length(report.arc_a, set.period(curves[0])), width) {
             let at =
                 |k: usize| set.period(curves[k]).map_or(arcs[k] + starts[k], |p| (arcs[k] + starts[k]).rem_euclid(p));

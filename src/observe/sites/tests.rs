@@ -14,9 +14,9 @@ fn straight(degrees: f64, height: f64) -> CurveSet {
     CurveSet::from_polylines(&[(&a, 0.5, false), (&b, 0.5, false)]).unwrap()
 }
 
-/// Curves of bending stiffness 1.
+/// Curves of bending stiffness 1, with elements shorter than the layer.
 fn layer(curves: usize, stiffness: f64) -> Layer {
-    Layer { stiffness, bending: vec![1.0; curves] }
+    Layer { stiffness, bending: vec![1.0; curves], elements: vec![0.0; curves] }
 }
 
 fn all_pairs(set: &CurveSet) -> Vec<[u32; 2]> {
@@ -175,5 +175,64 @@ fn counterparts_are_those_of_brute_force() {
             total += wanted.len();
         }
         assert!(count < 300 || total > 20, "{total}");
+    }
+}
+
+/// A straight rod and one that touches it `crests` times, once in each length 2, at z = 0 and 1 − 5e-5. `turned` has the
+/// second run backwards.
+fn rippled(crests: usize, turned: bool, swapped: bool) -> CurveSet {
+    let length = 2 * crests;
+    let a: Vec<Vec3> = (0..=length).map(|k| Vec3::x() * (k as f64 - 0.3)).collect();
+    let mut b: Vec<Vec3> = (0..=10 * length)
+        .map(|k| 0.1 * k as f64)
+        .map(|x| Vec3::new(x, 0.0, 1.01 - 5e-5 + 0.01 * (std::f64::consts::PI * x).cos()))
+        .collect();
+    if turned {
+        b.reverse();
+    }
+    let curves: [(&[Vec3], f64, bool); 2] = [(&a, 0.5, false), (&b, 0.5, false)];
+    CurveSet::from_polylines(&if swapped { [curves[1], curves[0]] } else { curves }).unwrap()
+}
+
+/// Sites where the elements have this length; a layer of width .01.
+fn sites_of_elements(set: &CurveSet, length: f64) -> (Vec<SiteReport>, Vec<crate::observe::report::LineSample>) {
+    let law = Law::Linear { stiffness: 1e8 };
+    let terms = contact_pairs(evaluate(set, &all_pairs(set), law, &|_, _| [0.0; 2], Want::Gradient));
+    let layer = Layer { elements: vec![length; 2], ..layer(2, 1e8) };
+    (sites(set, &terms, &[3, 7], &layer), lines(set, &terms, &[3, 7], &layer))
+}
+
+/// Contacts in a row, one an element, are one line; two are points, and so are rows wider than the elements. Whatever the
+/// sites, their forces add up to the same, also if a strand runs the other way or the strands are swapped; the pressure
+/// along the line is even and adds up to its force.
+#[test]
+fn a_row_of_contacts_is_a_line() {
+    for (turned, swapped) in [(false, false), (true, false), (false, true), (true, true)] {
+        for crests in [2, 3, 9] {
+            let set = rippled(crests, turned, swapped);
+            let ((points, none), (row, samples)) = (sites_of_elements(&set, 1.0), sites_of_elements(&set, 2.0));
+            assert!(points.len() == crests && points.iter().all(|site| site.kind == "point") && none.is_empty());
+            let total = |sites: &[SiteReport]| -> (f64, Vec3) {
+                (sites.iter().map(|site| site.force).sum(), sites.iter().map(|site| Vec3::from(site.force_on_a)).sum())
+            };
+            let ((force, vector), (of_row, vector_of_row)) = (total(&points), total(&row));
+            assert!((force / of_row - 1.0).abs() < 1e-12 && (vector - vector_of_row).norm() < 1e-12 * force);
+            if crests < 3 {
+                assert_eq!(row, points);
+                continue;
+            }
+            assert_eq!((row.len(), row[0].kind.as_str()), (1, "line"), "{row:?}");
+            // crests at 1, 3, 5 …, the last at 2 crests - 1
+            let [from, to] = if swapped { row[0].arc_b } else { row[0].arc_a };
+            assert!((from - 1.3).abs() < 0.2 && (to - 2.0 * crests as f64 + 0.7).abs() < 0.2, "{from} {to}");
+            let length = row[0].arc_a[1] - row[0].arc_a[0];
+            let spacing = length / samples.len() as f64;
+            let sum: f64 = samples.iter().map(|sample| sample.pressure * spacing).sum();
+            assert!((sum / of_row - 1.0).abs() < 1e-12, "{sum} {of_row}");
+            let inner = &samples[samples.len() / 3..samples.len() - samples.len() / 3];
+            let mean = inner.iter().map(|sample| sample.pressure).sum::<f64>() / inner.len() as f64;
+            let even = |sample: &crate::observe::report::LineSample| (sample.pressure / mean - 1.0).abs() < 0.03;
+            assert!(crests < 9 || inner.iter().all(even), "{inner:?}");
+        }
     }
 }
