@@ -27,13 +27,8 @@ pub struct Summary {
 pub fn run(to: f64) -> Result<Summary, InputError> {
     let section = Section::isotropic(2.0, 2.0, 6.0, 6.0 / 2.6, 0.1); // I = 2, A = 6, ν = 0.3 with E = 1
     let rod = |name: &str, start: Vec3, direction: Vec3| {
-        Rod::new(
-            name,
-            &Shape::Line { start, direction, length: 120.0 },
-            RodMesh::open(20, 3),
-            section,
-            Natural::Straight,
-        )
+        let shape = Shape::Line { start, direction, length: 120.0 };
+        Rod::new(name, &shape, RodMesh::open(20, 3), section, Natural::Straight)
     };
     let rods = vec![rod("column", Vec3::zeros(), Vec3::y())?, rod("beam", Vec3::y() * 120.0, Vec3::x())?];
     let node = |rod, node| NodeRef { rod, node };

@@ -59,7 +59,7 @@ fn circle() -> Result<Film, Box<dyn Error>> {
         pressure: picture.pressure,
         curvature: picture.curvature,
         twist_rate: picture.twist_rate,
-        radius: ring.radius(),
+        radii: vec![ring.radius()],
         seam_turns: ring.excess_link(),
     };
     let columns = COLUMNS.map(|(name, unit)| (name.to_owned(), unit.to_owned())).to_vec();

@@ -82,7 +82,7 @@ fn files_tell_radius_arc_and_what_the_rod_bears() {
     }
     // and each step is drawn with its own radius
     let page = std::fs::read_to_string(out.join("view.html")).unwrap();
-    let radii = page.split("\"radii\":[").skip(1).map(|rest| rest.split(']').next().unwrap().parse().unwrap());
+    let radii = page.split("\"radii\":[[").skip(1).map(|rest| rest.split(']').next().unwrap().parse().unwrap());
     let radii: Vec<f64> = radii.collect();
     assert!(radii.len() == 3 && radii.iter().zip([0.01, 0.02, 0.03]).all(|(a, b)| (a - b).abs() < 1e-15), "{radii:?}");
     std::fs::remove_dir_all(&dir).unwrap();

@@ -103,7 +103,7 @@ impl Failure {
     }
 
     /// Of an attempt that led on from the state that the engine is in now.
-    pub(crate) fn from_state(self, engine: &Engine) -> Self {
+    pub(crate) fn failing_from(self, engine: &Engine) -> Self {
         let bend = engine.tightest_bend().filter(|bend| bend.tightness >= TIGHT);
         let told = |Bend { rod, arc, tightness }| TightBend { at: spot(engine, rod, arc), tightness };
         Self { bend: bend.map(told), ..self }

