@@ -176,7 +176,7 @@ impl LastStage {
     }
 
     /// The whole way, broken off halfway and taken up again.
-    fn from_a_checkpoint(&self) -> Observation {
+    fn resumed_from_a_checkpoint(&self) -> Observation {
         let stages = self.stages(&[(1.0, self.steps)]);
         let mut kept: Option<Restart> = None;
         let mut halt = |progress: &Progress, waypoint: &Waypoint| {
@@ -198,7 +198,7 @@ impl LastStage {
     }
 
     /// The configuration alone comes to rest, without contact pressures.
-    fn from_its_configuration(&self, solver: &Solver) -> Observation {
+    fn restarted_from_its_configuration(&self, solver: &Solver) -> Observation {
         let mut fresh = Solver::new(self.model.clone(), Options::default()).unwrap();
         fresh.set_state(solver.engine().state().clone()).unwrap();
         let report = fresh.find_equilibrium();
@@ -219,8 +219,8 @@ impl LastStage {
             ("a last step of 1e-4", self.run(&[(0.9999, n), (1.0, 1)]).0),
             ("beyond and back", self.run(&[(1.005, n), (1.0, 1)]).0),
             ("step_to", self.by_steps_of_its_own()),
-            ("checkpoint halfway", self.from_a_checkpoint()),
-            ("its configuration again", self.from_its_configuration(&solver)),
+            ("checkpoint halfway", self.resumed_from_a_checkpoint()),
+            ("its configuration again", self.restarted_from_its_configuration(&solver)),
         ]
     }
 }
