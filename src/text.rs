@@ -31,6 +31,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
 }
 
 /// First bytes of a checkpoint.
+#[cfg(any(feature = "scenes", feature = "runs"))]
 pub(crate) const CHECKPOINT: &[u8; 8] = b"SUPRCOIL";
 
 /// The text of a regular file.
