@@ -13,7 +13,12 @@ const MOST_BYTES: u64 = 256 << 20;
 
 /// The text of any file, pipes included, of at most [`MOST_BYTES`].
 pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
-    String::from_utf8(read_bytes(path)?).map_err(|_| {
+    utf8(read_bytes(path)?, path)
+}
+
+/// The text that the bytes of a file are.
+pub(crate) fn utf8(bytes: Vec<u8>, path: &Path) -> Result<String, InputError> {
+    String::from_utf8(bytes).map_err(|_| {
         let reason = "stream did not contain valid UTF-8".to_owned();
         InputError::File { path: path.to_owned(), reason }
     })

@@ -185,10 +185,15 @@ impl TubePicture {
     }
 }
 
+/// Radius at a point of a tube whose radii are one per point, or one for all.
+pub(in crate::io) fn radius_at(radii: &[f64], point: usize) -> f64 {
+    radii.get(point).or(radii.first()).copied().unwrap_or(0.0)
+}
+
 impl Tube {
     /// Radius at a point.
     fn radius(&self, point: usize) -> f64 {
-        self.radii.get(point).or(self.radii.first()).copied().unwrap_or(0.0)
+        radius_at(&self.radii, point)
     }
 
     /// Refuses what cannot be drawn.

@@ -84,13 +84,6 @@ pub struct FrameRod {
     pub seam_turns: f64,
 }
 
-impl FrameRod {
-    /// Radius at a point.
-    fn radius(&self, point: usize) -> f64 {
-        self.radii.get(point).or(self.radii.first()).copied().unwrap_or(0.0)
-    }
-}
-
 /// Numbers of the steps.
 #[derive(Debug, Clone, Default)]
 pub struct FilmTable {

@@ -22,7 +22,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::runge_kutta::extrapolated_step;
-use super::shooting::zero_of;
+use super::shooting::{cross, dot, zero_of};
 
 /// r, t, d1, M, n.
 type State = [f64; 15];
@@ -64,14 +64,6 @@ pub struct Found {
     pub energy: f64,
     /// Largest residual of boundary and contact conditions.
     pub residual: f64,
-}
-
-fn cross(a: &[f64], b: &[f64]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl ClampedLoop {

@@ -24,7 +24,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::runge_kutta::extrapolated_step;
-use super::shooting::zero_of;
+use super::shooting::{cross, dot, zero_of};
 
 /// r, t, M, n, and a direction carried along without turning about t.
 type State = [f64; 15];
@@ -68,14 +68,6 @@ pub struct Ring {
     pub place: f64,
     /// Largest residual of the boundary and contact conditions.
     pub residual: f64,
-}
-
-fn cross(a: &[f64], b: &[f64]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn rate(y: &State) -> State {

@@ -1,4 +1,5 @@
-//! Newton's method with differences, for boundary value problems that tests solve by shooting.
+//! For boundary value problems that tests solve by shooting: Newton's method with differences, products of vectors that are
+//! parts of a state.
 
 #![allow(dead_code)] // every test file uses its part
 
@@ -68,4 +69,14 @@ pub fn zero_of(residuals: impl Fn(&[f64]) -> Vec<f64>, guess: &[f64]) -> (Vec<f6
     }
     let left = size(&r);
     (x, left)
+}
+
+/// a × b.
+pub fn cross(a: &[f64], b: &[f64]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// a · b.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -16,12 +16,11 @@ use supercoil::observe::report::Observation;
 use supercoil::scene::{Model, Ramp, Scene, Stage};
 use supercoil::solve::{Options, Progress, Restart, Solver, Status, Waypoint, run, run_from};
 
-const CIRCLE: &str = "[[rods]]\nclosed = true\nshape = { kind = \"circle\", length = 1.0 }\n";
-
-/// A ring of D/L = .02, C/B = 1.5, wound up.
-fn ring(elements: usize, to: f64, steps: usize) -> Scene {
+/// A circle of this length and section, wound up.
+fn wound(length: f64, section: &str, elements: usize, to: f64, steps: usize) -> Scene {
     text(&format!(
-        "{CIRCLE}section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.01 }}
+        "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = {length:?} }}
+section = {{ {section} }}
 elements = {elements}
 [[stages]]
 ramp = {{ excess_link = {{ to = {to:?} }} }}
@@ -29,16 +28,16 @@ steps = {steps}\n"
     ))
 }
 
+/// A ring of D/L = .02, C/B = 1.5.
+fn ring(elements: usize, to: f64, steps: usize) -> Scene {
+    let section = "bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.01";
+    wound(1.0, section, elements, to, steps)
+}
+
 /// The minicircle of 336 base pairs.
 fn minicircle(elements: usize, to: f64, steps: usize) -> Scene {
-    text(&format!(
-        "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = 114.24 }}
-section = {{ bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }}
-elements = {elements}
-[[stages]]
-ramp = {{ excess_link = {{ to = {to:?} }} }}
-steps = {steps}\n"
-    ))
+    let section = "bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5";
+    wound(114.24, section, elements, to, steps)
 }
 
 /// DNA under a pull, one end turned, with a nudge against symmetry.

@@ -18,7 +18,7 @@ use gltf_json::{Accessor, Asset, Buffer, Index, Material, Mesh, Node, Root, Scen
 use crate::error::InputError;
 use crate::io::picture::palette::linear;
 use crate::io::picture::span::{self, tangents};
-use crate::io::picture::{Stripe, colors_by_value};
+use crate::io::picture::{Stripe, colors_by_value, radius_at};
 use crate::math::Vec3;
 
 use super::mesh::{self, MeshStyle, per_ring, tube};
@@ -192,7 +192,7 @@ impl<'a> GlbWriter<'a> {
             span::Node {
                 point: rod.points[i] - self.center,
                 tangent,
-                radius: rod.radius(i),
+                radius: radius_at(&rod.radii, i),
                 color: linear(colors[i]),
                 stripe,
             }

@@ -8,7 +8,7 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod, Section, within};
 use crate::scene::points::named_columns;
-use crate::text::{CHECKPOINT, read_regular, read_regular_bytes};
+use crate::text::{CHECKPOINT, read_regular_bytes, utf8};
 
 use super::text::RodText;
 
@@ -27,12 +27,13 @@ pub(super) fn rod(
     natural: Natural,
 ) -> Result<Rod, InputError> {
     let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
-    if read_regular_bytes(path)?.starts_with(CHECKPOINT) {
+    let bytes = read_regular_bytes(path)?;
+    if bytes.starts_with(CHECKPOINT) {
         let reason = "is a checkpoint. The nodes and frames in it are written as final_state.csv, which can be the start of \
                       any scene, by: supercoil resume DIR --time-limit 0";
         return Err(refuse(reason.to_owned()));
     }
-    let rows = named_columns(&read_regular(path)?, COLUMNS).map_err(refuse)?;
+    let rows = named_columns(&utf8(bytes, path)?, COLUMNS).map_err(refuse)?;
     let rows: Vec<[f64; 9]> = rows.into_iter().filter(|row| row[0] == which as f64).collect();
     if rows.len() < 2 {
         return Err(refuse(format!("has no rod {which} of two nodes or more: rods count from 0")));

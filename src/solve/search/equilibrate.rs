@@ -34,21 +34,18 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
+        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
             let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
-            if let Some(report) = plain(self, engine, (drive, &forces), options, &mut spent)? {
+            if let Some(report) = plain(self, engine, (drive, &forces), &direct, &mut spent)? {
                 return Ok(report);
             }
             engine.state = start.clone();
             self.refresh(engine, &start)?;
         }
         if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
-            let direct = NewtonOptions {
-                stable_only: false,
-                max_iterations: if options.stable_only { MAX_DIRECT } else { options.max_iterations },
-                ..options.clone()
-            };
-            match self.direct(engine, (drive, &forces), &direct, options.stable_only) {
+            let direct = if options.stable_only { &direct } else { options };
+            match self.direct(engine, (drive, &forces), direct, options.stable_only) {
                 Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
@@ -73,9 +70,8 @@ impl Workspace {
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.state.clone();
-        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         let side = engine.contact.take();
-        let outcome = self.direct(engine, start, &direct, true);
+        let outcome = self.direct(engine, start, options, true);
         engine.contact = side;
         // after a breakdown the other searches begin from the start
         let Ok(mut report) = outcome else { return Ok(None) };
@@ -102,9 +98,8 @@ impl Workspace {
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
-        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
         // after a breakdown the trust-region search begins from the start
-        if let Ok(mut report) = self.direct(engine, start, &direct, true) {
+        if let Ok(mut report) = self.direct(engine, start, options, true) {
             if report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
             }
