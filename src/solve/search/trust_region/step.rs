@@ -128,8 +128,7 @@ impl Workspace {
     /// eigenvalue.
     pub(super) fn shift_for(&self, step: &ModelStep, shorter: f64) -> f64 {
         let ratio = step.curvature / step.inertia;
-        let stiffness = if ratio.is_finite() { ratio.max(FIRST_SHIFT) } else { FIRST_SHIFT };
-        ((stiffness + self.shift) * shorter - stiffness).max(FIRST_SHIFT)
+        if ratio.is_finite() { (ratio + self.shift) * shorter - ratio } else { FIRST_SHIFT }
     }
 }
 
