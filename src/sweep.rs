@@ -60,7 +60,7 @@ pub enum SweepCommand {
         #[arg(long, value_name = "FILE")]
         csv: Option<PathBuf>,
     },
-    /// Collect, and draw a column over another as SVG.
+    /// Collect, and draw a column over another as SVG or PDF.
     Plot {
         /// Folder of the sweep.
         dir: PathBuf,
@@ -76,7 +76,7 @@ pub enum SweepCommand {
         /// Draw all steps, not the last of each case alone.
         #[arg(long)]
         steps: bool,
-        /// File to write [default: DIR/Y.svg].
+        /// File to write, *.svg or *.pdf [default: DIR/Y.svg].
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },

@@ -1,6 +1,7 @@
 //! Pictures of a run: final shape, film strip, writhe against excess link.
 
 use crate::error::InputError;
+use crate::io::picture::grid::round_below;
 use crate::io::picture::{
     Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
     film_strip, plot_lines,
@@ -11,7 +12,7 @@ use crate::math::{Mat3, Vec3};
 use crate::scene::file::ColorBy;
 
 use super::still::{Still, StillRod};
-use super::{Record, RecordedFrame, RodHead, files};
+use super::{Record, RecordedFrame, RodHead, files, plane_heights};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
@@ -175,7 +176,8 @@ impl Record {
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
-        TubePicture { tubes, view, spots: self.spots(frame), ..TubePicture::default() }
+        let (spots, lines) = (self.spots(frame), self.grids(frame));
+        TubePicture { tubes, view, spots, lines, ..TubePicture::default() }
     }
 
     /// A highlight at every contact site, unless colours show the pressure.
@@ -183,9 +185,15 @@ impl Record {
         if self.choice.color_by == ColorBy::Pressure {
             return Vec::new();
         }
-        let radius = |rod: usize| 0.8 * self.head(rod, frame.step).radius();
-        let spot = |&(center, rod): &(Vec3, usize)| Spot { center, radius: radius(rod), color: [235, 64, 52] };
+        let spot = |&(center, radius): &(Vec3, f64)| Spot { center, radius: 0.8 * radius, color: [235, 64, 52] };
         frame.spots.iter().map(spot).collect()
+    }
+
+    /// The planes where they are in this state.
+    fn grids(&self, frame: &Still) -> Vec<[Vec3; 2]> {
+        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
+        let heights = plane_heights(&self.steps[frame.step], self.planes.len());
+        self.planes.iter().zip(heights).flat_map(|(plane, height)| plane.grid(points(), height)).collect()
     }
 
     fn write_plot(&self) -> Result<(), InputError> {
@@ -220,10 +228,4 @@ fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Ve
     let mut axes = [0, 1, 2];
     axes.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
     [0, 1].map(|k| eigen.eigenvectors.column(axes[k]).into_owned())
-}
-
-/// The largest number 1, 2 or 5 times a power of ten that is not above `length`.
-fn round_below(length: f64) -> f64 {
-    let power = 10_f64.powf(length.log10().floor());
-    [5.0, 2.0].into_iter().map(|m| m * power).find(|round| *round <= length).unwrap_or(power)
 }
