@@ -190,11 +190,12 @@ impl FollowChoice {
 }
 
 /// Settings of pictures.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PictureChoice {
-    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000.
-    pub size: [usize; 2],
+    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000. `None`: 1600 wide and as high as the rods need, 320 to
+    /// 1200.
+    pub size: Option<[usize; 2]>,
     /// Direction from the rods to the eye, not zero; `None`: the direction of least extent of the final state.
     pub camera: Option<[f64; 3]>,
     /// Upward direction of the picture, not along `camera`. `None`: the one with the widest final state; with a
@@ -224,17 +225,10 @@ pub enum ColorBy {
     TwistRate,
 }
 
-impl Default for PictureChoice {
-    fn default() -> Self {
-        let (camera, up, color_by) = (None, None, ColorBy::Strand);
-        Self { size: [1600, 1200], camera, up, color_by, transparent: false, scale_bar: false }
-    }
-}
-
 impl PictureChoice {
     fn check(&self) -> Result<(), InputError> {
         let fits = |pixels: &usize| (16..=8000).contains(pixels);
-        if let Some(&value) = self.size.iter().find(|pixels| !fits(pixels)) {
+        if let Some(&value) = self.size.iter().flatten().find(|pixels| !fits(pixels)) {
             return Err(InputError::Count {
                 field: "picture.size".into(),
                 value,
