@@ -146,7 +146,7 @@ fn kinds() -> clap::builder::PossibleValuesParser {
     TEMPLATES.map(|template| clap::builder::PossibleValue::new(template.name).help(template.about)).into()
 }
 
-/// What to write of a run's base pairs.
+/// Formats of a run's base pairs.
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("format").args(["oxdna", "xyz", "vect", "pdb", "par", "ref_frames", "npy"]).required(true).multiple(true)))]
 struct Export {

@@ -443,6 +443,10 @@ fn check_choices(solver: &SolverChoice, output: &OutputChoice) -> Result<(), Inp
     if let Some(tolerance) = output.node_tolerance {
         InputError::check("output.node_tolerance", tolerance, tolerance >= 0.0, "finite and at least 0")?;
     }
+    if output.dir.as_ref().is_some_and(|dir| dir.as_os_str().is_empty()) {
+        let (field, allowed) = ("output.dir".to_owned(), "the name of a folder (\".\" is this one)".to_owned());
+        return Err(InputError::Name { field, name: String::new(), allowed });
+    }
     let seconds = output.checkpoint_seconds;
     if seconds.is_nan() || seconds < 0.0 {
         let field = "output.checkpoint_seconds".to_owned();

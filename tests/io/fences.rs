@@ -281,6 +281,7 @@ fn types_and_files_are_told_in_a_users_words() {
         ("kind = \"line\"", "kind = 5", &["line 6", "expected text in quotes"][..]),
         ("[[stages]]", "[stages]", &["invalid type: table, expected a list of tables", "double brackets"]),
         ("rotation = { at = \"end\", axis = [1, 0, 0], turns = 0.1 }", "rotation = 0.1", &["such as { to = … }"]),
+        ("[output]", "[output]\ndir = \"\"", &["output.dir = \"\": must be the name of a folder"]),
         ("elements = 2", "elements = 1e300", &["`1000", "000…`", "a whole number"]),
         (
             "{ kind = \"line\", length = 1.0 }",
