@@ -76,6 +76,28 @@ struct SectionStiffness {
 }
 
 impl RodHead {
+    fn of(rod: &crate::rod::Rod) -> Self {
+        Self {
+            name: rod.name.clone(),
+            length: rod.length,
+            contact_radius: rod.section.contact_radius,
+            radii: rod.contact_radii.as_ref().map_or_else(Vec::new, |radii| {
+                (0..rod.num_nodes()).map(|node| radii.at(node as f64 * rod.spacing())).collect()
+            }),
+            closed: rod.closed,
+            elements: rod.num_elements,
+            order: rod.order,
+            nodes: rod.num_nodes(),
+            turns_left_out: rod.turns_left_out,
+            stiffness: rod.stiffness.is_none().then_some(SectionStiffness {
+                bending: rod.section.bending,
+                twisting: rod.section.twisting,
+                stretching: rod.section.stretching,
+                shearing: rod.section.shearing,
+            }),
+        }
+    }
+
     /// Reference length between neighbouring nodes.
     fn spacing(&self) -> f64 {
         self.length / (self.elements * self.order) as f64
@@ -212,39 +234,8 @@ impl Record {
     fn open(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
         let refuse = |e: std::io::Error| InputError::Write { path: dir.to_owned(), reason: e.to_string() };
         std::fs::create_dir_all(dir).map_err(refuse)?;
-        let head = |rod: &crate::rod::Rod| RodHead {
-            name: rod.name.clone(),
-            length: rod.length,
-            contact_radius: rod.section.contact_radius,
-            radii: rod.contact_radii.as_ref().map_or_else(Vec::new, |radii| {
-                (0..rod.num_nodes()).map(|node| radii.at(node as f64 * rod.spacing())).collect()
-            }),
-            closed: rod.closed,
-            elements: rod.num_elements,
-            order: rod.order,
-            nodes: rod.num_nodes(),
-            turns_left_out: rod.turns_left_out,
-            stiffness: rod.stiffness.is_none().then_some(SectionStiffness {
-                bending: rod.section.bending,
-                twisting: rod.section.twisting,
-                stretching: rod.section.stretching,
-                shearing: rod.section.shearing,
-            }),
-        };
-        let Units { length, force } = &scene.units;
-        let point_units = [
-            ("Points", length.clone()),
-            ("arc_length", length.clone()),
-            ("radius", length.clone()),
-            ("curvature", format!("1/{length}")),
-            ("twist_rate", format!("rad/{length}")),
-            ("contact_force_per_length", format!("{force}/{length}")),
-            ("contact_force_on_node", force.clone()),
-            ("internal_force", force.clone()),
-            ("internal_moment", format!("{force} {length}")),
-        ];
         Ok(Self {
-            point_units,
+            point_units: point_units(&scene.units),
             dir: dir.to_owned(),
             title: scene.title.clone(),
             model_hash: Fingerprint::of(scene).model_hash(),
@@ -255,7 +246,7 @@ impl Record {
             choice: scene.picture.clone(),
             planar: scene.model.planar,
             planes: scene.model.planes.iter().map(drawn_plane).collect(),
-            rods: scene.model.rods.iter().map(head).collect(),
+            rods: scene.model.rods.iter().map(RodHead::of).collect(),
             columns: Columns::of_scene(scene),
             steps: Vec::new(),
             film: Vec::new(),
@@ -493,6 +484,22 @@ impl Record {
             None => every(rod.positions.len(), self.output.node_every, head.closed),
         }
     }
+}
+
+/// Units of the arrays at the points of VTK files.
+fn point_units(units: &Units) -> [(&'static str, String); 9] {
+    let Units { length, force } = units;
+    [
+        ("Points", length.clone()),
+        ("arc_length", length.clone()),
+        ("radius", length.clone()),
+        ("curvature", format!("1/{length}")),
+        ("twist_rate", format!("rad/{length}")),
+        ("contact_force_per_length", format!("{force}/{length}")),
+        ("contact_force_on_node", force.clone()),
+        ("internal_force", force.clone()),
+        ("internal_moment", format!("{force} {length}")),
+    ]
 }
 
 fn drawn_plane(plane: &crate::scene::Plane) -> DrawnPlane {
