@@ -95,7 +95,8 @@ enum Command {
         #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
         color: String,
     },
-    /// Plot columns of a run's table (table.csv) as SVG. Steps in which the rods snapped are joined by a dashed line.
+    /// Plot columns of a run's table (table.csv) as SVG or PDF. A dashed line joins the steps between which
+    /// the rods snapped.
     Plot {
         /// Folder of the run.
         dir: PathBuf,
@@ -105,7 +106,7 @@ enum Command {
         /// Columns along the vertical axis, of one unit.
         #[arg(long, value_name = "COLUMN", value_delimiter = ',', required = true)]
         y: Vec<String>,
-        /// File to write [default: DIR/Y.svg].
+        /// File to write, *.svg or *.pdf [default: DIR/Y.svg].
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
@@ -145,8 +146,9 @@ fn kinds() -> clap::builder::PossibleValuesParser {
     TEMPLATES.map(|template| clap::builder::PossibleValue::new(template.name).help(template.about)).into()
 }
 
-/// What to write of a run's base pairs.
+/// Formats of a run's base pairs.
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("format").args(["oxdna", "xyz", "vect", "pdb", "par", "ref_frames", "npy"]).required(true).multiple(true)))]
 struct Export {
     /// Folder of the run.
     dir: PathBuf,
@@ -201,14 +203,14 @@ struct Choices {
     checkpoint_every: Option<u32>,
     /// Write a checkpoint when the last is so many seconds old
     /// [default: output.checkpoint_seconds of the scene, or 60].
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     checkpoint_seconds: Option<f64>,
     /// Estimate the error of the final state, by settling it again on twice the elements and under a harder contact
     /// law.
     #[arg(long)]
     error_estimate: bool,
     /// Stop after so many seconds, as Ctrl-C does: with all files in order, to be resumed.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     time_limit: Option<f64>,
     /// Print nothing but errors.
     #[arg(long)]
@@ -299,17 +301,29 @@ fn explain(topic: Option<&str>, key: Option<&str>) -> Result<u8, InputError> {
     Ok(CONVERGED)
 }
 
+/// A number to seven digits.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.6e}").parse().unwrap_or(x)
+}
+
+/// A count of things, in words.
+fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
 fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
     let scene = Scene::read_with(file, set)?;
     say(format_args!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title }));
     for rod in &scene.model.rods {
         let (kind, unit) = (if rod.closed { "closed" } else { "open" }, &scene.units.length);
-        let (name, elements, order, length) = (&rod.name, rod.num_elements, rod.order, rod.length);
+        let (name, elements, order, length) = (&rod.name, rod.num_elements, rod.order, rounded(rod.length));
         say(format_args!("  rod {name}: {kind}, length {length} {unit}, {elements} elements of order {order}"));
     }
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
     let (supports, joints, stages) = (scene.model.supports.len(), scene.model.joints.len(), scene.stages.len());
-    say(format_args!("  {supports} supports, {joints} joints, {stages} stages of {steps} steps in all"));
+    let [supports, joints, stages] =
+        [(supports, "support"), (joints, "joint"), (stages, "stage")].map(|(count, what)| counted(count, what));
+    say(format_args!("  {supports}, {joints}, {stages} of {} in all", counted(steps, "step")));
     scene.expectations().iter().for_each(|line| say(format_args!("  {line}")));
     scene.notices.iter().for_each(|notice| say(format_args!("  note: {notice}")));
     let warnings = scene.warnings();
@@ -354,12 +368,7 @@ fn export(what: &Export) -> Result<u8, InputError> {
     what.par.iter().try_for_each(|path| write(path.clone(), pairs.par().as_bytes()))?;
     what.ref_frames.iter().try_for_each(|path| write(path.clone(), pairs.ref_frames().as_bytes()))?;
     what.npy.iter().try_for_each(|path| write(path.clone(), &pairs.npy()))?;
-    let files = if written.is_empty() {
-        "nothing: give --oxdna, --xyz, --npy, --par, --ref-frames, --vect or --pdb".to_owned()
-    } else {
-        written.join(", ")
-    };
-    say(format_args!("{} base pairs to {files}", pairs.positions.len()));
+    say(format_args!("{} base pairs to {}", pairs.positions.len(), written.join(", ")));
     Ok(CONVERGED)
 }
 

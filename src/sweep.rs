@@ -15,7 +15,7 @@ use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, progress::bar_style, say, sec
 #[derive(Subcommand)]
 pub enum SweepCommand {
     /// Make the cases of a sweep file and write them, a line a case, into a folder. Planning again with more values keeps
-    /// what was computed.
+    /// the rows of earlier cases.
     Plan {
         /// Sweep file (TOML): a base scene and its axes.
         file: PathBuf,
@@ -37,7 +37,7 @@ pub enum SweepCommand {
         /// Stop after so many seconds; the cases at work are left for the next run.
         #[arg(long, value_name = "T", value_parser = seconds)]
         max_seconds: Option<f64>,
-        /// Write what is finished every so many seconds: as much is lost when the run is killed.
+        /// Write finished cases every so many seconds; a run that is killed loses at most those since.
         #[arg(long, value_name = "T", value_parser = seconds, default_value_t = SweepRun::default().part_seconds)]
         part_seconds: f64,
         /// Print nothing but errors.
@@ -48,7 +48,7 @@ pub enum SweepCommand {
     Status {
         /// Folder of the sweep.
         dir: PathBuf,
-        /// Print nothing but what is missing, of so many shards, as `sbatch --array` takes it.
+        /// Print only the shards, of so many, that miss cases, as a list for `sbatch --array`.
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
         missing_of: Option<u32>,
     },
@@ -60,7 +60,7 @@ pub enum SweepCommand {
         #[arg(long, value_name = "FILE")]
         csv: Option<PathBuf>,
     },
-    /// Collect, and draw a column over another as SVG.
+    /// Collect, and draw a column over another as SVG or PDF.
     Plot {
         /// Folder of the sweep.
         dir: PathBuf,
@@ -76,7 +76,7 @@ pub enum SweepCommand {
         /// Draw all steps, not the last of each case alone.
         #[arg(long)]
         steps: bool,
-        /// File to write [default: DIR/Y.svg].
+        /// File to write, *.svg or *.pdf [default: DIR/Y.svg].
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },

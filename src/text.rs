@@ -60,6 +60,18 @@ fn check_regular(path: &Path) -> Result<(), InputError> {
     Ok(())
 }
 
+/// Smallest Jaro similarity of a suggested word, as for clap's own suggestions.
+#[cfg(feature = "scenes")]
+const LIKE: f64 = 0.7;
+
+/// The word that is most similar to another, if any is similar.
+#[cfg(feature = "scenes")]
+pub(crate) fn likest<'a>(word: &str, words: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let alike = words.map(|other| (strsim::jaro(word, other), other)).filter(|(likeness, _)| *likeness > LIKE);
+    // the first of equals
+    alike.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, other)| other)
+}
+
 /// Cells of a line: separated by its commas or semicolons, or else by blanks and tabs.
 pub(crate) fn split(line: &str) -> Vec<&str> {
     match [',', ';'].into_iter().find(|s| line.contains(*s)) {

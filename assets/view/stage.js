@@ -8,6 +8,8 @@ const MAX_SPANS = 200000;
 const MAX_TRIANGLES = 2500000;
 /** Half the angle of the stripe, rad, as in the pictures. */
 const STRIPE_ANGLE = 0.3;
+/** Colour of the planes' grids: seen on light and on dark, without hiding the rods. */
+const PLANE = [150, 156, 168];
 /** Arrow of the largest force, in radii of the thickest rod. */
 const ARROW = 4.5;
 /** More arrows than this hide the rods: they are not shown until asked for. */
@@ -65,8 +67,9 @@ const stage = gl && {
   screen: program(SCREEN_VERTEX, SCREEN),
   nodes: gl.createBuffer(),
   forces: gl.createBuffer(),
+  grid: gl.createBuffer(),
   palettes: film.quantities.map((quantity) => paletteTexture(quantity.colors)),
-  grid: null,
+  span: null,
   cone: arrowMesh(),
   sphere: ballMesh(),
   shown: -1,
@@ -114,11 +117,11 @@ function spanGrid(spans, turning) {
   const sides = spans < 5000 ? 28 : spans < 20000 ? 16 : spans < 60000 ? 10 : 6;
   const affordable = Math.floor(MAX_TRIANGLES / (2 * sides * Math.max(spans, 1)));
   const pieces = Math.max(1, Math.min(Math.ceil(turning / 0.12), affordable, 12));
-  if (stage.grid?.sides !== sides || stage.grid?.pieces !== pieces) {
+  if (stage.span?.sides !== sides || stage.span?.pieces !== pieces) {
     const mesh = gridMesh(pieces + 1, sides, (i, x) => [i / pieces, x - 0.5]);
-    stage.grid = { ...mesh, sides, pieces };
+    stage.span = { ...mesh, sides, pieces };
   }
-  return stage.grid;
+  return stage.span;
 }
 
 /** Shaft and head: place along, distance from the axis in radii of the shaft, slope of the normal, turn. */
@@ -200,8 +203,18 @@ function upload() {
   gl.bufferData(gl.ARRAY_BUFFER, nodes.data, gl.DYNAMIC_DRAW);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.forces);
   gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(film.frames[view.frame].forces.flat()), gl.DYNAMIC_DRAW);
+  const grid = planeGrid(view.frame);
+  gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
+  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(grid.flat()), gl.DYNAMIC_DRAW);
+  const beyond = grid.reduce((most, end) => Math.max(most, Math.hypot(...end)), nodes.reach);
   const spans = nodes.rods.reduce((sum, rod) => sum + Math.max(rod.count - 1, 0), 0);
-  Object.assign(stage, { shown: view.frame, current: { ...nodes, data: null, spans } });
+  Object.assign(stage, { shown: view.frame, current: { ...nodes, data: null, spans, beyond } });
+}
+
+/** Ends of the lines of all planes in a frame. */
+function planeGrid(index) {
+  const { heights } = film.frames[index];
+  return film.grid.flatMap(({ plane, ends }) => ends.map((end) => add(end, scaled(film.normals[plane], heights[plane]))));
 }
 
 /** Sets what an input of a program reads: `size` numbers `offset` numbers into records of `stride`. */
@@ -308,6 +321,21 @@ function drawForces(lens, aspect) {
   release(inputs);
 }
 
+/** Draws the planes after all else, behind what is nearer. They leave no depth, so that they neither cast nor take shade. */
+function drawPlanes(lens, aspect) {
+  if (film.grid.length === 0) return;
+  const which = use(stage.line, lens, aspect);
+  const { inputs, uniforms } = which;
+  surface(which, PLANE, false);
+  gl.uniform1f(uniforms.stripeAngle, -1);
+  gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
+  input(inputs.pointA, 3, 3, 0, false);
+  gl.depthMask(false);
+  gl.drawArrays(gl.LINES, 0, 2 * film.grid.length);
+  gl.depthMask(true);
+  release(inputs);
+}
+
 function release(inputs) {
   Object.values(inputs).forEach((at) => gl.disableVertexAttribArray(at));
 }
@@ -319,7 +347,7 @@ function draw(background) {
   upload();
   const [width, height] = stage.size;
   const aspect = width / height;
-  const reach = stage.current.reach + Math.hypot(...view.target) + (ARROW + 2) * thickest;
+  const reach = stage.current.beyond + Math.hypot(...view.target) + (ARROW + 2) * thickest;
   const lens = [view.distance, Math.max(view.distance - reach, 1e-3 * view.distance), view.distance + reach, LENS];
   gl.viewport(0, 0, width, height);
   gl.bindFramebuffer(gl.FRAMEBUFFER, stage.many);
@@ -328,6 +356,7 @@ function draw(background) {
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   drawRods(lens, aspect, 1.3 / (LENS * height) * ratio);
   drawForces(lens, aspect);
+  drawPlanes(lens, aspect);
   gl.bindFramebuffer(gl.READ_FRAMEBUFFER, stage.many);
   gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, stage.one);
   gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);

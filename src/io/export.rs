@@ -6,7 +6,7 @@ use crate::dna::RISE;
 use crate::dna::base_pairs::{BasePairs, Nodes};
 use crate::error::InputError;
 use crate::io::csv::read_state;
-use crate::text::read_regular;
+use crate::io::record::read_summary;
 
 /// The part of `summary.json` that describes the meshes of rods.
 #[derive(serde::Deserialize)]
@@ -45,9 +45,7 @@ struct Link {
 /// Files that are missing or unreadable; several rods and no name, or an unknown name; a unit of length other than nm;
 /// see [`BasePairs::along`].
 pub fn base_pairs(dir: &Path, rod: Option<&str>, count: Option<usize>) -> Result<BasePairs, InputError> {
-    let file = dir.join("summary.json");
-    let refuse = |e: serde_json::Error| InputError::Parse { file: file.display().to_string(), reason: e.to_string() };
-    let summary: MeshSummary = serde_json::from_str(&read_regular(&file)?).map_err(refuse)?;
+    let summary: MeshSummary = read_summary(dir)?;
     if summary.units.length != "nm" {
         let (field, name) = ("units.length of the scene".to_owned(), summary.units.length);
         return Err(InputError::Name { field, name, allowed: "\"nm\": base pairs have a size".to_owned() });

@@ -19,6 +19,9 @@ const LOCK: &str = ".lock";
 /// [`InputError::Write`] if it cannot be created or written to, or another run has locked it.
 pub(super) fn lock(dir: &Path) -> Result<File, InputError> {
     let refuse = |reason: String| InputError::Write { path: dir.to_owned(), reason };
+    if dir.is_file() {
+        return Err(refuse("is a file, and results need a folder: give another one with --out".to_owned()));
+    }
     std::fs::create_dir_all(dir).map_err(|e| refuse(e.to_string()))?;
     let file = File::options().create(true).append(true).open(dir.join(LOCK)).map_err(|e| refuse(e.to_string()))?;
     match file.try_lock() {

@@ -1,4 +1,4 @@
-//! Pictures: rods as shaded tubes (PNG), strips of several pictures with captions, line plots (SVG).
+//! Pictures: rods as shaded tubes (PNG), strips of several pictures with captions, line plots (SVG, PDF).
 //!
 //! ```text
 //! tubes ──resample──▶ short capsules ──z-buffer──▶ depth + capsule per sample ──light──▶ colour ──average──▶ pixels
@@ -10,8 +10,10 @@
 //! no system fonts are needed.
 
 pub(super) mod camera;
+pub(super) mod grid;
 mod legend;
 pub(super) mod palette;
+mod pdf;
 mod plot;
 mod raster;
 mod shade;
@@ -24,6 +26,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use std::path::Path;
 
+pub use grid::DrawnPlane;
 pub use palette::{Palette, colors_by_value};
 pub use plot::{PlotSpec, Series, SeriesStyle, plot_lines};
 pub use strip::film_strip;
@@ -108,6 +111,9 @@ pub struct TubePicture {
     pub tubes: Vec<Tube>,
     /// Highlighted contact sites.
     pub spots: Vec<Spot>,
+    /// Ends \[L\] of straight pale lines one pixel wide, such as the grid of a [`DrawnPlane`]. They cast no shadow, and the
+    /// view is not fitted to them.
+    pub lines: Vec<[Vec3; 2]>,
     /// Width in pixels, 1 to 20000.
     pub width: usize,
     /// Height in pixels, 1 to 20000.
@@ -127,6 +133,7 @@ impl Default for TubePicture {
         Self {
             tubes: Vec::new(),
             spots: Vec::new(),
+            lines: Vec::new(),
             width: 1200,
             height: 900,
             view: View::Auto,
@@ -149,9 +156,11 @@ impl TubePicture {
     pub fn render(&self) -> Result<Picture, InputError> {
         self.check()?;
         let camera = camera::Camera::new(self)?;
-        let capsules = tube::capsules(&self.tubes, &camera);
+        let mut capsules = tube::capsules(&self.tubes, &camera);
+        let opaque = capsules.len();
+        capsules.extend(tube::lines(&self.lines, &camera));
         let shapes: Vec<raster::ScreenCapsule> = capsules.iter().map(|c| c.shape).collect();
-        let light = shade::Light::new(&shapes);
+        let light = shade::Light::new(&shapes[..opaque]);
         let samples = raster::draw(&shapes, camera.width, camera.height);
         Ok(shade::develop(self, &camera, &capsules, &samples, &light))
     }
@@ -176,6 +185,9 @@ impl TubePicture {
         }
         for (index, tube) in self.tubes.iter().enumerate() {
             tube.check(&format!("tubes[{index}]"))?;
+        }
+        for (index, ends) in self.lines.iter().enumerate() {
+            check_vectors(&format!("lines[{index}]"), ends)?;
         }
         for (index, spot) in self.spots.iter().enumerate() {
             check_vectors(&format!("spots[{index}].center"), &[spot.center])?;

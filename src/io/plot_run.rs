@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::error::InputError;
 
 use super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
+use super::record::check_finished;
 
 /// The table of a finished run.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,7 @@ impl RunTable {
     /// # Errors
     /// [`InputError::Parse`] for files that are missing or no tables.
     pub fn read(dir: &Path) -> Result<Self, InputError> {
+        check_finished(dir)?;
         let (columns, rows) = read(&dir.join("table.csv"))?;
         let (_, legend) = read(&dir.join("table_columns.csv"))?;
         let unit = |row: &Vec<String>| Some((row.first()?.clone(), row.get(1)?.clone()));
@@ -38,7 +40,11 @@ impl RunTable {
         let refuse =
             |allowed: String| InputError::Name { field: "column".to_owned(), name: column.to_owned(), allowed };
         let index = self.columns.iter().position(|name| name == column);
-        let index = index.ok_or_else(|| refuse(format!("one of {}", self.columns.join(", "))))?;
+        let index = index.ok_or_else(|| {
+            let likest = crate::text::likest(column, self.columns.iter().map(String::as_str));
+            let hint = likest.map_or_else(String::new, |name| format!(": did you mean {name}?"));
+            refuse(format!("one of {}{hint}", self.columns.join(", ")))
+        })?;
         let cells = || self.rows.iter().map(|row| row.get(index).map_or("", String::as_str));
         if cells().any(|cell| !cell.is_empty() && cell.parse::<f64>().is_err()) {
             return Err(refuse("a column of numbers".to_owned()));
@@ -46,11 +52,28 @@ impl RunTable {
         Ok(cells().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect())
     }
 
-    /// Plots columns against another one as SVG; a dashed line marks steps in which the rods snapped.
+    /// Refuses columns that cannot share an axis.
+    fn check_units(&self, columns: &[String]) -> Result<(), InputError> {
+        let unit = |name: &String| self.units.get(name).map_or("none", String::as_str);
+        let [first, others @ ..] = columns else { return Ok(()) };
+        match others.iter().find(|other| unit(other) != unit(first)) {
+            None => Ok(()),
+            Some(other) => {
+                let (a, b) = (unit(first), unit(other));
+                let reason = format!(
+                    "\"{first}\" and \"{other}\" cannot share an axis: their units are {a} and {b}. Plot each by itself"
+                );
+                Err(InputError::inconsistent("y", reason))
+            }
+        }
+    }
+
+    /// Plots columns against another one as SVG or PDF; a dashed line marks steps in which the rods snapped.
     ///
     /// # Errors
-    /// As [`RunTable::numbers`] and [`plot_lines`].
+    /// As [`RunTable::numbers`] and [`plot_lines`]; columns of different units.
     pub fn plot(&self, x: &str, columns: &[String], file: &Path) -> Result<(), InputError> {
+        self.check_units(columns)?;
         let places = self.numbers(x)?;
         let snapped = self.numbers("energy_released").map_or_else(
             |_| vec![false; places.len()],

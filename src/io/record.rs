@@ -19,10 +19,11 @@ use crate::solve::NodalFields;
 use super::csv::{RodState, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
+use super::picture::DrawnPlane;
 use super::table::{Columns, write_lines, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
-pub(super) use files::{SUMMARY, VIEW, step_of};
+pub(super) use files::{VIEW, check_finished, read_summary, step_of};
 use still::Still;
 
 /// Geometry and nodal fields of one rod in one state.
@@ -75,6 +76,28 @@ struct SectionStiffness {
 }
 
 impl RodHead {
+    fn of(rod: &crate::rod::Rod) -> Self {
+        Self {
+            name: rod.name.clone(),
+            length: rod.length,
+            contact_radius: rod.section.contact_radius,
+            radii: rod.contact_radii.as_ref().map_or_else(Vec::new, |radii| {
+                (0..rod.num_nodes()).map(|node| radii.at(node as f64 * rod.spacing())).collect()
+            }),
+            closed: rod.closed,
+            elements: rod.num_elements,
+            order: rod.order,
+            nodes: rod.num_nodes(),
+            turns_left_out: rod.turns_left_out,
+            stiffness: rod.stiffness.is_none().then_some(SectionStiffness {
+                bending: rod.section.bending,
+                twisting: rod.section.twisting,
+                stretching: rod.section.stretching,
+                shearing: rod.section.shearing,
+            }),
+        }
+    }
+
     /// Reference length between neighbouring nodes.
     fn spacing(&self) -> f64 {
         self.length / (self.elements * self.order) as f64
@@ -102,6 +125,8 @@ struct SummaryFile<'a> {
     title: &'a str,
     units: &'a Units,
     rods: &'a [RodHead],
+    #[serde(skip_serializing_if = "<[DrawnPlane]>::is_empty")]
+    planes: &'a [DrawnPlane],
     converged: bool,
     status: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -191,8 +216,7 @@ pub struct Record {
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
     failure: Option<String>,
-    /// Names of the planes.
-    planes: Vec<String>,
+    planes: Vec<DrawnPlane>,
 }
 
 impl Record {
@@ -210,39 +234,8 @@ impl Record {
     fn open(scene: &Scene, dir: &Path) -> Result<Self, InputError> {
         let refuse = |e: std::io::Error| InputError::Write { path: dir.to_owned(), reason: e.to_string() };
         std::fs::create_dir_all(dir).map_err(refuse)?;
-        let head = |rod: &crate::rod::Rod| RodHead {
-            name: rod.name.clone(),
-            length: rod.length,
-            contact_radius: rod.section.contact_radius,
-            radii: rod.contact_radii.as_ref().map_or_else(Vec::new, |radii| {
-                (0..rod.num_nodes()).map(|node| radii.at(node as f64 * rod.spacing())).collect()
-            }),
-            closed: rod.closed,
-            elements: rod.num_elements,
-            order: rod.order,
-            nodes: rod.num_nodes(),
-            turns_left_out: rod.turns_left_out,
-            stiffness: rod.stiffness.is_none().then_some(SectionStiffness {
-                bending: rod.section.bending,
-                twisting: rod.section.twisting,
-                stretching: rod.section.stretching,
-                shearing: rod.section.shearing,
-            }),
-        };
-        let Units { length, force } = &scene.units;
-        let point_units = [
-            ("Points", length.clone()),
-            ("arc_length", length.clone()),
-            ("radius", length.clone()),
-            ("curvature", format!("1/{length}")),
-            ("twist_rate", format!("rad/{length}")),
-            ("contact_force_per_length", format!("{force}/{length}")),
-            ("contact_force_on_node", force.clone()),
-            ("internal_force", force.clone()),
-            ("internal_moment", format!("{force} {length}")),
-        ];
         Ok(Self {
-            point_units,
+            point_units: point_units(&scene.units),
             dir: dir.to_owned(),
             title: scene.title.clone(),
             model_hash: Fingerprint::of(scene).model_hash(),
@@ -252,8 +245,8 @@ impl Record {
             output: scene.output.clone(),
             choice: scene.picture.clone(),
             planar: scene.model.planar,
-            planes: scene.model.planes.iter().map(|plane| plane.name.clone()).collect(),
-            rods: scene.model.rods.iter().map(head).collect(),
+            planes: scene.model.planes.iter().map(drawn_plane).collect(),
+            rods: scene.model.rods.iter().map(RodHead::of).collect(),
             columns: Columns::of_scene(scene),
             steps: Vec::new(),
             film: Vec::new(),
@@ -371,7 +364,8 @@ impl Record {
         self.write_final_state(&last)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
         let on_planes = self.steps.get(last.step).map_or(&[][..], |step| &step.plane_sites);
-        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites, (&self.planes, on_planes))?;
+        let planes: Vec<String> = self.planes.iter().map(|plane| plane.name.clone()).collect();
+        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites, (&planes, on_planes))?;
         if !self.lines.is_empty() {
             write_lines(&self.dir.join(files::LINES), &names, &self.lines)?;
         }
@@ -383,7 +377,8 @@ impl Record {
         }
         if self.output.vtk && self.output.view {
             let rods: Vec<RodHead> = (0..self.rods.len()).map(|rod| self.head(rod, last.step)).collect();
-            let run = view::Parts { title: &self.title, units: &self.units, rods: &rods, steps: &self.steps };
+            let (title, units) = (self.title.as_str(), &self.units);
+            let run = view::Parts { title, units, rods: &rods, planes: &self.planes, steps: &self.steps };
             view::film(&self.dir, &run, view::MAX_NODES)?.save_page(&self.dir.join(files::VIEW))?;
         }
         self.last = Some(last);
@@ -407,6 +402,7 @@ impl Record {
             title,
             units,
             rods,
+            planes: &self.planes,
             converged,
             status,
             failure,
@@ -488,6 +484,34 @@ impl Record {
             None => every(rod.positions.len(), self.output.node_every, head.closed),
         }
     }
+}
+
+/// Units of the arrays at the points of VTK files.
+fn point_units(units: &Units) -> [(&'static str, String); 9] {
+    let Units { length, force } = units;
+    [
+        ("Points", length.clone()),
+        ("arc_length", length.clone()),
+        ("radius", length.clone()),
+        ("curvature", format!("1/{length}")),
+        ("twist_rate", format!("rad/{length}")),
+        ("contact_force_per_length", format!("{force}/{length}")),
+        ("contact_force_on_node", force.clone()),
+        ("internal_force", force.clone()),
+        ("internal_moment", format!("{force} {length}")),
+    ]
+}
+
+fn drawn_plane(plane: &crate::scene::Plane) -> DrawnPlane {
+    DrawnPlane { name: plane.name.clone(), point: plane.point.into(), normal: plane.normal.into() }
+}
+
+/// How far each of `count` planes has moved along its normal in a step \[L\].
+pub(super) fn plane_heights(step: &Observation, count: usize) -> Vec<f64> {
+    let of = |plane: usize| {
+        step.plane_reactions.iter().find(|told| told.plane == plane).map_or(0.0, |told| told.displacement)
+    };
+    (0..count).map(of).collect()
 }
 
 /// Threads of a run that says nothing about them.

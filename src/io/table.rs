@@ -207,6 +207,31 @@ fn length_of(arc: [f64; 2], rod: Option<&f64>) -> f64 {
     if length < 0.0 { length + rod.copied().unwrap_or(0.0) } else { length }
 }
 
+/// Columns of `sites.csv`.
+const SITE_COLUMNS: [&str; 21] = [
+    "rod_a",
+    "from_a",
+    "to_a",
+    "rod_b",
+    "from_b",
+    "to_b",
+    "kind",
+    "length",
+    "pressure",
+    "gap",
+    "force",
+    "angle",
+    "force_on_a_x",
+    "force_on_a_y",
+    "force_on_a_z",
+    "foot_a_x",
+    "foot_a_y",
+    "foot_a_z",
+    "foot_b_x",
+    "foot_b_y",
+    "foot_b_z",
+];
+
 /// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
 /// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods`
 /// and `lengths` are the names and lengths \[L\] of all rods. Sites with planes follow: the plane's name in place of rod
@@ -221,29 +246,6 @@ pub fn write_sites(
     sites: &[SiteReport],
     (planes, plane_sites): (&[String], &[PlaneSite]),
 ) -> Result<(), InputError> {
-    let header = [
-        "rod_a",
-        "from_a",
-        "to_a",
-        "rod_b",
-        "from_b",
-        "to_b",
-        "kind",
-        "length",
-        "pressure",
-        "gap",
-        "force",
-        "angle",
-        "force_on_a_x",
-        "force_on_a_y",
-        "force_on_a_z",
-        "foot_a_x",
-        "foot_a_y",
-        "foot_a_z",
-        "foot_b_x",
-        "foot_b_y",
-        "foot_b_z",
-    ];
     let row = |site: &SiteReport| -> Result<Vec<Cell>, InputError> {
         let strand =
             |rod: usize, arc: [f64; 2]| name_of(rods, rod).map(|name| [Cell::from(name), arc[0].into(), arc[1].into()]);
@@ -267,7 +269,7 @@ pub fn write_sites(
         Ok(cells)
     };
     let rows = sites.iter().map(row).chain(plane_sites.iter().map(row_of_plane));
-    write_table(path, &header, rows.collect::<Result<Vec<_>, _>>()?)
+    write_table(path, &SITE_COLUMNS, rows.collect::<Result<Vec<_>, _>>()?)
 }
 
 /// Writes the pressure along lines of contact as CSV: index of the site (line of `sites.csv`, from 0), rods and arc

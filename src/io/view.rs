@@ -13,7 +13,7 @@ mod page;
 mod run;
 
 use crate::error::InputError;
-use crate::io::picture::Palette;
+use crate::io::picture::{DrawnPlane, Palette};
 use crate::math::{Mat3, Vec3};
 use crate::scene::Units;
 
@@ -34,6 +34,8 @@ pub struct Film {
     pub units: Units,
     /// The rods.
     pub rods: Vec<FilmRod>,
+    /// Planes that rods rest on.
+    pub planes: Vec<DrawnPlane>,
     /// The states, in order.
     pub frames: Vec<Frame>,
     /// Numbers of all steps.
@@ -62,6 +64,8 @@ pub struct Frame {
     pub rods: Vec<FrameRod>,
     /// Contact forces \[F\] and the points they act on \[L\].
     pub forces: Vec<[Vec3; 2]>,
+    /// How far each plane has moved along its normal since the start \[L\], in the film's order.
+    pub heights: Vec<f64>,
 }
 
 /// A rod in one state; lists have one entry per point.
@@ -174,6 +178,15 @@ impl Film {
         if quantity == Quantity::TwistRate { [-largest, largest] } else { [0.0, largest] }
     }
 
+    /// Lines of the grids of all planes at the start, each with its plane: under all frames.
+    fn grids(&self) -> Vec<(usize, [Vec3; 2])> {
+        let points = || self.frames.iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
+        let of = |(index, plane): (usize, &DrawnPlane)| {
+            plane.grid(points(), 0.0).into_iter().map(move |line| (index, line)).collect::<Vec<_>>()
+        };
+        self.planes.iter().enumerate().flat_map(of).collect()
+    }
+
     /// Centre of the last frame's box; directions right, up, towards the eye of its best view, as rows; half the
     /// diagonal of the box (at least a radius).
     fn stage(&self) -> (Vec3, Mat3, f64) {
@@ -201,6 +214,7 @@ impl Film {
                 if value == expected { Ok(()) } else { Err(InputError::Count { field, value, allowed }) }
             };
             count(format!("frames[{f}].rods"), frame.rods.len(), self.rods.len(), "one a rod of the film")?;
+            count(format!("frames[{f}].heights"), frame.heights.len(), self.planes.len(), "one a plane of the film")?;
             for (r, rod) in frame.rods.iter().enumerate() {
                 let field = |name: &str| format!("frames[{f}].rods[{r}].{name}");
                 let num = rod.points.len();

@@ -265,7 +265,9 @@ pub(crate) fn within(path: &str, mut error: InputError) -> InputError {
         | InputError::Vector { field, .. }
         | InputError::Name { field, .. }
         | InputError::Inconsistent { field, .. } => *field = format!("{path}.{field}"),
-        InputError::Parse { .. } | InputError::File { .. } | InputError::Write { .. } => {}
+        // the file's name stays in the reason
+        InputError::Parse { .. } | InputError::File { .. } => return InputError::inconsistent(path, error.to_string()),
+        InputError::Write { .. } => {}
     }
     error
 }

@@ -27,7 +27,7 @@ use crate::error::InputError;
 
 use super::model::{Model, Stage};
 use super::{Fidelity, Units};
-use crate::text::read_text;
+use crate::text::{likest, read_text};
 
 use text::{SceneText, StagesText};
 
@@ -190,11 +190,12 @@ impl FollowChoice {
 }
 
 /// Settings of pictures.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PictureChoice {
-    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000.
-    pub size: [usize; 2],
+    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000. `None`: 1600 wide and as high as the rods need, 320 to
+    /// 1200.
+    pub size: Option<[usize; 2]>,
     /// Direction from the rods to the eye, not zero; `None`: the direction of least extent of the final state.
     pub camera: Option<[f64; 3]>,
     /// Upward direction of the picture, not along `camera`. `None`: the one with the widest final state; with a
@@ -224,17 +225,10 @@ pub enum ColorBy {
     TwistRate,
 }
 
-impl Default for PictureChoice {
-    fn default() -> Self {
-        let (camera, up, color_by) = (None, None, ColorBy::Strand);
-        Self { size: [1600, 1200], camera, up, color_by, transparent: false, scale_bar: false }
-    }
-}
-
 impl PictureChoice {
     fn check(&self) -> Result<(), InputError> {
         let fits = |pixels: &usize| (16..=8000).contains(pixels);
-        if let Some(&value) = self.size.iter().find(|pixels| !fits(pixels)) {
+        if let Some(&value) = self.size.iter().flatten().find(|pixels| !fits(pixels)) {
             return Err(InputError::Count {
                 field: "picture.size".into(),
                 value,
@@ -384,32 +378,31 @@ impl Scene {
     }
 }
 
-/// Smallest Jaro similarity of a suggested key, as for clap's own suggestions.
-const LIKE: f64 = 0.7;
+/// Most characters shown of a word that is quoted, because serde writes 1e300 with all its zeros.
+const LONGEST_WORD: usize = 40;
 
 /// Names of types in serde's messages and in ours.
-const TYPES: [(&str, &str); 6] = [
+const TYPES: [(&str, &str); 8] = [
     ("usize", "a whole number of at least 0"),
     ("i64", "a whole number"),
     ("i32", "a whole number"),
     ("f64", "a number"),
     ("a boolean", "true or false"),
     ("a string", "text in quotes"),
+    ("variant identifier", "text in quotes"),
+    ("a list of tables", "a list of tables: each begins with its name in double brackets, such as [[rods]]"),
 ];
 
 /// Message of an error, with the allowed word that is most similar to an unknown one.
 fn with_suggestion(error: &toml::de::Error) -> String {
     let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
-    let likest = match words.as_slice() {
-        [found, allowed @ ..] if error.message().starts_with("unknown ") => allowed
-            .iter()
-            .map(|word| (strsim::jaro(found, word), word))
-            .filter(|(likeness, _)| *likeness > LIKE)
-            .max_by(|a, b| a.0.total_cmp(&b.0)),
+    let suggestion = match words.as_slice() {
+        [found, allowed @ ..] if error.message().starts_with("unknown ") => likest(found, allowed.iter().copied()),
         _ => None,
     };
-    let hint = likest.map(|(_, word)| format!("did you mean `{word}`?"));
-    let text = error.to_string();
+    let hint = suggestion.map(|word| format!("did you mean `{word}`?"));
+    let text =
+        shortened(&error.to_string().replace("invalid type: map", "invalid type: table").replace(" as i128", ""));
     // a key may follow on a line of its own
     let in_a_users_words = |(before, after): (&str, &str)| {
         let (found, rest) = after.split_at(after.find('\n').unwrap_or(after.len()));
@@ -420,14 +413,24 @@ fn with_suggestion(error: &toml::de::Error) -> String {
     format!("{text}{}", hint.unwrap_or_default()).trim_end().to_owned()
 }
 
+/// Text in which each long number or word between backquotes is cut.
+fn shortened(text: &str) -> String {
+    let cut = |(index, part): (usize, &str)| match part.char_indices().nth(LONGEST_WORD) {
+        Some((end, _)) if index % 2 == 1 => format!("{}…", &part[..end]),
+        _ => part.to_owned(),
+    };
+    text.split('`').enumerate().map(cut).collect::<Vec<_>>().join("`")
+}
+
 /// Refuses strings with control characters, which would reach tables and terminals.
 fn check_words(text: &SceneText) -> Result<(), InputError> {
     let words = [("title", &text.title), ("units.length", &text.units.length), ("units.force", &text.units.force)];
-    let names = text.rods.iter().map(|rod| ("rods.name", &rod.name));
-    match words.into_iter().chain(names).find(|(_, word)| word.chars().any(char::is_control)) {
+    let words = words.into_iter().map(|(key, word)| (key.to_owned(), word));
+    let names = text.rods.iter().enumerate().map(|(i, rod)| (format!("rods[{i}].name"), &rod.name));
+    match words.chain(names).find(|(_, word)| word.chars().any(char::is_control)) {
         Some((field, word)) => {
             let allowed = "one line without control characters".to_owned();
-            Err(InputError::Name { field: field.to_owned(), name: word.clone(), allowed })
+            Err(InputError::Name { field, name: word.clone(), allowed })
         }
         None => Ok(()),
     }
@@ -439,6 +442,10 @@ fn check_choices(solver: &SolverChoice, output: &OutputChoice) -> Result<(), Inp
     }
     if let Some(tolerance) = output.node_tolerance {
         InputError::check("output.node_tolerance", tolerance, tolerance >= 0.0, "finite and at least 0")?;
+    }
+    if output.dir.as_ref().is_some_and(|dir| dir.as_os_str().is_empty()) {
+        let (field, allowed) = ("output.dir".to_owned(), "the name of a folder (\".\" is this one)".to_owned());
+        return Err(InputError::Name { field, name: String::new(), allowed });
     }
     let seconds = output.checkpoint_seconds;
     if seconds.is_nan() || seconds < 0.0 {

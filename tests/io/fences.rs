@@ -148,7 +148,7 @@ fn what_is_echoed_is_cut_and_cannot_command_the_terminal() {
 fn titles_names_and_units_are_without_control_characters() {
     for (from, to, field) in [
         ("title = \"beam\"", "title = \"a\\u001b[31mb\"", "title"),
-        ("name = \"beam\"", "name = \"a\\nb\"", "rods.name"),
+        ("name = \"beam\"", "name = \"a\\nb\"", "rods[0].name"),
         ("length = \"m\"", "length = \"\\u0007\"", "units.length"),
         ("force = \"N\"", "force = \"\\r\"", "units.force"),
     ] {
@@ -184,7 +184,11 @@ fn points_too_far_apart_are_told_so() {
     std::fs::write(dir.join("far.csv"), "-1e308,0,0\n0,0,0\n1e308,0,0\n").unwrap();
     let text = BEAM.replace("{ kind = \"line\", length = 1.0 }", "{ kind = \"points\", file = \"far.csv\" }");
     let message = Scene::from_toml(&text, &dir).unwrap_err().to_string();
-    assert!(message.starts_with("rods.beam.shape.points: points lie inf apart: more than 1e150"), "{message}");
+    let closed = text.replace("elements = 2", "closed = true\nelements = 3");
+    let closed = Scene::from_toml(&closed, &dir).unwrap_err().to_string();
+    for message in [message, closed] {
+        assert!(message.starts_with("rods.beam.shape.points: points lie inf apart: more than 1e150"), "{message}");
+    }
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
@@ -268,6 +272,67 @@ fn the_key_that_was_meant_is_named() {
     }
     let message = refusal("title", "zzz");
     assert!(message.contains("unknown field `zzz`") && !message.contains("did you mean"), "{message}");
+}
+
+/// Symptoms: "expected variant identifier", "map", 300 digits of 1e300, and a missing file without its key.
+#[test]
+fn types_and_files_are_told_in_a_users_words() {
+    for (from, to, parts) in [
+        ("kind = \"line\"", "kind = 5", &["line 6", "expected text in quotes"][..]),
+        ("[[stages]]", "[stages]", &["invalid type: table, expected a list of tables", "double brackets"]),
+        ("rotation = { at = \"end\", axis = [1, 0, 0], turns = 0.1 }", "rotation = 0.1", &["such as { to = … }"]),
+        ("[output]", "[output]\ndir = \"\"", &["output.dir = \"\": must be the name of a folder"]),
+        ("elements = 2", "elements = 1e300", &["`1000", "000…`", "a whole number"]),
+        (
+            "{ kind = \"line\", length = 1.0 }",
+            "{ kind = \"points\", file = \"no.csv\" }",
+            &["rods.beam.shape: no.csv: "],
+        ),
+    ] {
+        let message = refusal(from, to);
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+        assert!(message.lines().all(|line| line.chars().count() < 400), "{message}");
+    }
+}
+
+/// Commands on folders and files that are not what they need: exit code, place and remedy.
+#[test]
+fn commands_tell_what_they_need() {
+    let dir = folder("commands");
+    let file = scene_file(&dir, BEAM);
+    let refused = |arguments: &[&dyn AsRef<std::ffi::OsStr>], code: i32, parts: &[&str]| {
+        let output = supercoil(arguments);
+        let all = output.status.code() == Some(code) && parts.iter().all(|part| said(&output).contains(part));
+        assert!(all, "{:?}: {}", output.status, said(&output));
+    };
+    refused(&[&"run", &file, &"--out", &file], 3, &["beam.toml: is a file", "--out"]);
+    refused(&[&"run", &file, &"--time-limit", &"-1"], 2, &["--time-limit", "must be at least 0"]);
+    refused(&[&"export", &dir], 2, &["--oxdna", "--xyz"]);
+    for command in [&["view"][..], &["plot", "--x", "step", "--y", "a"], &["export", "--xyz", "a.xyz"]] {
+        let mut arguments: Vec<&dyn AsRef<std::ffi::OsStr>> = vec![&command[0], &dir];
+        arguments.extend(command[1..].iter().map(|word| word as &dyn AsRef<std::ffi::OsStr>));
+        refused(&arguments, 2, &["is no folder of a finished run", "summary.json"]);
+    }
+    std::fs::write(dir.join("summary.json"), "{}").unwrap();
+    std::fs::write(dir.join("table.csv"), "step,writhe,energy\n0,0.5,1\n1,0.75,2\n").unwrap();
+    std::fs::write(dir.join("table_columns.csv"), "column,unit,meaning\nwrithe,turns,\nenergy,pN nm,\n").unwrap();
+    let plot =
+        |y: &str, name: &str| supercoil(&[&"plot", &dir, &"--x", &"step", &"--y", &y, &"--out", &dir.join(name)]);
+    for (y, name, parts) in [
+        ("writh", "a.svg", &["column = \"writh\"", "did you mean writhe?"][..]),
+        ("writhe,energy", "a.svg", &["cannot share an axis", "turns and pN nm"]),
+        ("writhe", "a.png", &["a.png: is neither .svg nor .pdf"]),
+    ] {
+        let output = plot(y, name);
+        assert!(
+            output.status.code() == Some(2) && parts.iter().all(|p| said(&output).contains(p)),
+            "{}",
+            said(&output)
+        );
+    }
+    assert!(plot("writhe", "a.pdf").status.success());
+    assert!(std::fs::read(dir.join("a.pdf")).unwrap().starts_with(b"%PDF"));
+    std::fs::remove_dir_all(&dir).unwrap();
 }
 
 /// Stopped by itself as Ctrl-C would, and taken up again.

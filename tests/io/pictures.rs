@@ -68,6 +68,21 @@ fn a_tube_is_drawn_on_the_background_and_fits() {
     assert!(!on_border);
 }
 
+/// A line that leads out of the picture is there at its border, and the rod stays in its place.
+#[test]
+fn lines_are_thin_and_do_not_move_the_view() {
+    let points: Vec<Vec3> = (0..20).map(|i| Vec3::x() * f64::from(i)).collect();
+    let tube = Tube { points, radii: vec![1.0], closed: false, colors: vec![[0, 0, 255]], stripe: None };
+    let view = View::Along { forward: -Vec3::z(), up: Vec3::y() };
+    let alone = TubePicture { tubes: vec![tube], width: 300, height: 100, view, ..TubePicture::default() };
+    let line = [Vec3::new(-1e3, -2.0, 0.0), Vec3::new(1e3, -2.0, 0.0)];
+    let [without, with] = [&alone, &TubePicture { lines: vec![line], ..alone.clone() }].map(|p| p.render().unwrap());
+    let changed = |column: usize| (0..100).filter(|&r| with.pixel(column, r) != without.pixel(column, r)).count();
+    assert!([0, 150, 299].into_iter().all(|column| (1..=3).contains(&changed(column))), "{}", changed(150));
+    let gone = TubePicture { lines: vec![[Vec3::zeros(), Vec3::repeat(f64::NAN)]], ..alone };
+    assert!(gone.render().unwrap_err().to_string().contains("lines[0]"));
+}
+
 /// A curve along z lies along the longer side; its stripe shows, and a spot colours only what it touches.
 #[test]
 fn automatic_view_stripe_and_spot() {

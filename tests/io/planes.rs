@@ -99,5 +99,8 @@ fn tables_tell_planes_forces_and_sites() {
         assert_eq!((site["rod_a"].as_str(), site["kind"].as_str(), site["from_b"].as_str()), ("ring", "point", ""));
         assert!((number(site, "force_on_a_y") - sign * lower).abs() < 1e-6, "{site:?}");
     }
+    // pages and pictures show them
+    let page = std::fs::read_to_string(dir.join("view.html")).unwrap();
+    assert!(page.contains("\"grid\":[{\"ends\":[[") && page.contains("\"heights\":[0.0,0.2]"));
     std::fs::remove_dir_all(&dir).unwrap();
 }

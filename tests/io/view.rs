@@ -10,6 +10,7 @@ use gltf::animation::{Interpolation, Property, util::ReadOutputs};
 use gltf::mesh::Mode;
 use gltf::{Gltf, Node, Primitive};
 use supercoil::InputError;
+use supercoil::io::picture::DrawnPlane;
 use supercoil::io::run::run_scene;
 use supercoil::io::view::{Film, FilmRod, Frame, FrameRod, GlbOptions, Quantity, of_run, write_page};
 use supercoil::math::Vec3;
@@ -30,7 +31,7 @@ fn ring(count: usize, radius: f64) -> FrameRod {
 }
 
 fn film(count: usize, frames: usize) -> Film {
-    let frame = |step: usize| Frame { step, rods: vec![ring(count, 10.0 + step as f64)], forces: Vec::new() };
+    let frame = |step: usize| Frame { step, rods: vec![ring(count, 10.0 + step as f64)], ..Frame::default() };
     let rods = vec![FilmRod { name: "ring".to_owned(), closed: true }];
     Film { title: "rings".to_owned(), rods, frames: (0..frames).map(frame).collect(), ..Film::default() }
 }
@@ -47,6 +48,25 @@ fn steps(file: &Gltf) -> Vec<Node<'_>> {
 
 fn primitive<'a>(node: &Node<'a>) -> Primitive<'a> {
     node.mesh().unwrap().primitives().next().unwrap()
+}
+
+#[test]
+fn planes_are_grids_that_move_with_the_frames() {
+    let mut film = film(40, 2);
+    film.planes = vec![DrawnPlane { name: "table".to_owned(), point: [0.0, 0.0, -0.5], normal: [0.0, 0.0, 1.0] }];
+    film.frames.iter_mut().zip([0.0, 0.25]).for_each(|(frame, height)| frame.heights = vec![height]);
+    let file = read(&film, Quantity::Strand);
+    for (node, height) in steps(&file).iter().zip([-0.5, -0.25]) {
+        let grid = node.mesh().unwrap().primitives().last().unwrap();
+        let seen = grid.bounding_box();
+        assert_eq!((grid.mode(), grid.material().name()), (Mode::Lines, Some("planes")));
+        assert_eq!([seen.min[2], seen.max[2]], [height; 2]);
+        assert!(seen.min[0] < -11.5 && seen.max[1] > 11.5, "beyond the rings: {seen:?}");
+    }
+    let page = film.page().unwrap();
+    assert!(page.contains("\"normals\":[[0.0,0.0,1.0]]") && page.contains("\"heights\":[0.25]"));
+    film.frames[0].heights.clear();
+    assert!(film.page().unwrap_err().to_string().contains("frames[0].heights"));
 }
 
 #[test]

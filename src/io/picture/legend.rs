@@ -4,15 +4,15 @@ use super::palette::Palette;
 use super::text::width as text_width;
 use super::{Picture, text};
 
-/// Height of capitals over the picture's.
-const CAPITAL: usize = 48;
+/// Height of the picture over that of capitals, and its width over that of capitals in flat pictures.
+const CAPITAL: [usize; 2] = [48, 128];
 const INK: [u8; 3] = [40, 44, 52];
 
 impl Picture {
     /// Draws a bar with the colours of a palette along the right edge, its ends labelled, `title` above it.
     pub fn color_bar(&mut self, palette: Palette, range: [f64; 2], title: &str) {
         let (width, height) = (self.width, self.height);
-        let letter = (height / CAPITAL).max(6);
+        let letter = self.letter();
         let (thick, tall) = (letter * 3 / 2, height / 2);
         let labels = [short(range[1]), short(range[0])];
         let widest = labels.iter().map(|label| text_width(label, letter)).max().unwrap_or(0);
@@ -31,13 +31,18 @@ impl Picture {
 
     /// Draws a bar of `pixels` length at the bottom left, its length written above it.
     pub fn scale_bar(&mut self, pixels: f64, label: &str) {
-        let letter = (self.height / CAPITAL).max(6);
+        let letter = self.letter();
         let (left, top) = (2 * letter, self.height.saturating_sub(2 * letter));
         let end = (left + pixels.round() as usize).min(self.width);
         for row in top..(top + letter / 3 + 1).min(self.height) {
             (left..end).for_each(|column| self.set(column, row, INK));
         }
         text::write(self, label, [left, top.saturating_sub(2 * letter)], letter, INK);
+    }
+
+    /// Height of capitals.
+    fn letter(&self) -> usize {
+        (self.height / CAPITAL[0]).max(self.width / CAPITAL[1]).max(6)
     }
 
     fn set(&mut self, column: usize, row: usize, color: [u8; 3]) {

@@ -1,5 +1,6 @@
-//! Line plots as SVG.
+//! Line plots as SVG and PDF.
 
+use super::pdf;
 use super::text::font;
 use crate::error::InputError;
 use plotters::coord::Shift;
@@ -87,10 +88,11 @@ const MAX_SIZE: u32 = 20_000;
 /// Largest end of an axis, because ticks of larger ones overflow.
 const FARTHEST: f64 = 1e300;
 
-/// Draws a plot as SVG, replacing what is there; text is DejaVu Sans where the viewer has it, else the viewer's own sans-serif.
+/// Draws a plot, replacing what is there: as PDF if the file's name ends in `.pdf`, else as SVG, whose text is DejaVu Sans where
+/// the viewer has it, else the viewer's own sans-serif.
 ///
 /// # Errors
-/// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] if no point can be drawn or an axis would have
+/// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] for a file of another kind, if no point can be drawn or an axis would have
 /// to reach beyond 1e300, [`InputError::Write`] if the file cannot be written.
 pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
     for (field, value) in [("size.0", plot.size.0), ("size.1", plot.size.1)] {
@@ -98,6 +100,11 @@ pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
             let allowed = "between 1 and 20000";
             return Err(InputError::Count { field: field.to_owned(), value: value as usize, allowed });
         }
+    }
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if ending != "pdf" && ending != "svg" {
+        let reason = "is neither .svg nor .pdf: the file's ending says what is written".to_owned();
+        return Err(InputError::Inconsistent { field: path.display().to_string(), reason });
     }
     let mut text = String::new();
     {
@@ -115,7 +122,12 @@ pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
     // The drawing keeps its fine units in the view box; only the size it is shown at is that in pixels.
     let size = |scale: u32| format!("<svg width=\"{}\" height=\"{}\"", scale * plot.size.0, scale * plot.size.1);
     let text = text.replacen(&size(FINE), &size(1), 1);
-    std::fs::write(path, text).map_err(|e| refuse(path, e.to_string()))
+    let bytes = if ending == "pdf" {
+        pdf::from_svg(&text, f64::from(FINE)).map_err(|reason| refuse(path, reason))?
+    } else {
+        text.into_bytes()
+    };
+    std::fs::write(path, bytes).map_err(|e| refuse(path, e.to_string()))
 }
 
 fn refuse(path: &Path, reason: String) -> InputError {
@@ -314,9 +326,21 @@ mod tests {
     }
 
     #[test]
+    fn a_pdf_has_all_shapes_of_the_svg() {
+        let path = std::env::temp_dir().join(format!("supercoil_plot_{}.pdf", std::process::id()));
+        plot_lines(&path, &spec(vec![(1.0, 0.1), (10.0, 5.0), (1e3, 7e3)])).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert!(text.starts_with("%PDF-1.4\n") && text.ends_with("%%EOF\n"));
+        assert!(text.contains("0.000 0.447 0.698 RG 16 w\n"), "the first colour, two pixels wide");
+    }
+
+    #[test]
     fn nothing_to_draw_is_refused() {
         assert!(plot_lines(Path::new("/nowhere/a.svg"), &spec(vec![(-1.0, 1.0)])).is_err());
         assert!(plot_lines(Path::new("/nowhere/a.svg"), &spec(vec![(1.0, 1.0)])).is_err());
+        let other = plot_lines(Path::new("a.png"), &spec(vec![(1.0, 1.0)])).unwrap_err().to_string();
+        assert!(other.contains("neither .svg nor .pdf"), "{other}");
     }
 
     /// Symptom: values beyond 1e308 apart hung the drawing, large sizes panicked. Mechanism: the width of the axis, and

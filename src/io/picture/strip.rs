@@ -6,7 +6,7 @@ use crate::error::InputError;
 /// Composes `(picture, caption)` pairs, row by row with `columns` in each, captions centred below the pictures.
 ///
 /// All pictures get the space of the largest. Captions are dark on a light `background` (sRGB) and light on a dark one,
-/// and are as large as fits, at most 1/14 of the height of a picture.
+/// and are as large as fits, at most 1/14 of the height of a picture, or 1/32 of its width if that is more.
 ///
 /// # Errors
 /// [`InputError::Count`] if there is no picture or `columns` is 0.
@@ -19,7 +19,7 @@ pub fn film_strip(frames: &[(Picture, String)], columns: usize, background: [u8;
     let columns = columns.min(frames.len());
     let width = frames.iter().map(|(p, _)| p.width).max().unwrap_or(1);
     let height = frames.iter().map(|(p, _)| p.height).max().unwrap_or(1);
-    let largest = (height / 14).max(5);
+    let largest = (height / 14).max(width / 32).max(5);
     let longest = frames.iter().map(|(_, caption)| text_width(caption, largest)).max().unwrap_or(0);
     let letter = (largest * width * 9 / (10 * longest.max(1))).clamp(5, largest);
     let caption = if longest == 0 { 0 } else { 2 * letter };

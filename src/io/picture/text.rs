@@ -7,15 +7,16 @@ use std::sync::LazyLock;
 /// Font family of all text. The viewer of an SVG may lack the first.
 const FAMILY: &str = "DejaVu Sans, sans-serif";
 
+/// The bundled font.
+pub(super) const DEJAVU: &[u8] = include_bytes!("../../../assets/DejaVuSans-subset.ttf");
+
 /// Height of a capital over a font's size as plotters takes it: 1493 units of the ascent's 1901 and the descent's 483.
 const CAPITAL: f64 = 1493.0 / 2384.0;
 
 /// Whether the bundled font can be used; not on WebAssembly, where plotters cannot draw text into a picture.
 #[cfg(not(target_arch = "wasm32"))]
-static READY: LazyLock<bool> = LazyLock::new(|| {
-    const DEJAVU: &[u8] = include_bytes!("../../../assets/DejaVuSans-subset.ttf");
-    plotters::style::register_font(FAMILY, FontStyle::Normal, DEJAVU).is_ok()
-});
+static READY: LazyLock<bool> =
+    LazyLock::new(|| plotters::style::register_font(FAMILY, FontStyle::Normal, DEJAVU).is_ok());
 #[cfg(target_arch = "wasm32")]
 static READY: LazyLock<bool> = LazyLock::new(|| false);
 

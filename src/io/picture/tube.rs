@@ -1,7 +1,7 @@
 //! From the points of a tube to short capsules on a smooth curve through them.
 
 use super::camera::Camera;
-use super::palette::linear;
+use super::palette::{PALE, linear};
 use super::raster::ScreenCapsule;
 use super::span::{Node, Span, tangents};
 use super::{Stripe, Tube};
@@ -58,6 +58,22 @@ pub(super) fn capsules(tubes: &[Tube], camera: &Camera) -> Vec<TubeSegment> {
         }
     }
     all
+}
+
+/// Straight lines as capsules, as thin as is drawn.
+pub(super) fn lines(lines: &[[Vec3; 2]], camera: &Camera) -> impl Iterator<Item = TubeSegment> {
+    let line = |[from, to]: &[Vec3; 2]| {
+        let tangent = camera.turn((to - from).try_normalize(0.0).unwrap_or_default());
+        TubeSegment {
+            shape: ScreenCapsule { ends: [camera.place(*from), camera.place(*to)], radius: least(camera) },
+            tangents: [tangent; 2],
+            colors: [linear(PALE); 2],
+            stripe: [Vec3::zeros(); 2],
+            stripe_look: (0.0, Vec3::zeros()),
+            caps: [true; 2],
+        }
+    };
+    lines.iter().map(line)
 }
 
 /// Smallest radius drawn, samples.

@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
+
 use crate::error::InputError;
 use crate::io::folder::SCENE;
+use crate::text::read_regular;
 
 pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
@@ -21,6 +24,24 @@ pub(in crate::io) const VIEW: &str = "view.html";
 const ALL: [&str; 12] =
     [COLLECTION, TABLE, LEGEND, FINAL_STATE, SITES, LINES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
 const STEP: [&str; 2] = ["step_", ".vtp"];
+
+/// A part of `summary.json` in the folder of a finished run.
+pub(in crate::io) fn read_summary<T: DeserializeOwned>(dir: &Path) -> Result<T, InputError> {
+    check_finished(dir)?;
+    let path = dir.join(SUMMARY);
+    let refuse = |e: serde_json::Error| InputError::Parse { file: path.display().to_string(), reason: e.to_string() };
+    serde_json::from_str(&read_regular(&path)?).map_err(refuse)
+}
+
+/// Refuses folders that no run has finished in.
+pub(in crate::io) fn check_finished(dir: &Path) -> Result<(), InputError> {
+    if dir.join(SUMMARY).exists() {
+        return Ok(());
+    }
+    let reason =
+        format!("is no folder of a finished run: there is no {SUMMARY} in it. Give the folder that the run has named");
+    Err(InputError::File { path: dir.to_owned(), reason })
+}
 
 /// Name of the VTK file of a step.
 pub(super) fn of_step(step: usize) -> String {

@@ -1,6 +1,7 @@
 //! Pictures of a run: final shape, film strip, writhe against excess link.
 
 use crate::error::InputError;
+use crate::io::picture::grid::round_below;
 use crate::io::picture::{
     Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
     film_strip, plot_lines,
@@ -11,28 +12,38 @@ use crate::math::{Mat3, Vec3};
 use crate::scene::file::ColorBy;
 
 use super::still::{Still, StillRod};
-use super::{Record, RecordedFrame, RodHead, files};
+use super::{Record, RecordedFrame, RodHead, files, plane_heights};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
+/// Largest width and height of `picture.png`, pixels.
+const PICTURE: [usize; 2] = [1600, 1200];
+/// Largest width and height of a picture in the film strip, pixels.
+const FRAME: [usize; 2] = [560, 420];
+/// Largest width over height, because legends need room in pictures of rods that are long and thin.
+const FLATTEST: usize = 5;
 
 impl Record {
     pub(super) fn write_pictures(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let final_state = self.still(last, false);
         let axes = self.axes(&final_state);
-        let [width, height] = self.choice.size;
-        let visible_width = Some(self.visible_width(&final_state, &axes, width as f64 / height as f64));
+        let extents = self.extents(&final_state, &axes);
+        let [width, height] = self.choice.size.unwrap_or_else(|| canvas(extents, PICTURE));
+        let visible_width = Some(width_shown(extents, [width, height]));
         let range = self.range(std::iter::once(&final_state));
         let picture = TubePicture { width, height, visible_width, ..self.picture(&final_state, &axes, range) };
         self.write_picture(picture, range)?;
         let mut stills = Vec::new();
         let last = self.still(last, true);
         let frames = self.strip(&last);
-        let visible_width = frames.iter().map(|frame| self.visible_width(frame, &axes, 4.0 / 3.0)).reduce(f64::max);
+        let extents = frames.iter().map(|frame| self.extents(frame, &axes));
+        let extents = extents.fold([0.0_f64; 2], |[width, height], other| [width.max(other[0]), height.max(other[1])]);
+        let [width, height] = canvas(extents, FRAME);
+        let visible_width = Some(width_shown(extents, [width, height]));
         let range = self.range(frames.iter().copied());
         for frame in frames {
             let picture = self.picture(frame, &axes, range);
-            let picture = TubePicture { width: 560, height: 420, supersampling: 2, visible_width, ..picture };
+            let picture = TubePicture { width, height, supersampling: 2, visible_width, ..picture };
             let mut drawn = picture.render()?;
             self.add_legends(&mut drawn, visible_width, None);
             stills.push((drawn, self.caption(frame.step)));
@@ -117,8 +128,8 @@ impl Record {
         widest_axes(points(), &center)
     }
 
-    /// Width that shows the whole frame in a picture of that ratio of width to height.
-    fn visible_width(&self, frame: &Still, axes: &[Vec3; 2], ratio: f64) -> f64 {
+    /// Width and height \[L\] that show the whole frame.
+    fn extents(&self, frame: &Still, axes: &[Vec3; 2]) -> [f64; 2] {
         let points = || frame.rods.iter().flat_map(|rod| &rod.points);
         let radius = (0..self.rods.len()).map(|rod| self.head(rod, frame.step).radius()).fold(0.0, f64::max);
         let extent = |axis: usize| {
@@ -128,7 +139,7 @@ impl Record {
         };
         // space for a colour bar on the right
         let room = if self.choice.color_by == ColorBy::Strand { 1.06 } else { 1.3 };
-        (room * extent(0)).max(1.06 * extent(1) * ratio)
+        [room * extent(0), 1.06 * extent(1)]
     }
 
     fn caption(&self, step: usize) -> String {
@@ -175,7 +186,8 @@ impl Record {
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
-        TubePicture { tubes, view, spots: self.spots(frame), ..TubePicture::default() }
+        let (spots, lines) = (self.spots(frame), self.grids(frame));
+        TubePicture { tubes, view, spots, lines, ..TubePicture::default() }
     }
 
     /// A highlight at every contact site, unless colours show the pressure.
@@ -183,9 +195,15 @@ impl Record {
         if self.choice.color_by == ColorBy::Pressure {
             return Vec::new();
         }
-        let radius = |rod: usize| 0.8 * self.head(rod, frame.step).radius();
-        let spot = |&(center, rod): &(Vec3, usize)| Spot { center, radius: radius(rod), color: [235, 64, 52] };
+        let spot = |&(center, radius): &(Vec3, f64)| Spot { center, radius: 0.8 * radius, color: [235, 64, 52] };
         frame.spots.iter().map(spot).collect()
+    }
+
+    /// The planes where they are in this state.
+    fn grids(&self, frame: &Still) -> Vec<[Vec3; 2]> {
+        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
+        let heights = plane_heights(&self.steps[frame.step], self.planes.len());
+        self.planes.iter().zip(heights).flat_map(|(plane, height)| plane.grid(points(), height)).collect()
     }
 
     fn write_plot(&self) -> Result<(), InputError> {
@@ -213,6 +231,18 @@ impl Record {
     }
 }
 
+/// Width and height of a picture as wide as `largest` and only as high as is needed to show what is seen.
+fn canvas(extents: [f64; 2], largest: [usize; 2]) -> [usize; 2] {
+    let [width, height] = largest;
+    let needed = (width as f64 * extents[1] / extents[0]).ceil();
+    [width, (needed as usize).clamp(width / FLATTEST, height)]
+}
+
+/// Width \[L\] at which both extents fit into a picture of that many pixels.
+fn width_shown(extents: [f64; 2], [width, height]: [usize; 2]) -> f64 {
+    extents[0].max(extents[1] * width as f64 / height as f64)
+}
+
 /// The two axes along which the points spread most, widest first.
 fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Vec3; 2] {
     let spread: Mat3 = points.map(|point| (point - center) * (point - center).transpose()).sum();
@@ -222,8 +252,17 @@ fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Ve
     [0, 1].map(|k| eigen.eigenvectors.column(axes[k]).into_owned())
 }
 
-/// The largest number 1, 2 or 5 times a power of ten that is not above `length`.
-fn round_below(length: f64) -> f64 {
-    let power = 10_f64.powf(length.log10().floor());
-    [5.0, 2.0].into_iter().map(|m| m * power).find(|round| *round <= length).unwrap_or(power)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_as_high_as_their_rods_need() {
+        for (extents, expected) in [([4.0, 4.0], 1200), ([10.0, 3.0], 480), ([10.0, 0.1], 320), ([0.0, 9.0], 1200)] {
+            let size = canvas(extents, PICTURE);
+            assert_eq!(size, [1600, expected], "{extents:?}");
+            let visible = width_shown(extents, size);
+            assert!(visible >= extents[0] && visible * expected as f64 / 1600.0 >= extents[1] * (1.0 - 1e-12));
+        }
+    }
 }

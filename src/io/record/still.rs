@@ -20,8 +20,8 @@ const TOLERANCE: f64 = 1.0 / 2000.0;
 pub(super) struct Still {
     pub step: usize,
     pub rods: Vec<StillRod>,
-    /// Contact sites, and the rod whose radius sets their size.
-    pub spots: Vec<(Vec3, usize)>,
+    /// Contact sites, and the radius of the rod there.
+    pub spots: Vec<(Vec3, f64)>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,8 +52,10 @@ impl Record {
             StillRod { points: rod.positions.clone(), radii: radii.clone(), directions, values }
         };
         let sites = &self.steps[frame.step].sites;
-        let between = sites.iter().map(|site| (self.place(site, frame), site.rod_a));
-        let on_planes = self.steps[frame.step].plane_sites.iter().map(|site| (site.nearest.into(), site.rod));
+        let between = sites.iter().map(|site| (self.place(site, frame), self.radius_in(site.rod_a, site.arc_a, frame)));
+        let on_planes = &self.steps[frame.step].plane_sites;
+        let on_planes =
+            on_planes.iter().map(|site| (site.nearest.into(), self.radius_in(site.rod, [site.center; 2], frame)));
         let spots = between.chain(on_planes).collect();
         Still { step: frame.step, rods: frame.rods.iter().enumerate().map(rod).collect(), spots }
     }
@@ -68,6 +70,12 @@ impl Record {
         }
     }
 
+    /// Radius that a rod is drawn with in the middle of an arc length interval.
+    fn radius_in(&self, rod: usize, arcs: [f64; 2], frame: &RecordedFrame) -> f64 {
+        let head = self.head(rod, frame.step);
+        head.radius_at(middle(&head, arcs).round() as usize % head.nodes.max(1))
+    }
+
     /// Middle between the strands of a contact site.
     fn place(&self, site: &SiteReport, frame: &RecordedFrame) -> Vec3 {
         let at = |rod: usize, arcs: [f64; 2]| point_at(&self.head(rod, frame.step), &frame.rods[rod].positions, arcs);
@@ -75,10 +83,15 @@ impl Record {
     }
 }
 
+/// Middle of an arc length interval, which may lead over the seam, counted in nodes.
+fn middle(head: &RodHead, arcs: [f64; 2]) -> f64 {
+    let arc = if arcs[1] >= arcs[0] { 0.5 * (arcs[0] + arcs[1]) } else { 0.5 * (arcs[0] + arcs[1] + head.length) };
+    (arc / head.spacing()).max(0.0)
+}
+
 /// Point in the middle of an arc length interval.
 fn point_at(head: &RodHead, points: &[Vec3], arcs: [f64; 2]) -> Vec3 {
-    let arc = if arcs[1] >= arcs[0] { 0.5 * (arcs[0] + arcs[1]) } else { 0.5 * (arcs[0] + arcs[1] + head.length) };
-    let place = (arc / head.length * (head.elements * head.order) as f64).max(0.0);
+    let place = middle(head, arcs);
     let (index, fraction) = (place.floor() as usize, place.fract());
     let point = |i: usize| points[if head.closed { i % points.len() } else { i.min(points.len() - 1) }];
     point(index).lerp(&point(index + 1), fraction)

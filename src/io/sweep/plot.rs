@@ -25,7 +25,7 @@ pub struct PlotAxes {
     pub steps: bool,
 }
 
-/// Draws a column of a collected sweep over another as SVG. Where several rows of a curve have the same x, their mean is
+/// Draws a column of a collected sweep over another as SVG or PDF. Where several rows of a curve have the same x, their mean is
 /// drawn; rows without one of the two values are passed over.
 ///
 /// # Errors

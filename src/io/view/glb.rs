@@ -16,13 +16,13 @@ use gltf_json::validation::{Checked::Valid, USize64};
 use gltf_json::{Accessor, Asset, Buffer, Index, Material, Mesh, Node, Root, Scene};
 
 use crate::error::InputError;
-use crate::io::picture::palette::linear;
+use crate::io::picture::palette::{PALE, linear};
 use crate::io::picture::span::{self, tangents};
 use crate::io::picture::{Stripe, colors_by_value, radius_at};
 use crate::math::Vec3;
 
 use super::mesh::{self, MeshStyle, per_ring, tube};
-use super::{Film, FilmRod, Frame, FrameRod, Quantity, STRANDS};
+use super::{Film, Frame, FrameRod, Quantity, STRANDS};
 
 /// Sides of a tube, and of a tube in films with many vertices.
 const SIDES: [usize; 2] = [14, 6];
@@ -84,6 +84,8 @@ struct GlbWriter<'a> {
     options: &'a GlbOptions,
     range: [f64; 2],
     center: Vec3,
+    /// Lines of the planes at the start.
+    grids: Vec<(usize, [Vec3; 2])>,
     /// Sides of tubes; none for lines.
     sides: Option<usize>,
     root: Root,
@@ -95,8 +97,8 @@ impl<'a> GlbWriter<'a> {
         let rods = film.frames.iter().flat_map(|frame| &frame.rods);
         let nodes: usize = rods.map(|rod| rod.points.len()).sum();
         let sides = SIDES.into_iter().find(|&sides| nodes * per_ring(sides) <= MAX_VERTICES);
-        let material = |rod: &FilmRod| Material {
-            name: Some(rod.name.clone()),
+        let material = |name: &str| Material {
+            name: Some(name.to_owned()),
             pbr_metallic_roughness: PbrMetallicRoughness {
                 metallic_factor: StrengthFactor(0.0),
                 roughness_factor: StrengthFactor(0.5),
@@ -105,17 +107,22 @@ impl<'a> GlbWriter<'a> {
             ..Material::default()
         };
         let asset = Asset { generator: Some(format!("supercoil {}", env!("CARGO_PKG_VERSION"))), ..Asset::default() };
-        let materials = film.rods.iter().map(material).collect();
+        let grids = film.grids();
+        let planes = (!grids.is_empty()).then_some("planes");
+        let materials = film.rods.iter().map(|rod| rod.name.as_str()).chain(planes).map(material).collect();
         let root = Root { asset, materials, ..Root::default() };
         let (range, center) = (film.range(options.color), film.stage().0);
-        Self { film, options, range, center, sides, root, data: Vec::new() }
+        Self { film, options, range, center, grids, sides, root, data: Vec::new() }
     }
 
     /// Adds a node with the mesh of a frame.
     fn frame(&mut self, frame: &Frame) -> Index<Node> {
         let name = Some(format!("step {}", frame.step));
         let drawn = frame.rods.iter().enumerate().filter(|(_, rod)| rod.points.len() > 1);
-        let primitives: Vec<Primitive> = drawn.map(|(index, rod)| self.primitive(index, rod)).collect();
+        let mut primitives: Vec<Primitive> = drawn.map(|(index, rod)| self.rod(index, rod)).collect();
+        if !self.grids.is_empty() {
+            primitives.push(self.planes(frame));
+        }
         // a mesh needs at least one primitive
         let mesh = (!primitives.is_empty()).then(|| {
             let mesh =
@@ -125,7 +132,7 @@ impl<'a> GlbWriter<'a> {
         self.root.push(Node { name, mesh, ..Node::default() })
     }
 
-    fn primitive(&mut self, index: usize, rod: &FrameRod) -> Primitive {
+    fn rod(&mut self, index: usize, rod: &FrameRod) -> Primitive {
         let nodes = self.nodes(index, rod);
         let head = &self.film.rods[index];
         let (mesh, mode) = match self.sides {
@@ -136,6 +143,23 @@ impl<'a> GlbWriter<'a> {
             }
             None => (line(&nodes), if head.closed { Mode::LineLoop } else { Mode::LineStrip }),
         };
+        self.primitive(&mesh, mode, index)
+    }
+
+    /// The grids of all planes, where they are in a frame.
+    fn planes(&mut self, frame: &Frame) -> Primitive {
+        let moved = |(plane, ends): &(usize, [Vec3; 2])| {
+            let shift = Vec3::from(self.film.planes[*plane].normal) * frame.heights[*plane] - self.center;
+            ends.map(|end| end + shift)
+        };
+        let positions: Vec<Vec3> = self.grids.iter().flat_map(moved).collect();
+        let colors = vec![linear(PALE); positions.len()];
+        let mesh = mesh::Mesh { positions, colors, ..mesh::Mesh::default() };
+        self.primitive(&mesh, Mode::Lines, self.film.rods.len())
+    }
+
+    /// Adds the arrays of a mesh, and the primitive of that material that shows them.
+    fn primitive(&mut self, mesh: &mesh::Mesh, mode: Mode, material: usize) -> Primitive {
         let floats =
             |vectors: &[Vec3]| -> Vec<[f32; 3]> { vectors.iter().map(|v| [v.x, v.y, v.z].map(|x| x as f32)).collect() };
         let positions = floats(&mesh.positions);
@@ -167,7 +191,7 @@ impl<'a> GlbWriter<'a> {
             let layout = Layout { kind: Type::Scalar, component: ComponentType::U32, target };
             self.accessor(layout, mesh.indices.len(), &bytes)
         });
-        let material = Some(Index::new(index as u32));
+        let material = Some(Index::new(material as u32));
         Primitive {
             attributes,
             indices,

@@ -78,9 +78,14 @@ impl Film {
                 "radii": frame.rods.iter().map(|rod| &rod.radii).collect::<Vec<_>>(),
                 "seams": frame.rods.iter().map(|rod| rod.seam_turns).collect::<Vec<_>>(),
                 "forces": forces.collect::<Vec<_>>(),
+                "heights": frame.heights,
             })
         };
         let column = |(name, unit): &(String, String)| json!({ "name": name, "unit": unit });
+        let grid = |(plane, ends): (usize, [Vec3; 2])| {
+            let [from, to] = ends.map(|end| <[f64; 3]>::from(end - center));
+            json!({ "plane": plane, "ends": [from, to] })
+        };
         let plot = |plot: &Plot| json!({ "x": plot.x, "y": plot.y });
         json!({
             "program": format!("supercoil {}", env!("CARGO_PKG_VERSION")),
@@ -89,6 +94,8 @@ impl Film {
             "force": self.units.force,
             "rods": self.rods.iter().map(rod).collect::<Vec<_>>(),
             "frames": self.frames.iter().map(frame).collect::<Vec<_>>(),
+            "normals": self.planes.iter().map(|plane| plane.normal).collect::<Vec<_>>(),
+            "grid": self.grids().into_iter().map(grid).collect::<Vec<_>>(),
             "axes": rows,
             "extent": extent,
             "quantities": Quantity::ALL.map(|quantity| self.quantity(quantity)),

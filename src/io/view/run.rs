@@ -6,7 +6,8 @@ use serde::Deserialize;
 
 use crate::error::InputError;
 use crate::io::detail::{BLOCK, within};
-use crate::io::record::{RodHead, SUMMARY, VIEW, step_of};
+use crate::io::picture::DrawnPlane;
+use crate::io::record::{RodHead, VIEW, plane_heights, read_summary, step_of};
 use crate::io::vtk::{VtkData, read_vtp};
 use crate::math::Vec3;
 use crate::observe::report::Observation;
@@ -28,6 +29,8 @@ struct FilmSummary {
     title: String,
     units: Units,
     rods: Vec<RodHead>,
+    #[serde(default)]
+    planes: Vec<DrawnPlane>,
     steps: Vec<Observation>,
 }
 
@@ -42,12 +45,8 @@ struct FilmSummary {
 /// [`InputError::File`] or [`InputError::Parse`] if a file is missing or damaged (a run under way has no summary yet),
 /// [`InputError::Inconsistent`] if there are no VTK files.
 pub fn of_run(dir: &Path, max_nodes: usize) -> Result<Film, InputError> {
-    let path = dir.join(SUMMARY);
-    let text =
-        std::fs::read_to_string(&path).map_err(|e| InputError::File { path: path.clone(), reason: e.to_string() })?;
-    let FilmSummary { title, units, rods, steps } = serde_json::from_str(&text)
-        .map_err(|e| InputError::Parse { file: path.display().to_string(), reason: e.to_string() })?;
-    film(dir, &Parts { title: &title, units: &units, rods: &rods, steps: &steps }, max_nodes)
+    let FilmSummary { title, units, rods, planes, steps } = read_summary(dir)?;
+    film(dir, &Parts { title: &title, units: &units, rods: &rods, planes: &planes, steps: &steps }, max_nodes)
 }
 
 /// Writes `view.html` into the folder of a run, as the run itself does: [`Film::page`] of [`of_run`] with at most
@@ -66,6 +65,7 @@ pub(in crate::io) struct Parts<'a> {
     pub title: &'a str,
     pub units: &'a Units,
     pub rods: &'a [RodHead],
+    pub planes: &'a [DrawnPlane],
     pub steps: &'a [Observation],
 }
 
@@ -83,7 +83,8 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
     let (mut frames, mut tolerance) = (Vec::new(), 0.0_f64);
     for (_, (step, path)) in shown {
         let observation = &run.steps[*step];
-        let mut frame = Frame { step: *step, rods: Vec::new(), forces: forces(observation) };
+        let heights = plane_heights(observation, run.planes.len());
+        let mut frame = Frame { step: *step, rods: Vec::new(), forces: forces(observation), heights };
         for (index, data) in in_order(read_vtp(path)?, run.rods.len()).into_iter().enumerate() {
             let link = observation.links.iter().find(|link| link.rod == index);
             let (rod, left_out) = thinned(data, share, run.rods[index].radius());
@@ -95,8 +96,8 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
     let note = note(&frames, files.len(), num_nodes, tolerance, run.units);
     let head = |head: &RodHead| FilmRod { name: head.name.clone(), closed: head.closed };
     let (table, plots) = table(run.steps, run.units);
-    let (title, units) = (run.title.to_owned(), run.units.clone());
-    Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), frames, table, plots, note })
+    let (title, units, planes) = (run.title.to_owned(), run.units.clone(), run.planes.to_vec());
+    Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), planes, frames, table, plots, note })
 }
 
 /// Steps with a VTK file, in order. Files of steps that are not in the summary are of another run and skipped.

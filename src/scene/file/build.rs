@@ -280,26 +280,10 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     } else {
         let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
         let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
-        let elements = match (text.elements, scene.fidelity) {
-            (Some(elements), _) => elements,
-            (None, Some(fidelity)) => {
-                let (section, natural, dna) = (&section, &natural, dna.as_ref());
-                let unmeshed = Unmeshed { scene, rod: text, shape: &shape, section, natural, dna };
-                unmeshed.elements(fidelity).map_err(inside)?
-            }
-            (None, None) => {
-                let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
-                return Err(InputError::inconsistent(format!("{path}.elements"), reason));
-            }
-        };
-        check_memory(elements).map_err(|error| match (error, text.elements, scene.fidelity) {
-            (InputError::Inconsistent { field, reason }, None, Some(fidelity)) => {
-                let word = format!("{fidelity:?}").to_lowercase();
-                let reason = format!("{reason}; fidelity = \"{word}\" asks for them: give fewer as elements");
-                InputError::Inconsistent { field, reason }
-            }
-            (error, ..) => error,
-        })?;
+        let unmeshed =
+            Unmeshed { scene, rod: text, shape: &shape, section: &section, natural: &natural, dna: dna.as_ref() };
+        let elements = elements(&path, &unmeshed)?;
+        check_memory(elements).map_err(|error| by_fidelity(error, scene, text))?;
         Rod::new(
             &text.name,
             &shape,
@@ -320,14 +304,43 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         dna.check_length(rod.length).map_err(inside)?;
     }
     if text.roll != 0.0 {
-        let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
-        rod.frames.iter_mut().for_each(|frame| *frame *= turn);
-        // the shape's curvature keeps its direction in space, a given curvature keeps it in the section
-        if let (NaturalText::AsShaped, Natural::Uniform { kappa }) = (&text.natural, &mut rod.natural) {
-            *kappa = (turn.inverse() * Vec3::from(*kappa)).into();
-        }
+        roll(&mut rod, text);
     }
     Ok(rod)
+}
+
+/// Number of elements: as given, or as many as the fidelity asks for.
+fn elements(path: &str, rod: &Unmeshed) -> Result<usize, InputError> {
+    match (rod.rod.elements, rod.scene.fidelity) {
+        (Some(elements), _) => Ok(elements),
+        (None, Some(fidelity)) => rod.elements(fidelity).map_err(|error| within(path, error)),
+        (None, None) => {
+            let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
+            Err(InputError::inconsistent(format!("{path}.elements"), reason))
+        }
+    }
+}
+
+/// Says of too many elements that the fidelity asks for them, if it does.
+fn by_fidelity(error: InputError, scene: &SceneText, text: &RodText) -> InputError {
+    match (error, text.elements, scene.fidelity) {
+        (InputError::Inconsistent { field, reason }, None, Some(fidelity)) => {
+            let word = format!("{fidelity:?}").to_lowercase();
+            let reason = format!("{reason}; fidelity = \"{word}\" asks for them: give fewer as elements");
+            InputError::Inconsistent { field, reason }
+        }
+        (error, ..) => error,
+    }
+}
+
+/// Turns every frame about d3.
+fn roll(rod: &mut Rod, text: &RodText) {
+    let turn = Quat::from_axis_angle(&Vec3::z_axis(), TAU * text.roll);
+    rod.frames.iter_mut().for_each(|frame| *frame *= turn);
+    // the shape's curvature keeps its direction in space, a given curvature keeps it in the section
+    if let (NaturalText::AsShaped, Natural::Uniform { kappa }) = (&text.natural, &mut rod.natural) {
+        *kappa = (turn.inverse() * Vec3::from(*kappa)).into();
+    }
 }
 
 /// The stress-free state: that of the scene, or of its sequence.

@@ -54,8 +54,10 @@ impl Dna {
         if (length / self.length - 1.0).abs() <= TOL_LENGTH {
             return Ok(());
         }
-        let reason =
-            format!("are {} nm long, but the shape is {length} nm long: they are to agree within 1 %", self.length);
+        let reason = format!(
+            "are {:.3} nm long, but the shape is {length:.3} nm long: they are to agree within 1 %",
+            self.length
+        );
         Err(InputError::inconsistent("dna.base_pairs", &reason))
     }
 }
@@ -111,7 +113,7 @@ pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
     }
     let Units { length, force } = &text.units;
     let needs = |field: &str, what: &str| {
-        let reason = format!("{what} counts in nm and pN, but units are {length} and {force}");
+        let reason = format!("{what} counts in nm and pN, but units are {length} and {force}: leave units out");
         InputError::inconsistent(field.to_owned(), &reason)
     };
     if dna && !text.units.are_molecular() {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::error::InputError;
 
-use super::LIKE;
+use crate::text::likest;
 
 /// The keys of a scene file: Markdown tables, one heading for each table of a scene.
 pub const REFERENCE: &str = include_str!("../reference.md");
@@ -66,12 +66,12 @@ pub fn help(key: Option<&str>) -> Result<String, InputError> {
     if !found.is_empty() {
         return Ok(listing(&found));
     }
-    let likeness = |key: &Key| strsim::jaro(wanted, &key.name).max(strsim::jaro(wanted, &key.path()));
-    // the first of equals
-    let likest = all.iter().rev().map(|key| (likeness(key), key.path())).max_by(|a, b| a.0.total_cmp(&b.0));
-    let allowed = match likest {
-        Some((likeness, path)) if likeness > LIKE => format!("a key of a scene: did you mean {path}?"),
-        _ => "a key of a scene, or none to see all".to_owned(),
+    let paths: Vec<String> = all.iter().map(Key::path).collect();
+    let words = || all.iter().map(|key| key.name.as_str()).zip(paths.iter().map(String::as_str));
+    let alike = likest(wanted, words().flat_map(|(name, path)| [name, path]));
+    let allowed = match words().find(|(name, path)| alike == Some(*name) || alike == Some(*path)) {
+        Some((_, path)) => format!("a key of a scene: did you mean {path}?"),
+        None => "a key of a scene, or none to see all".to_owned(),
     };
     Err(InputError::Name { field: "key".to_owned(), name: wanted.to_owned(), allowed })
 }

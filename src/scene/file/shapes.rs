@@ -97,6 +97,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
 fn drop_closing_point(points: &mut Vec<Vec3>) {
     let way: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     if let [first, .., last] = points[..]
+        && way.is_finite()
         && (last - first).norm() <= TOL_CLOSING * way / points.len() as f64
     {
         points.pop();

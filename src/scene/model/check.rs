@@ -95,8 +95,8 @@ impl Model {
                 return Err(InputError::Count { field, value: stage.steps, allowed });
             }
             if stage.ramps.is_empty() {
-                let reason = "nothing to do: ramp at least one of excess_link, rotation, displacement, pose, load, pressure, plane, section, length, \
-                     natural, or hold or release something";
+                let reason = "nothing to do: ramp at least one of excess_link, link, sigma, rotation, displacement, pose, load, pressure, plane, \
+                     section, length, natural, or hold or release something";
                 return Err(InputError::inconsistent(format!("stages[{i}].ramp"), reason));
             }
             if stage.ramps.iter().any(|ramp| matches!(ramp, Ramp::Hold(_) | Ramp::Release(_))) {
