@@ -8,6 +8,7 @@
 //! | `problem` | the problem assembled: unknowns, gradient, tangent, contact, motions that nothing resists |
 
 mod load_step;
+mod measures;
 mod options;
 mod path;
 pub(crate) mod problem;

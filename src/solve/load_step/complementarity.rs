@@ -11,14 +11,10 @@
 use crate::contact::chain::{ChainPiece, chains};
 use crate::contact::potential::plane::{PlanePiece, plane_runs};
 use crate::solve::load_step::solver::Solver;
+use crate::solve::measures::FINE;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
-
-/// Largest gap that an offset may hold open, relative to the contact radius. It acts like a rod thicker by this part.
-pub(in crate::solve) const TOL_OPENING: f64 = 1e-6;
-/// Largest work of offsets on releasable gaps, relative to the elastic energy, which is too high by this part.
-pub(in crate::solve) const TOL_COMPLEMENTARITY: f64 = 1e-9;
 
 /// Contacts that carry force over a gap.
 #[derive(Debug, Default)]
@@ -61,7 +57,8 @@ impl Solver {
         let holds = |side: &&ContactSide| side.offsets.values.iter().any(|offset| *offset > 0.0);
         let Some(side) = self.engine.contact.as_ref().filter(holds) else { return Complementarity::default() };
         let (set, offsets) = (&side.set, &side.offsets);
-        let open = TOL_OPENING * side.min_radius;
+        // it acts like a rod thicker by this part
+        let open = FINE * side.min_radius;
         let chains = chains(set, &residual.contact_pairs);
         let gap = |chain: &[ChainPiece]| chain.iter().map(|link| link.zone.min_gap).fold(f64::INFINITY, f64::min);
         let places = |chain: &[ChainPiece]| -> Vec<usize> {

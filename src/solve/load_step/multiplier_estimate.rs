@@ -12,25 +12,16 @@ use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::load_step::solver::Solver;
+use crate::solve::measures::{FEW, NOTHING, ROUGH};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 
-/// Pressure, over the law's own, at which touching strands are probed: small, so that strands nearby stay apart.
-const PROBING_PRESSURE: f64 = 0.01;
 /// Largest pressure of an estimate, over the law's own.
 const LARGEST_PRESSURE: f64 = 0.5;
-/// Stiffness of contact in the estimate, over the law's pressure and the contact distance: stiff beside the rods, so
-/// that gaps stay.
-const STIFFNESS: f64 = 100.0;
-/// Stiffness, over the same, of the law that gives the geometric part of contact: next to nothing, because pressures
-/// are not known yet.
-const SLACK: f64 = 1e-9;
 /// Wavelength over 2π, in contact distances, beyond which inertia holds the rods. Longer waves are motions of the
 /// shape, not forces in it.
 const HELD: f64 = 30.0;
-/// Estimates at most: after each, strands that would pull are let go.
-const ROUNDS: usize = 3;
 
 /// Forces of a state in balance.
 #[derive(Debug, Default)]
@@ -52,7 +43,8 @@ impl Solver {
         let before = self.snapshot();
         let Some(side) = &mut self.engine.contact else { return Ok(MultiplierEstimate::default()) };
         let distance = 2.0 * side.min_radius;
-        let probe = law.overlap(PROBING_PRESSURE * scale, distance);
+        // so little pressure that strands nearby stay apart
+        let probe = law.overlap(ROUGH * scale, distance);
         side.law = law;
         let [num_nodes, num_planes] = side.size();
         side.offsets = ContactField::uniform(num_nodes, num_planes, probe);
@@ -64,7 +56,7 @@ impl Solver {
         let rest: Vec<f64> = probed.contact_gradient.iter().zip(&probed.gradient).map(|(c, g)| c - g).collect();
         let mut multiplier_estimate = MultiplierEstimate::default();
         let mut reach = vec![probe; gaps.len()];
-        for _ in 0..ROUNDS {
+        for _ in 0..FEW {
             let Some((forces, push)) = self.respond_stiffly(&rest, &reach, scale, distance)? else { break };
             multiplier_estimate.forces = forces;
             let works = self.works_apart(&probed, &push);
@@ -100,9 +92,11 @@ impl Solver {
     ) -> Result<Option<(Vec<[[f64; 3]; 3]>, Vec<f64>)>, SolveError> {
         let state = self.engine.state.clone();
         let Some(side) = &mut self.engine.contact else { return Ok(None) };
-        side.law = Law::Linear { stiffness: STIFFNESS * scale / distance };
+        // the law's pressure opens no gap by more than this part of the contact distance
+        side.law = Law::Linear { stiffness: scale / (ROUGH * distance) };
         let reach = ContactField::of_nodes(reach, side.planes.len());
-        side.before = Some((Law::Linear { stiffness: SLACK * scale / distance }, reach));
+        // pressures are not known yet: the geometric part of contact is left out
+        side.before = Some((Law::Linear { stiffness: NOTHING * scale / distance }, reach));
         self.workspace.refresh(&mut self.engine, &state)?;
         let unstressed = vec![[[0.0; 6]; 3]; self.engine.elements.len()];
         let slack = self.workspace.linearise(&self.engine, &state, &unstressed, &PrescribedMotion::default());

@@ -2,25 +2,13 @@
 
 use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
-use crate::solve::load_step::complementarity::{Complementarity, TOL_COMPLEMENTARITY, TOL_OPENING};
+use crate::solve::load_step::complementarity::Complementarity;
 use crate::solve::load_step::solver::Solver;
+use crate::solve::measures::{CONTRACTION, FARTHEST, FEW, FINE, IN_VAIN, NOTHING, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_gaps::smallest_gaps;
 use crate::solve::problem::contact_side::ContactSide;
-
-/// Pressure, relative to that of a core law, at which its stiffness is evaluated.
-const USUAL_PRESSURE: f64 = 0.1;
-/// Largest growth of a secant step from one augmentation to the next, because a secant through two nearly equal gaps would
-/// overshoot.
-const FASTER: f64 = 2.0;
-/// Releases in a row after which no more follow if none halves the least work of offsets on gaps held open, because on
-/// lines of contact along a coarse mesh the ripples of elements stay open. The secant needs two to find how fast a gap
-/// closes: with one, contacts at κ' = 100 are held open with 4e-6 of the energy (`contact_held_open`).
-const IN_VAIN: usize = 2;
-/// First rounds in which offsets are both lowered and raised, because they come from another law. Later rounds lower only
-/// if nothing is to be raised, because both together may never end (a ply of three strands).
-const EARLY: usize = 3;
 
 /// Violation of the contact conditions, by nodes and in all.
 #[derive(Debug, Default)]
@@ -162,7 +150,7 @@ impl Solver {
             Law::Linear { stiffness } => stiffness,
             Law::Core { pressure, .. } => {
                 let distance = 2.0 * side.min_radius;
-                side.law.response(side.law.overlap(USUAL_PRESSURE * pressure, distance), distance).stiffness
+                side.law.response(side.law.overlap(SLIGHT * pressure, distance), distance).stiffness
             }
         };
         let half_point = 0.5 * shortest_line(stiffness, bending);
@@ -180,13 +168,17 @@ impl Solver {
         let met = penetration <= tol;
         let mut outstanding = Outstanding { penetration, complementarity: None, gaps: None };
         let mut releases = false;
-        if secant_steps.rounds < EARLY || met {
+        // at first offsets are both lowered and raised, because they come from another law; later they are lowered only if
+        // nothing is to be raised, because both together may never end (a ply of three strands)
+        if secant_steps.rounds < FEW || met {
             let Complementarity { work, releasable, gaps: own } = self.complementarity(&residual);
             outstanding.complementarity = met.then_some(work);
             if met {
                 secant_steps.note(releasable);
             }
-            releases = releasable > TOL_COMPLEMENTARITY && secant_steps.in_vain < IN_VAIN;
+            // on lines of contact along a coarse mesh the ripples of elements stay open; the secant needs two tries to find
+            // how fast a gap closes (`contact_held_open`)
+            releases = releasable > NOTHING && secant_steps.in_vain < IN_VAIN;
             if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
                 let own = own.at_places_of(&side.set, &gaps).values;
                 gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
@@ -201,7 +193,7 @@ impl Solver {
     /// below zero.
     pub(in crate::solve) fn augment(&mut self, gaps: &ContactField, secant_steps: &mut SecantSteps) {
         let Some(side) = &mut self.engine.contact else { return };
-        let open = TOL_OPENING * side.min_radius;
+        let open = FINE * side.min_radius;
         let before = side.offsets.at_places_of(&side.set, gaps);
         secant_steps.adapt(&side.set, gaps, open);
         let raised = |k: usize, gap: f64| {
@@ -240,12 +232,12 @@ impl Default for SecantSteps {
 impl SecantSteps {
     /// Records the work left to release when penetrations are within the tolerance.
     fn note(&mut self, work: f64) {
-        self.in_vain = if work > 0.5 * self.least { self.in_vain + 1 } else { 0 };
+        self.in_vain = if work > CONTRACTION * self.least { self.in_vain + 1 } else { 0 };
         self.least = self.least.min(work);
     }
 
     /// Factors for these gaps: 1 where strands touch or overlap; where a gap was wider than `open` \[L\] before and still
-    /// is, the factor that would have closed it, at most [`FASTER`] times the last.
+    /// is, the factor that would have closed it, at most [`FARTHEST`] times the last.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);
@@ -256,7 +248,7 @@ impl SecantSteps {
         self.secant_steps = gaps.map(|k, gap| {
             let stays = gap > open && before[k] > open && lowered[k] > 0.0;
             let closed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
-            (1.0 / closed).min(FASTER * secant_steps[k]).max(1.0)
+            (1.0 / closed).min(FARTHEST * secant_steps[k]).max(1.0)
         });
     }
 }

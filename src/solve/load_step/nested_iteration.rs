@@ -21,9 +21,10 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
-use crate::solve::load_step::solve_step::{AT_REST, TURNS_AT_ONCE};
+use crate::solve::load_step::solve_step::TURNS_AT_ONCE;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::{ROUGH, SLIGHT};
 use crate::solve::options::Options;
 use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
@@ -32,8 +33,6 @@ use crate::solve::problem::state::State;
 
 /// Factors between the elements of the mesh and of a coarse one.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
-/// Distance of centrelines on two meshes, in contact radii, up to which they are the same shape.
-const SAME: f64 = 0.1;
 
 impl Solver {
     /// Tries to settle a step of several turns from where it leads on a coarse mesh; true if it did, otherwise the
@@ -46,7 +45,7 @@ impl Solver {
         if drive.parts(TURNS_AT_ONCE).len() < 2 || !self.augments() {
             return Ok(false);
         }
-        if self.is_near_contact()? && self.contact_errors().penetration > AT_REST {
+        if self.is_near_contact()? && self.contact_errors().penetration > ROUGH {
             return Ok(false);
         }
         let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(false) };
@@ -178,9 +177,9 @@ impl Solver {
             });
             parts.fold(0.0, f64::max)
         };
-        side.rods
-            .iter()
-            .all(|&rod| (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SAME * side.min_radius))
+        side.rods.iter().all(|&rod| {
+            (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SLIGHT * side.min_radius)
+        })
     }
 }
 
@@ -215,7 +214,6 @@ mod tests {
         let (drive, at) = (turns(-3.0), quick.engine.state.positions[64]);
         let short = quick.solve_step(&drive);
         let mut long = StepReport::settled();
-        slow.linearise_about_harder_law().unwrap();
         slow.approach(&drive, &mut long).unwrap();
         slow.enforce_gaps(&mut long).unwrap();
         for report in [&short, &long] {
@@ -259,7 +257,7 @@ mod tests {
         assert_eq!(factor(&ring(vec![held(67)]), &drive), None);
         for (by, found) in [(0.5, Some(4)), (1.5, None)] {
             let mut bent = ring(vec![]);
-            bent.engine.state.positions[101].z += by * SAME * 0.01;
+            bent.engine.state.positions[101].z += by * SLIGHT * 0.01;
             assert_eq!(factor(&bent, &drive), found);
         }
         for (by, found) in [(0.15, Some(4)), (0.25, Some(2)), (0.45, None)] {

@@ -10,8 +10,7 @@
 //! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
 //! ```
 //!
-//! closes again exactly. The short rod's link is such that the long one's is what it was: what an element more in each
-//! strand adds to it, twist and writhe, is found from the linking numbers of two rods of different length. The long rod
+//! closes again exactly. The short rod's link is such that the long one's is what it was. The long rod
 //! then settles from there like any other state; whatever it was made from, it ends in equilibrium or says that it does
 //! not.
 //!
@@ -33,6 +32,7 @@ use crate::scene::{ContactLaw, Model};
 use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::{FEW, MAX_ROUNDS, ROUNDING, SAME};
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
@@ -42,25 +42,6 @@ use crate::solve::search::timing::Timings;
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 /// Strand kept for each end loop, in contact distances: the loop and its transition to the regular superhelix.
 const LOOPS: f64 = 60.0;
-/// Length over that of the short rod from which a rod is shortened.
-const LONG: usize = 2;
-/// Turns of the superhelix over which its screw motion is measured: ripples of elements average out.
-const MEASURED_TURNS: f64 = 4.0;
-/// Deviation, in node spacings and rad, up to which a state counts as its own shortened state lengthened again.
-const SAME: f64 = 1e-3;
-/// Elements that are put in to measure their link.
-const PROBE: usize = 64;
-/// Penetration of the short rod over the one asked for. Its remainder in the middle is out of balance all along the
-/// long rod.
-const CLOSER: f64 = 1e-3;
-/// Smallest penetration asked of the short rod, in contact radii.
-const CLOSEST: f64 = 1e-11;
-/// Link, in turns, that the long rod may be off by at its start.
-const TOL_LINK: f64 = 1e-3;
-/// Corrections of the short rod's link at most.
-const MAX_ROUNDS: usize = 8;
-/// Times that the pressures of the short rod are smoothed: ripples of elements would add up along the long rod.
-const SMOOTHINGS: usize = 3;
 
 /// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about
 /// themselves beyond it along either strand.
@@ -213,12 +194,14 @@ impl Solver {
         let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
         let shorter = (2.0 * turns * per_turn + loops).ceil() as usize;
         let shorter = shorter + (elements - shorter.min(elements)) % 2;
-        if shorter.saturating_mul(LONG) > elements {
+        let cut = elements.saturating_sub(shorter) / 2;
+        // worth it where at least half of the rod is cut out
+        if 2 * cut < shorter {
             return None;
         }
-        let cut = (elements - shorter) / 2;
         let at = shorter / 4 * p;
-        let window = (0.5 * MEASURED_TURNS * per_turn).ceil() as usize;
+        // over a quarter of the turns kept ripples of elements average out
+        let window = (0.125 * turns * per_turn).ceil() as usize;
         let screw = Screw::measure(&engine.state, p, at, window)?;
         let start = changed(&engine.state, p, at, -(cut as isize), &screw);
         if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.spacing()) {
@@ -230,7 +213,7 @@ impl Solver {
         let mut slope = 1.0 + 2.0 * cut as f64 / shorter as f64;
         let mut before: Option<[f64; 2]> = None;
         let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), None)?;
-        for _ in 0..SMOOTHINGS {
+        for _ in 0..FEW {
             short.smooth_pressures();
             iterations += short.comes_to_rest(&PrescribedMotion::default(), Some(still.clone()))?;
         }
@@ -244,10 +227,10 @@ impl Solver {
                 longer.seams[0] += TAU * (whole - longer.seams[0] / TAU).round();
                 Some(longer)
             };
-            let each = (longer(PROBE)?.seams[0] / TAU - link) / PROBE as f64;
-            let missing = wanted - link - cut as f64 * each;
-            if missing.abs() <= TOL_LINK {
-                let mut long = moved(longer(cut)?, &centre(&engine.state));
+            let long = longer(cut)?;
+            let missing = wanted - long.seams[0] / TAU;
+            if missing.abs() <= SAME {
+                let mut long = moved(long, &centre(&engine.state));
                 let nodes = 0..long.positions.len();
                 long.twist(0, nodes, TAU * wanted - long.seams[0]);
                 let side = short.engine.contact.as_ref()?;
@@ -286,7 +269,8 @@ impl Solver {
         let rod = self.rod_of_state(state, rod)?;
         let mut contact = self.engine.model.contact;
         if let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = &mut contact.law {
-            *tol_penetration = (CLOSER * *tol_penetration).clamp(CLOSEST, *tol_penetration);
+            // what is left of it in the middle is out of balance all along the long rod
+            *tol_penetration = tol_penetration.min(ROUNDING);
         }
         let electrostatics = self.engine.model.electrostatics;
         Self::new(Model { rods: vec![rod], contact, electrostatics, ..Model::default() }, self.options.clone())
@@ -397,7 +381,7 @@ mod tests {
         let energy =
             |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
         let still = Prediction::still(&slow.engine);
-        for _ in 0..SMOOTHINGS {
+        for _ in 0..FEW {
             slow.smooth_pressures();
             let report = slow.solve_step_along(&PrescribedMotion::default(), Some(still.clone()));
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
@@ -429,7 +413,7 @@ mod tests {
         assert_eq!(solver.solve_step(&PrescribedMotion::default()).status, Status::Converged);
         let before = stiffness_of_sliding(&mut solver);
         assert!(before < 0.0, "{before}");
-        for _ in 0..SMOOTHINGS {
+        for _ in 0..FEW {
             solver.smooth_pressures();
             assert_eq!(
                 solver.solve_step_along(&PrescribedMotion::default(), Some(still.clone())).status,

@@ -19,20 +19,15 @@ use crate::math::quaternion::{exp, nearest_turn, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
+use crate::solve::measures::{FARTHEST, FINE};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, Target, lifted, spin_shares};
 use crate::solve::problem::state::{State, seam_shares};
 
-/// Number of states kept, because a parabola needs three.
-const KEPT: usize = 3;
-/// Longest predicted step relative to the one before, because steps are doubled after a cut-back.
-const FARTHEST: f64 = 2.0;
 /// Largest difference, rad, between a prediction and the one from a state less, which is of the order of its error. Of
 /// pUC19 in 20 steps predictions that differ by .12 to .145 fail after 30 to 50 iterations; with this limit that run takes
 /// 859 iterations, with .15 1027, and the thin rod of `tests/scenes` 2118 and 2438.
 const UNCERTAIN: f64 = 0.1;
-/// Relative deviation of prescribed values from a line that counts as rounding.
-const COLLINEAR: f64 = 1e-6;
 
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +65,7 @@ fn multiple(change: &BTreeMap<Control, f64>, of: &BTreeMap<Control, f64>) -> Opt
     let keys = of.keys().chain(change.keys());
     let along = |key: &Control| {
         let (here, there) = (at(change, key), ratio * at(of, key));
-        (here - there).abs() <= COLLINEAR * (here.abs() + there.abs())
+        (here - there).abs() <= FINE * (here.abs() + there.abs())
     };
     (ratio.is_finite() && ratio > 0.0 && keys.into_iter().all(along)).then_some(ratio)
 }
@@ -115,7 +110,8 @@ impl History {
         if self.visited.last() == Some(&new) {
             return;
         }
-        if self.visited.len() == KEPT {
+        // a parabola needs three
+        if let [_, _, _] = self.visited[..] {
             self.visited.remove(0);
         }
         self.visited.push(new);
@@ -144,7 +140,8 @@ impl History {
         {
             line.push((-1.0 - ratio, first));
         }
-        (place <= FARTHEST * (1.0 + COLLINEAR)).then_some((place, line))
+        // steps are doubled after a cut-back
+        (place <= FARTHEST * (1.0 + FINE)).then_some((place, line))
     }
 
     /// The predicted state at a target; `None` without a reliable prediction.

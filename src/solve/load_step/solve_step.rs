@@ -15,6 +15,7 @@ use crate::solve::load_step::multipliers::SecantSteps;
 use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::{FEW, ROUGH};
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
@@ -26,14 +27,8 @@ use crate::solve::search::trust_region::unseen;
 /// Depth of the core law relative to the contact distance. With .1 instead pUC19 with its whole link in one step takes 464
 /// iterations for 335, a minicircle 442 for 404, and tweezers do not converge.
 const DEPTH: f64 = 0.4;
-/// Overlap, relative to the contact radius, up to which pressures count as those of an equilibrium.
-pub(in crate::solve) const AT_REST: f64 = 1e-2;
-/// Tolerance of rough searches: extent of their last step.
-const TOL_ON_THE_WAY: f64 = 1e-2;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
-/// Largest number of reductions of the penalty.
-const MAX_REDUCTIONS: i32 = 3;
 /// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
 /// would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
@@ -54,9 +49,6 @@ impl Solver {
     /// [`Solver::solve_step`], tried first from the predicted state.
     pub(crate) fn solve_step_along(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> StepReport {
         let mut report = StepReport::settled();
-        if let Err(error) = self.linearise_about_harder_law() {
-            return StepReport::refused(error);
-        }
         let foreseen = match predicted {
             Some(prediction) => self.solve_from_prediction(drive, &prediction, &mut report),
             None => self.solve_from_short(drive, &mut report),
@@ -193,7 +185,7 @@ impl Solver {
                 // the core's energy would be infinite here
                 return Ok(());
             }
-        } else if near && overlap < AT_REST {
+        } else if near && overlap < ROUGH {
             let multiplier_estimate = self.multiplier_estimate(core, pressure)?;
             (pressures, self.workspace.start_forces) = (multiplier_estimate.pressures, multiplier_estimate.forces);
         }
@@ -270,10 +262,10 @@ impl Solver {
             return Ok(());
         }
         let before = self.snapshot();
-        for softer in 0..=MAX_REDUCTIONS {
-            self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer) }, &[]);
+        for softer in 0..=FEW {
+            self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer as i32) }, &[]);
             let outcome = self.search(&PrescribedMotion::default(), report);
-            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_REDUCTIONS {
+            if outcome.is_ok() && report.status == Status::Converged || softer == FEW {
                 return outcome;
             }
             self.restore(before.clone())?;
@@ -293,7 +285,7 @@ impl Solver {
             Some(Law::Core { depth, .. }) => depth,
             _ => 1.0,
         };
-        self.workspace.rough = rough.then_some(TOL_ON_THE_WAY.min(deep));
+        self.workspace.rough = rough.then_some(ROUGH.min(deep));
         let outcome = self.search(drive, report);
         self.workspace.rough = None;
         outcome

@@ -25,6 +25,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
+use crate::solve::measures::{ARC, ROUGH};
 use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
 use crate::solve::path::continuation::parameter::Parameter;
@@ -34,10 +35,6 @@ use crate::solve::search::timing::Instant;
 
 /// Newton iterations per point that the step size aims at.
 const AIM: f64 = 5.0;
-/// Steps whose tangent turns by more than this are taken again, shorter, rad in the metric of the arc length.
-const MAX_TURN: f64 = 0.5;
-/// Step, over the first one, below which a failing step is taken for a corner of the path, and the corner is located.
-const NEAR_CORNER: f64 = 1e-2;
 /// Lengths of such a step within which the corner is sought.
 const CORNER_REACH: f64 = 4.0;
 /// Longest chord of a step in units of its length along the tangent: beyond it Newton has gone to another path.
@@ -282,9 +279,9 @@ fn trace(
             None
         });
         let Some(Stride { next, distance, events, turned, arrives }) = stride else {
-            if step < NEAR_CORNER * options.step
+            if step < ROUGH * options.step
                 && let Some(found) =
-                    tracer.round_corner(&here, CORNER_REACH * step, NEAR_CORNER * options.step).unwrap_or(None)
+                    tracer.round_corner(&here, CORNER_REACH * step, ROUGH * options.step).unwrap_or(None)
             {
                 report.value = found.corner.value;
                 if !reporter.tell(tracer, &found.corner, PointKind::Corner, arc + found.before)? {
@@ -326,7 +323,7 @@ fn trace(
         }
         // iterations of one search; each augmentation of contact offsets asks for another
         let iterations = next.iterations.max(1) as f64 / (1 + next.augmentations) as f64;
-        let pace = (AIM / iterations).sqrt().min(0.5 * MAX_TURN / turned.max(1e-3));
+        let pace = (AIM / iterations).sqrt().min(0.5 * ARC / turned.max(1e-3));
         step = (step * pace.clamp(0.5, 2.0)).min(options.max_step);
         here = next;
     }
@@ -351,7 +348,7 @@ fn stride(tracer: &mut Tracer, here: &Point, step: f64, tol: f64) -> Result<Opti
         return Ok(None);
     };
     let turned = tracer.dot(&here.tangent, &next.tangent).clamp(-1.0, 1.0).acos();
-    if turned > MAX_TURN {
+    if turned > ARC {
         return Ok(None);
     }
     let (mut distance, target) = (step, tracer.parameter.target);

@@ -5,14 +5,11 @@ use std::fmt;
 use crate::contact::clearance::smallest_clearance;
 use crate::error::SolveError;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::{BALANCED, SAME};
 use crate::solve::problem::bend::Bend;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::newton::{NewtonOptions, relative_residual};
 
-/// Width of the interval that encloses the deepest overlap, relative to the smallest contact radius.
-const TOL_DEPTH: f64 = 1e-3;
-/// Relative residual below which the place of the largest imbalance is rounding and is not reported.
-const NOTABLE_RESIDUAL: f64 = 1e-10;
 /// Curvature × contact radius of a state from which a failed step counts as ended by the rod's thickness: the tube is
 /// embedded up to 1, and rings end within 1e-3 of it.
 const TIGHT: f64 = 0.95;
@@ -92,7 +89,7 @@ impl Failure {
             error: report.error.clone(),
             increment: last.map(|iteration| [iteration.increment, newton.tol_increment]),
             residual: relative,
-            worst: worst.filter(|_| relative > NOTABLE_RESIDUAL).map(|node| {
+            worst: worst.filter(|_| relative > BALANCED).map(|node| {
                 let rod = engine.rod_of(node);
                 let spacing = engine.model.rods[rod].spacing();
                 spot(engine, rod, (node - engine.first_node[rod]) as f64 * spacing)
@@ -136,12 +133,12 @@ impl Failure {
 /// The deepest overlap of the state, if it exceeds the tolerance of the contact law.
 fn deepest_overlap(engine: &Engine) -> Option<Overlap> {
     let side = engine.contact.as_ref().filter(|side| side.is_current)?;
-    let tol = TOL_DEPTH * side.min_radius;
+    let tol = SAME * side.min_radius;
     let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, 0.0, tol))?;
     let depth = -found.upper / side.min_radius;
     let at = [(found.segment_a, found.arc_a), (found.segment_b, found.arc_b)]
         .map(|(segment, arc)| spot(engine, side.rods[side.set.curve_of(segment)], arc));
-    (depth > TOL_DEPTH).then_some(Overlap { at, depth })
+    (depth > SAME).then_some(Overlap { at, depth })
 }
 
 fn spot(engine: &Engine, rod: usize, arc: f64) -> RodPoint {

@@ -14,6 +14,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
+use crate::solve::measures::SAME;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
@@ -21,9 +22,6 @@ use crate::solve::problem::swivel::Swivel;
 /// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once
 /// more, which a shear strain cannot bear where rounding leaves few digits as it is.
 const MOST_SLENDER: f64 = 1e10;
-/// Rounding of start positions, over the node spacing, up to which a rod has the shape that was asked for. At rest
-/// nothing of it is left but where supports hold nodes: searches know positions in two parts.
-const RESOLUTION: f64 = 1e-3;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -194,16 +192,16 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`RESOLUTION`] × node
+    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`SAME`] × node
     /// spacing.
     pub(crate) fn check_resolution(&self) -> Result<(), InputError> {
         for (index, rod) in self.model.rods.iter().enumerate() {
             let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
             let resolution = f64::EPSILON * farthest / rod.spacing();
-            if resolution > RESOLUTION {
+            if resolution > SAME {
                 let reason = format!(
                     "lies up to {farthest:e} from the origin, where its start is known to {resolution:.1e} of its node spacing only, \
-                     not to {RESOLUTION:e}: move the model to the origin"
+                     not to {SAME:e}: move the model to the origin"
                 );
                 return Err(InputError::Inconsistent { field: format!("rods.{}.positions", rod.name), reason });
             }

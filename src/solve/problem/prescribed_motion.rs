@@ -6,11 +6,9 @@ use nalgebra::Unit;
 
 use crate::math::Vec3;
 use crate::math::quaternion::spin;
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{Numbers, State};
-
-/// Sine of the angle between tangent and axis up to which a support turns a rod about its own tangent.
-const ABOUT_TANGENT: f64 = 1e-9;
 
 /// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps,
 /// so that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
@@ -154,7 +152,7 @@ pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -
     for &(node, displacement, rotation) in &drive.nodes {
         let tangent = state.frames[node] * Vec3::z();
         let angle = rotation.dot(&tangent);
-        let about_tangent = (rotation - tangent * angle).norm() <= ABOUT_TANGENT * rotation.norm();
+        let about_tangent = (rotation - tangent * angle).norm() <= NOTHING * rotation.norm();
         if !about_tangent || engine.model.rods[engine.rod_of(node)].closed {
             left.nodes.push((node, displacement, rotation));
             continue;

@@ -19,6 +19,7 @@ use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use crate::contact::potential::plane::PlaneContact;
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
+use crate::solve::measures::{NOTHING, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -28,17 +29,10 @@ use several::Several;
 
 mod several;
 
-/// Strength, over the usual one, of springs on all but one of several free rods that touch, and on those that touch
-/// planes. Contact may resist their rigid motions; weak springs shorten steps only a little.
-const SHARED: f64 = 1e-9;
-/// Part of a motion outside the span of the others, below which it is not counted. A flat ring slides by turning.
-const DEPENDENT: f64 = 1e-3;
 /// Square of a motion where a rod is held, over the largest, below which supports let it pass, because coordinates in
 /// files have six digits: ends that are coaxial but for those would leave a motion that costs a ten millionth of the
 /// energy, and searches end neither in its valley nor on its ridge.
 const PASSES: f64 = 1e-11;
-/// Work of a load on a motion, over the largest that it could do, that counts as rounding.
-const UNLOADED: f64 = 1e-9;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
@@ -130,7 +124,7 @@ fn left_by_planes(normals: &[Vec3], planar: bool) -> (Vec<Vec3>, Vec<Vec3>) {
     let Some(first) = normals.first() else {
         return if planar { (axes[..2].to_vec(), axes[2..].to_vec()) } else { (axes.to_vec(), axes.to_vec()) };
     };
-    let tilted = normals.iter().map(|n| first.cross(n)).find(|edge| edge.norm() > DEPENDENT);
+    let tilted = normals.iter().map(|n| first.cross(n)).find(|edge| edge.norm() > SAME);
     let edge = match tilted {
         // of parallel planes any direction in them will do
         None if !planar => {
@@ -140,7 +134,7 @@ fn left_by_planes(normals: &[Vec3], planar: bool) -> (Vec<Vec3>, Vec<Vec3>) {
         None => Vec3::z().cross(first),
         Some(edge) => edge.normalize(),
     };
-    let stays = normals.iter().all(|n| n.dot(&edge).abs() <= DEPENDENT) && !(planar && edge.z != 0.0);
+    let stays = normals.iter().all(|n| n.dot(&edge).abs() <= SAME) && !(planar && edge.z != 0.0);
     (if stays { vec![edge] } else { Vec::new() }, Vec::new())
 }
 
@@ -173,7 +167,7 @@ fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
         moment += arm.cross(&(moved(k) - mean));
     }
     // positions do not determine the rotation of a straight rod about itself
-    let least = DEPENDENT * DEPENDENT * inertia.trace();
+    let least = SAME * SAME * inertia.trace();
     inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
 }
 
@@ -187,7 +181,7 @@ fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) ->
     let largest = motion.chunks(6).map(|m| Vec3::new(m[0], m[1], m[2]).norm()).fold(0.0, f64::max);
     let works = |force: &Vec3, k: usize| {
         let moved = Vec3::new(motion[6 * k], motion[6 * k + 1], motion[6 * k + 2]);
-        let least = UNLOADED * force.norm() * largest;
+        let least = NOTHING * force.norm() * largest;
         force.dot(&moved).abs() > least || force.dot(&whole.cross(&moved)).abs() > least * whole.norm()
     };
     let turns = |moment: &Vec3, k: usize| {
@@ -328,7 +322,7 @@ impl ZeroEnergyModes {
             let supports = Supports::of(engine, state, &nodes);
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             // a straight rod between coaxial clamps turns back as much as it turns
-            let least = DEPENDENT * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
+            let least = SAME * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
             motions = supports.all_that_pass(&motions);
             motions.retain(|motion| zero_energy.dot(motion, motion).sqrt() > least);
             motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
@@ -359,7 +353,7 @@ impl ZeroEnergyModes {
             }
         }
         let norm = self.dot(&motion, &motion).sqrt();
-        if norm <= DEPENDENT * before {
+        if norm <= SAME * before {
             return false;
         }
         motion.iter_mut().for_each(|x| *x /= norm);
@@ -410,7 +404,9 @@ impl ZeroEnergyModes {
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
             let single = engine.model.rods.len() == 1;
             let alone = if single { !self.on_planes } else { self.several.anchors.binary_search(&index).is_ok() };
-            let factor = if alone { 1.0 } else { SHARED };
+            // of several free rods that touch, all but one, and those that touch planes: contact may resist their rigid
+            // motions, and weak springs shorten steps only a little
+            let factor = if alone { 1.0 } else { NOTHING };
             let spacing = rod.spacing();
             let spring = rod.section.bending[0] / spacing.powi(3);
             let turning = rod.section.twisting / spacing;

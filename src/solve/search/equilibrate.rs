@@ -1,10 +1,11 @@
 //! One search from start to end: plain Newton where it is safe, then the trust region.
 
 use crate::error::SolveError;
+use crate::solve::measures::MAX_ITERATIONS;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
-use crate::solve::search::newton::{Iteration, MAX_DIRECT, NewtonOptions, NewtonReport, SearchStart};
+use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, SearchStart};
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
 
@@ -34,7 +35,7 @@ impl Workspace {
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
-        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_DIRECT, ..options.clone() };
+        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_ITERATIONS, ..options.clone() };
         if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
             let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
             if let Some(report) = plain(self, engine, (drive, &forces), &direct, &mut spent)? {

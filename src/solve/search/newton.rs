@@ -1,6 +1,7 @@
 //! Mixed-integration-point Newton with an inertia-controlled shift and a passage-free step bound.
 
 use crate::error::SolveError;
+use crate::solve::measures::{CONTRACTION, IN_VAIN};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -59,12 +60,6 @@ pub(crate) struct NewtonReport {
 /// Prescribed motions, and the shear forces and the tension of the first linearisation (empty: those of the state).
 pub(super) type SearchStart<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
 
-/// Largest number of iterations of the plain search.
-pub(super) const MAX_DIRECT: usize = 15;
-/// Ratio of two increments above which Newton's method does not converge yet. Near a state at rest, two such ratios in
-/// a row end the plain search.
-const CONTRACTION: f64 = 0.5;
-
 impl Workspace {
     /// Plain mixed-integration-point Newton: no shift, no descent test.
     pub(super) fn direct(
@@ -118,7 +113,7 @@ impl Workspace {
             cut_steps = if fraction < 1.0 { cut_steps + 1 } else { 0 };
             growing = if increment > CONTRACTION * last { growing + 1 } else { 0 };
             last = increment;
-            if may_give_up && (cut_steps >= 2 || self.near_rest && growing >= 2) {
+            if may_give_up && (cut_steps >= IN_VAIN || self.near_rest && growing >= IN_VAIN) {
                 return Ok(report);
             }
         }

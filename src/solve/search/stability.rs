@@ -1,13 +1,9 @@
 //! Lowest eigenvalue, and the direction in which an unstable equilibrium is left.
 
 use crate::error::SolveError;
+use crate::solve::measures::MAX_ITERATIONS;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::workspace::Workspace;
-
-/// Inverse iterations for the direction in which an unstable equilibrium is left: so few that something of other modes
-/// stays in it. A direction converged to rounding has the symmetry of the state, and rounding would decide which of two
-/// mirror images comes next.
-const DIRECTION_ROUNDS: usize = 16;
 
 impl Workspace {
     /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse
@@ -50,7 +46,9 @@ impl Workspace {
         }
         // from the fixed start, whatever the searches before have left
         self.softest.clear();
-        self.lowest_above(engine, DIRECTION_ROUNDS);
+        // so few rounds that something of other modes stays in it: a direction converged to rounding has the symmetry of
+        // the state, and rounding would decide which of two mirror images comes next
+        self.lowest_above(engine, MAX_ITERATIONS);
         let turn = self.softest.chunks(6).flat_map(|n| &n[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
         let scale = if turn > 0.0 { 1.0 / turn } else { 1.0 };
         Ok(self.softest.iter().map(|x| x * scale).collect())

@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 use self::tree::PassageTree;
 use crate::error::SolveError;
 use crate::math::{Vec3, parallel};
+use crate::solve::measures::{MAX_ROUNDS, ROUGH};
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -39,13 +40,6 @@ const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, turned: 0.45
 const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, turned: 0.48 * TAU };
 /// Bounds for a predicted state: it may turn strands in contact round each other, but not press them together.
 const PREDICTED: Keep = Keep { distance: 0.9, ..STEP };
-/// Times that a step is bounded at most.
-const MAX_ADVANCES: usize = 8;
-/// Part of a step for which it is not bounded once more.
-const SMALL_ADVANCE: f64 = 0.02;
-/// How well the distance of a pair that could meet is known, relative to the contact distance. A segment of a thin rod
-/// bulges by much more than the rod's thickness: with that for an error no step near contact would be left.
-const TOL_DISTANCE: f64 = 0.05;
 
 impl Engine {
     /// Largest t ≤ 1 for which the step from `state` is safe. Contact geometry must be that of `state`.
@@ -77,7 +71,7 @@ impl Engine {
     fn advance(&mut self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let longest = rotation_fraction(self, state, increment, keep);
         let mut t = 0.0;
-        for _ in 0..MAX_ADVANCES {
+        for _ in 0..MAX_ROUNDS {
             let here = state.retract(increment, t);
             self.place_curves(&here)?;
             let Some(side) = &self.contact else { return Ok(longest) };
@@ -90,7 +84,7 @@ impl Engine {
             if t >= longest {
                 return Ok(longest);
             }
-            if part * (1.0 - t) < SMALL_ADVANCE {
+            if part * (1.0 - t) < ROUGH {
                 break;
             }
         }

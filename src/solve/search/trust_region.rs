@@ -21,6 +21,7 @@ mod step;
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
+use crate::solve::measures::{HALVINGS, ROUNDING, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -30,29 +31,17 @@ use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
 use corrected_step::CorrectedStep;
 use progress::SearchProgress;
-use radius::{StepOutcome, TrustRegion};
+use radius::{LARGEST, StepOutcome, TrustRegion};
 use step::ModelStep;
 
-/// Rejected or stuck steps in a row after which the search gives up, because thirty reductions shorten a step to
-/// rounding.
-const MAX_REJECTIONS: usize = 30;
 /// Fractions of a step that are tried before the shift is raised. A fraction costs an evaluation, a shift a
 /// factorisation.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
-/// Decrease of the potential, over the expected one, that makes a fraction acceptable although its corrections did not
-/// converge.
-const ENOUGH: f64 = 0.1;
-/// Extent of a pushed step above which the tangent counts as nearly singular, and is shifted: two radians.
-const TOO_FAR: f64 = 2.0;
 /// Factor on the shift after a step as long as the radius. If the smaller shift does not do, it costs one
 /// factorisation.
 const RELAXING: f64 = 0.5;
 /// Decrease of the potential, over the expected one, with which a step is accepted.
 const LEAST: f64 = 0.05;
-/// Smallest fraction of a prescribed motion that is taken at a time.
-const SHORTEST: f64 = 1e-3;
-/// Relative change of the potential that counts as rounding.
-const ROUNDING: f64 = 1e-11;
 /// Roundings of the potential below which a decrease cannot be told from none.
 const UNSEEN: f64 = 10.0;
 
@@ -155,7 +144,7 @@ impl Workspace {
                     let stuck = search.rest.is_stuck(&accepted);
                     self.accept(engine, &mut search, &residual, (&step, trial));
                     search.rejections = if stuck { search.rejections + 1 } else { 0 };
-                    if search.rejections > MAX_REJECTIONS {
+                    if search.rejections > HALVINGS {
                         break 'search;
                     }
                     break;
@@ -168,16 +157,16 @@ impl Workspace {
                     break;
                 }
                 search.rejections += 1;
-                if search.rejections > MAX_REJECTIONS || progress.is_over() {
+                if search.rejections > HALVINGS || progress.is_over() {
                     break 'search;
                 }
-                if search.is_pushed() && step.extent > TOO_FAR {
+                if search.is_pushed() && step.extent > LARGEST {
                     // no motion of a support leads that far: the tangent is nearly singular
-                    self.shift = self.shift_for(&step, step.extent / TOO_FAR).max(4.0 * self.shift);
+                    self.shift = self.shift_for(&step, step.extent / LARGEST).max(4.0 * self.shift);
                 } else if search.is_pushed() {
                     // shifts do not shorten prescribed motions
                     longest = 0.4 * trial.fraction;
-                    if longest < SHORTEST {
+                    if longest < SAME {
                         break 'search;
                     }
                 } else {
@@ -202,7 +191,7 @@ impl Workspace {
         let pushed = search.is_pushed();
         let mut trial = self.trial(engine, (&search.state, residual), step, longest, pushed)?;
         for &shorter in if pushed { [].as_slice() } else { &SHORTER } {
-            let falls = gain(residual, &trial) >= ENOUGH * trial.expected - noise(residual);
+            let falls = gain(residual, &trial) >= LEAST * trial.expected - noise(residual);
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }

@@ -6,10 +6,8 @@ use crate::contact::chain::{ChainPiece, pieces};
 use crate::contact::curve::CurveSet;
 use crate::math::groups::Groups;
 use crate::solve::load_step::solver::Solver;
+use crate::solve::measures::ROUGH;
 use crate::solve::problem::engine::Engine;
-
-/// How well a foot is known, relative to the contact radius, where the distance hardly changes along it.
-const MEETING: f64 = 2e-2;
 
 /// Arcs on two strands, each with its curve; ends ascending \[L\].
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +35,8 @@ impl LabelledContacts {
             return Self::default();
         }
         let terms = engine.residual(&engine.state).contact_pairs;
-        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), MEETING * side.min_radius);
+        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), ROUGH * side.min_radius);
+        // a foot is known no better where the distance hardly changes along it
         let augments = solver.augments();
         for term in &terms {
             if augments {

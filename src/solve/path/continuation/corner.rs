@@ -11,14 +11,10 @@
 //! So the first point beyond is predicted with the overlap under which the contact law exerts the force expected there.
 
 use crate::error::SolveError;
+use crate::solve::measures::{ARC, HALVINGS, ROUGH};
+use crate::solve::path::continuation::MAX_CHORD;
 use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
-use crate::solve::path::continuation::{MAX_CHORD, MAX_TURN};
-
-/// Halvings of an interval in which contact begins or ends, or an overlap is sought.
-const HALVINGS: usize = 50;
-/// The pattern of the contact force is taken this share of the reach beyond the corner.
-const BEYOND: f64 = 1e-2;
 
 /// A corner and the first point beyond it.
 pub(super) struct Corner {
@@ -62,13 +58,13 @@ impl Tracer<'_> {
         let at = |s: f64| here.tangent.scaled(s);
         let Some((change, place)) = self.next_change(here, reach)? else { return Ok(None) };
         let begins = change.begins;
-        let clear = place + BEYOND * reach;
+        let clear = place + ROUGH * reach;
         let force = self.changing_force(here, &at(if begins { clear } else { 0.0 }), &change)?;
         let size = norm(&force);
         let pattern: Vec<f64> = force.iter().map(|f| f / size).collect();
         // along the path a force that ends falls evenly; with the tangent's overlap, as its power 3/2 at points, it
         // lasts longer
-        let little = BEYOND * place;
+        let little = ROUGH * place;
         let before = if begins {
             place
         } else {
@@ -112,7 +108,7 @@ impl Tracer<'_> {
             let middle = 0.5 * (low + high);
             *(if any(&changes(self, middle)?) { &mut high } else { &mut low }) = middle;
         }
-        let [new, gone] = changes(self, high + BEYOND * reach)?;
+        let [new, gone] = changes(self, high + ROUGH * reach)?;
         let begins = new.iter().any(|c| *c);
         if !begins && !gone.iter().any(|c| *c) {
             return Ok(None);
@@ -194,7 +190,7 @@ impl Tracer<'_> {
         }
         let plane = Hyperplane { normal: &beyond.tangent, distance: self.dot(&beyond.tangent, &first) };
         let found = self.correct(here, &first, &plane)?;
-        let along = |point: &Point| self.dot(&point.tangent, &beyond.tangent) >= MAX_TURN.cos();
+        let along = |point: &Point| self.dot(&point.tangent, &beyond.tangent) >= ARC.cos();
         Ok(found
             .filter(|point| along(point) && point.chord <= MAX_CHORD * (after + self.dot(to_corner, to_corner).sqrt())))
     }

@@ -5,6 +5,7 @@ use crate::rod::element::Stress;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::multipliers::SecantSteps;
 use crate::solve::load_step::solver::Solver;
+use crate::solve::measures::{BALANCED, CONTRACTION, FEW, IN_VAIN, MAX_ITERATIONS};
 use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::parameter::Parameter;
 use crate::solve::problem::assembly::Residual;
@@ -12,21 +13,6 @@ use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::{increment_size, relative_residual};
 use crate::solve::search::workspace::NEUTRAL_SHIFT;
-
-/// Newton iterations allowed per point; about twice as many as a good step takes.
-const MAX_ITERATIONS: usize = 20;
-/// Steps cut by the passage bound in a row before a point is given up.
-const MAX_CUT: usize = 3;
-/// Near a branch point rounding makes increments along the critical direction that never shrink. Rest is then told by
-/// the relative residual: below this, and in [`STALLED`] iterations in a row no longer [`SHRINKING`] below the least so
-/// far ...
-const ROUNDING: f64 = 1e-8;
-const SHRINKING: f64 = 0.3;
-const STALLED: usize = 2;
-/// ... with increments no larger than this, in units of [`increment_size`].
-const LARGEST_NOISE: f64 = 1e-4;
-/// Inverse iterations for the critical eigenvalue.
-const CRITICAL_ROUNDS: usize = 12;
 
 /// A motion of all unknowns and of the parameter.
 #[derive(Debug, Clone)]
@@ -214,7 +200,7 @@ impl Tracer<'_> {
             if iteration > 0 && fraction == 1.0 && size <= tol {
                 return Ok(true);
             }
-            if cut_in_a_row >= MAX_CUT || iteration == MAX_ITERATIONS {
+            if cut_in_a_row >= FEW || iteration == MAX_ITERATIONS {
                 return Ok(false);
             }
             self.iterations += 1;
@@ -222,10 +208,13 @@ impl Tracer<'_> {
             solver.workspace.timings.node_iterations += solver.engine.num_nodes();
             let residual = solver.workspace.linearise(&solver.engine, &point.state, &stress, &self.parameter.drive());
             let size_of_residual = relative_residual(&solver.engine, &residual);
-            let stalls = size_of_residual <= ROUNDING && size_of_residual > SHRINKING * least && size <= LARGEST_NOISE;
+            // near a branch point rounding makes increments along the critical direction that never shrink; the residual is
+            // their square, and tells rest
+            let stalls =
+                size_of_residual <= BALANCED && size_of_residual > CONTRACTION * least && size <= BALANCED.sqrt();
             stalled = if stalls { stalled + 1 } else { 0 };
             least = least.min(size_of_residual);
-            if stalled >= STALLED {
+            if stalled >= IN_VAIN {
                 return Ok(true);
             }
             if solver.workspace.factorise(&solver.engine, 0.0).is_none() {
@@ -325,7 +314,7 @@ impl Tracer<'_> {
     /// its vector.
     pub(super) fn critical_eigenvalue(&mut self) -> f64 {
         let solver = &mut *self.solver;
-        solver.workspace.lowest_above(&solver.engine, CRITICAL_ROUNDS) - self.eigenvalue_noise
+        solver.workspace.lowest_above(&solver.engine, MAX_ITERATIONS) - self.eigenvalue_noise
     }
 
     /// Unit critical direction at a branch point in which the solver stands, normal to the path through it.

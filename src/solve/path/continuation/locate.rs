@@ -2,19 +2,13 @@
 //! target.
 
 use crate::error::SolveError;
+use crate::solve::measures::{HALVINGS, MAX_ROUNDS, ROUGH};
 use crate::solve::path::continuation::PointKind;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
 
-/// Trials per location; halving alone would need 50.
-const MAX_TRIALS: usize = 60;
-/// Branch points, or corners, located between two points of a path before the rest is left unlocated.
-const MAX_CROSSINGS: usize = 8;
 /// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is
 /// located: beyond it Newton has gone to another path.
 const JUMP: [f64; 2] = [1e-4, 100.0];
-
-/// Eigenvalues that pass zero within this fraction of a step from where the path turns are taken for the turn's own.
-const NEAR: f64 = 0.02;
 
 /// Quantity whose sign changes.
 #[derive(Debug, Clone, Copy)]
@@ -68,7 +62,7 @@ impl Tracer<'_> {
         let end = |point: &Point, distance: f64| End { distance, value: None, point: point.clone() };
         let (mut from, to) = (end(base, 0.0), end(next, distance));
         let mut events = Vec::new();
-        for _ in 0..MAX_CROSSINGS {
+        for _ in 0..MAX_ROUNDS {
             if from.point.num_contacts == to.point.num_contacts {
                 break;
             }
@@ -129,7 +123,7 @@ impl Tracer<'_> {
             self.crossings(base, first, before, tol, &mut here);
             self.crossings(base, after, last, tol, &mut here);
             // where the eigenvalue only touches zero rounding makes it cross there and back
-            let near = (NEAR * distance).max(100.0 * tol);
+            let near = (ROUGH * distance).max(100.0 * tol);
             here.retain(|event| (event.distance - at).abs() > near);
         }
         let elsewhere: usize = here.iter().map(Event::multiplicity).sum();
@@ -158,7 +152,7 @@ impl Tracer<'_> {
 
     /// Branch points: changes of the number of unstable directions.
     fn crossings(&mut self, base: &Point, mut from: End, to: End, tol: f64, events: &mut Vec<Event>) {
-        for _ in 0..MAX_CROSSINGS {
+        for _ in 0..MAX_ROUNDS {
             if from.point.num_unstable == to.point.num_unstable {
                 return;
             }
@@ -185,7 +179,7 @@ impl Tracer<'_> {
         let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
         let (mut last_side, mut seen) = (0, false);
         let mut counts = [low.point.num_unstable, high.point.num_unstable];
-        for _ in 0..MAX_TRIALS {
+        for _ in 0..HALVINGS {
             let middle = 0.5 * (low.distance + high.distance);
             let distance = match (low.value, high.value) {
                 (Some(a), Some(b)) if a * b < 0.0 => {

@@ -10,13 +10,9 @@ use super::{STEP, displacement, rotation};
 use crate::error::SolveError;
 use crate::math::quaternion::{exp, nearest_turn};
 use crate::math::{Quat, Vec3};
+use crate::solve::measures::ARC;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
-
-/// Largest rotation of a part, rad, because within it a chord stands for the arc.
-const PART: f64 = 0.5;
-/// Largest number of parts. Longer motions are refused without a look.
-const MAX_PARTS: f64 = 64.0;
 
 impl Engine {
     /// Whether no strand passes another on the path from `start` to the engine's state; contact
@@ -35,8 +31,8 @@ impl Engine {
     fn is_free_between(&mut self, start: &State, end: &State) -> Result<bool, SolveError> {
         let increment = self.swings(start, end);
         let largest = (0..self.num_nodes()).map(|n| rotation(&increment, n).norm()).fold(0.0, f64::max);
-        let parts = (largest / PART).ceil().max(1.0);
-        if parts.is_nan() || parts > MAX_PARTS {
+        let parts = (largest / ARC).ceil().max(1.0);
+        if !parts.is_finite() {
             return Ok(false);
         }
         let mut state = start.clone();

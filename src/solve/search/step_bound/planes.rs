@@ -10,9 +10,7 @@ use super::{Keep, SegmentMotion};
 use crate::contact::curve::CurveSet;
 use crate::contact::potential::plane::{HalfSpace, least};
 use crate::math::bernstein::eval;
-
-/// Iterations at most: they converge quadratically, to rounding in about four.
-const MAX_ITERATIONS: usize = 8;
+use crate::solve::measures::MAX_ROUNDS;
 
 /// Largest t ≤ 1 for which no point of a strand comes nearer to a plane than is to be kept. Strands that are beyond one
 /// already are pushed back, and may move.
@@ -38,7 +36,7 @@ fn of_segment(set: &CurveSet, plane: &HalfSpace, segment: usize, motion: &Segmen
         return t;
     }
     let mut t = t;
-    for _ in 0..MAX_ITERATIONS {
+    for _ in 0..MAX_ROUNDS {
         let moved: [f64; 4] = std::array::from_fn(|m| room(m) + t * rates[m]);
         let (u, left) = least(&moved, [0.0, 1.0]);
         let rate = eval(&rates, u);

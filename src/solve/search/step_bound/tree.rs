@@ -9,21 +9,18 @@
 
 use std::f64::consts::PI;
 
-use super::{Keep, SegmentMotion, TOL_DISTANCE, relative_motion};
+use super::{Keep, SegmentMotion, relative_motion};
 use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
 use crate::math::{Vec3, parallel};
+use crate::solve::measures::{ARC, SLIGHT};
+use crate::solve::problem::assembly::PAIRS;
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
-/// Turning below which an arc cannot meet itself, rad: π less what the cubics between nodes may turn beyond the frames
-/// at nodes.
-const CLOSING: f64 = PI - 0.5;
 /// Pairs of runs to share out among threads.
 const SHARES: usize = 256;
-/// Below this many segments threads cost more than they save.
-const SMALL: usize = 2048;
 
 /// A run of segments, or of whole curves.
 struct SegmentRun {
@@ -139,7 +136,8 @@ impl<'a> PassageTree<'a> {
 
     /// Largest t ≤ 1 for which no pair of strands comes nearer than is to be kept.
     pub(super) fn fraction(&self) -> f64 {
-        if self.set.len() < SMALL {
+        // few segments are looked at sooner than threads share them out
+        if self.set.len() < PAIRS {
             return self.descend(vec![[0, 0]], usize::MAX, 1.0).1;
         }
         // shares are the same for any number of threads, and so is the minimum
@@ -189,15 +187,16 @@ impl<'a> PassageTree<'a> {
             || p.end <= q.first && self.arc_around_is_open(curve, p.end - 1, q.first)
     }
 
-    /// Whether the arc from the start of segment i to the end of segment j ≥ i turns by less than closes it.
+    /// Whether the arc from the start of segment i to the end of segment j ≥ i turns by less than closes it: π less what the
+    /// cubics between nodes may turn beyond the frames at nodes.
     fn arc_is_open(&self, curve: usize, i: usize, j: usize) -> bool {
-        self.turning[j][1] - self.turning[i][0] < CLOSING - self.rounding(curve)
+        self.turning[j][1] - self.turning[i][0] < PI - ARC - self.rounding(curve)
     }
 
     /// Whether the arc of a closed curve from the start of segment j through the seam to the end of segment i < j does.
     fn arc_around_is_open(&self, curve: usize, i: usize, j: usize) -> bool {
         let around = self.turning[i][1] + self.totals[curve] - self.turning[j][0];
-        self.set.curves[curve].closed && around < CLOSING - self.rounding(curve)
+        self.set.curves[curve].closed && around < PI - ARC - self.rounding(curve)
     }
 
     fn rounding(&self, curve: usize) -> f64 {
@@ -247,7 +246,9 @@ impl<'a> PassageTree<'a> {
         let contact_distance = set.radius_of(i) + set.radius_of(j);
         let (a, b) = (&self.capsules[i], &self.capsules[j]);
         let mut allowed = self.allowed(a.distance_lower_bound(b), contact_distance);
-        let tol = TOL_DISTANCE * contact_distance;
+        // How well the distance of a pair that could meet is known: a segment of a thin rod bulges by much more than its
+        // thickness, with that for an error no step near contact would be left.
+        let tol = SLIGHT * self.keep.distance * contact_distance;
         if approach * t <= allowed {
             return t;
         }

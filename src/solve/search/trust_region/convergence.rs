@@ -2,26 +2,9 @@
 
 use super::corrected_step::CorrectedStep;
 use super::step::ModelStep;
+use crate::solve::measures::{BALANCED, CONTRACTION, FEW, FINE, SAME, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
-
-/// Change of contact forces in the last step, relative to the largest force, up to which a state has converged. Increments
-/// far below the tolerance change the forces of lightly loaded contact.
-const TOL_CONTACT_CHANGE: f64 = 1e-6;
-/// The same for a rough search, whose result is the start of the next one.
-const STEADY: f64 = 0.3;
-/// Increment, relative to the tolerance, below which a state has converged although contact forces still change, because
-/// forces of strands that touch without load are rounding. Forces must be nearly balanced, or contact unloaded.
-const IMMOBILE: f64 = 1e-4;
-/// Relative change and imbalance of contact forces up to which they count as nearly balanced.
-const NEARLY_BALANCED: f64 = 1e-3;
-/// Rotation, rad, caused by the largest contact force, up to which contact counts as unloaded.
-const UNLOADED: f64 = 1e-6;
-/// Relative residual below which tiny shifted steps mean a saddle.
-const TOL_SADDLE: f64 = 1e-8;
-/// Ratio of expected decreases, both below the rounding of the potential, over three steps. A decrease that falls by less
-/// is rounding, and under a shift one that grows by less than the inverse.
-const SETTLING: f64 = 0.1;
 
 /// Sizes of an accepted step.
 pub(super) struct Accepted {
@@ -61,7 +44,7 @@ impl Convergence {
     /// Whether the search is stuck: the shift made the step shorter than the tolerance, and so acceptable, although
     /// forces are out of balance. Without this test it would not end where strands have no room left.
     pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
-        accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY_BALANCED
+        accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > SAME
     }
 
     /// Whether the search has converged with an accepted step from the state of `residual`.
@@ -79,11 +62,11 @@ impl Convergence {
             // relative motion decides, for a long rod swings far by little, once forces have found their places: the
             // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
             // softer law
-            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= STEADY),
+            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTRACTION),
         };
         // tiny shifted steps with a small residual are those at a saddle; the caller decides whether to leave it
         // (a large shift alone makes any step tiny)
-        let balanced = accepted.unbalanced <= TOL_SADDLE;
+        let balanced = accepted.unbalanced <= BALANCED;
         self.at_saddle = if tiny && indefinite && balanced { self.at_saddle + 1 } else { 0 };
         // motions that change neither potential nor forces are rounding along neutral directions
         let expected = trial.expected.abs();
@@ -93,17 +76,17 @@ impl Convergence {
             self.decrements.push(expected);
         }
         // steps that leave a saddle grow by far more than that in three steps
-        let stays = |last: f64, before: f64| last > SETTLING * before && (!indefinite || SETTLING * last < before);
+        let stays = |last: f64, before: f64| last > SLIGHT * before && (!indefinite || SLIGHT * last < before);
         let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
-        trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= 3 || idle)
+        trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= FEW || idle)
     }
 
     /// Whether contact forces have converged after a tiny step.
     fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
-        let nearly = trial.contact_change <= NEARLY_BALANCED && accepted.unbalanced <= NEARLY_BALANCED;
-        let light =
-            accepted.size <= IMMOBILE * self.tol_increment && (nearly || contact_bends(engine, residual) <= UNLOADED);
-        light || trial.contact_change <= TOL_CONTACT_CHANGE.max(10.0 * self.tol_increment)
+        let nearly = trial.contact_change <= SAME && accepted.unbalanced <= SAME;
+        // forces of strands that touch without load are rounding, and never converge
+        let light = accepted.size <= SAME * self.tol_increment && (nearly || contact_bends(engine, residual) <= FINE);
+        light || trial.contact_change <= FINE.max(10.0 * self.tol_increment)
     }
 }
 

@@ -5,21 +5,12 @@ use super::step::ModelStep;
 use super::{gain, noise};
 use crate::error::SolveError;
 use crate::rod::element::{Strain, Stress};
+use crate::solve::measures::{CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
-
-/// Change of contact forces in a step, relative to the largest force, up to which the whole residual is corrected instead
-/// of its second-order part.
-const GENTLE: f64 = 0.1;
-/// Largest number of correction rounds a step.
-pub(super) const MAX_ROUNDS: usize = 10;
-/// Energy of a correction relative to that of its step, below which the rounds end.
-const SMALL_CORRECTION: f64 = 1e-2;
-/// Energy of a correction relative to the one before, above which the rounds do not converge.
-const CONTRACTION: f64 = 0.4;
 
 /// A step after its corrections.
 #[derive(Clone)]
@@ -82,7 +73,7 @@ impl Workspace {
                 break;
             }
             // near equilibrium the whole residual is corrected (a chord step)
-            let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= GENTLE;
+            let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= SLIGHT;
             let with_contact = !(pushed || gentle);
             let (excess, second_order) = self.second_order(engine, (state, residual), &there, &trial, with_contact);
             let (from, correction) = if gentle {
@@ -103,7 +94,7 @@ impl Workspace {
             }
             last = size;
             trial.rounds += 1;
-            trial.settled = size < SMALL_CORRECTION;
+            trial.settled = size < ROUGH;
             trial.state = state.retract(&wanted, 1.0);
             trial.increment = wanted;
             trial.excess = Some(excess);

@@ -1,21 +1,15 @@
 //! Radius of the trust region, by the outcome of the last steps.
 
-use super::corrected_step::MAX_ROUNDS;
+use crate::solve::measures::{ARC, MAX_ROUNDS};
 
-/// Radius at the start, rad.
-const FIRST: f64 = 0.5;
 /// Largest radius, rad.
-const LARGEST: f64 = 2.0;
+pub(super) const LARGEST: f64 = 2.0;
 /// Radius after a step that the model predicted well, relative to the extent taken.
 const GROWTH: f64 = 3.0;
 /// Decrease of the potential relative to the expected one, in which the model counts as right.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
 /// The same, below which the radius shrinks.
 const MISJUDGED: f64 = 0.25;
-/// Largest number of correction rounds after which the model counts as right: half of those allowed. With three, a knot
-/// that slides through itself repeats the same small step for hundreds of iterations; without a bound steps under a hard
-/// penalty alternate.
-const FEW_ROUNDS: usize = MAX_ROUNDS / 2;
 /// Radius after a rejected step, relative to the step's extent.
 const REJECTED: f64 = 0.25;
 
@@ -41,13 +35,15 @@ pub(super) struct TrustRegion {
 
 impl TrustRegion {
     pub(super) fn new() -> Self {
-        Self { radius: FIRST }
+        Self { radius: ARC }
     }
 
     /// After an accepted step.
     pub(super) fn accept(&mut self, step: StepOutcome) {
         let taken = step.fraction * step.extent;
-        if step.gain.is_none_or(|gain| step.rounds <= FEW_ROUNDS && FORESEEN.contains(&gain)) {
+        // half of the rounds allowed: with three, a knot that slides through itself repeats the same small step for hundreds
+        // of iterations; without a bound steps under a hard penalty alternate
+        if step.gain.is_none_or(|gain| step.rounds <= MAX_ROUNDS / 2 && FORESEEN.contains(&gain)) {
             self.radius = self.radius.max(GROWTH * taken).min(LARGEST);
         } else if step.gain.is_some_and(|gain| gain < MISJUDGED) {
             self.radius = 0.5 * taken;

@@ -3,6 +3,7 @@
 
 use crate::error::SolveError;
 use crate::math::Vec3;
+use crate::solve::measures::FEW;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -12,8 +13,6 @@ use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 const FIRST_SHIFT: f64 = 10.0;
 /// Largest shift. A matrix that is not positive definite with it has broken down.
 const MAX_SHIFT: f64 = 1e30;
-/// Largest number of increases of the shift to bring a step within 1.5 radii.
-const MAX_SHORTENINGS: usize = 3;
 
 /// A step and the quadratic model along it.
 pub(super) struct ModelStep {
@@ -87,7 +86,7 @@ impl Workspace {
     ) -> Result<ModelStep, SolveError> {
         self.convexify(engine, at)?;
         let mut step = self.model_step(engine, residual, drive, at)?;
-        for _ in 0..MAX_SHORTENINGS {
+        for _ in 0..FEW {
             if step.extent <= 1.5 * radius {
                 break;
             }
