@@ -8,8 +8,9 @@
 //! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
 //! closes along the step the corrections may not converge; then the state of lowest potential among them is taken if it
 //! lies low enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
-//! least so large that no negative eigenvalue is left, larger until the step is within the radius. The shift that shortens
-//! a step is that of a single mode whose Rayleigh quotient is the step's, however soft.
+//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
+//! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
+//! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
 //!
 //! A search continues as long as the potential falls or supports advance ([`progress`]).
 

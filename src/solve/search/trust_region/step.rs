@@ -9,6 +9,8 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 
+use super::unseen;
+
 /// Smallest shift, in units of B/L⁴: the eigenvalue of a rod's softest bending.
 const FIRST_SHIFT: f64 = 10.0;
 /// Largest shift. A matrix that is not positive definite with it has broken down.
@@ -17,6 +19,8 @@ const MAX_SHIFT: f64 = 1e30;
 /// A step and the quadratic model along it.
 pub(super) struct ModelStep {
     pub(super) increment: Vec<f64>,
+    /// The solution of the linear system, neutral motions included.
+    raw: Vec<f64>,
     /// See [`extent`].
     pub(super) extent: f64,
     /// g·Δ.
@@ -25,6 +29,24 @@ pub(super) struct ModelStep {
     pub(super) curvature: f64,
     /// ΔᵀMΔ.
     pub(super) inertia: f64,
+}
+
+impl ModelStep {
+    /// Extends the step along itself to the minimum of the model within the radius, if the model falls by more than
+    /// `unseen` on the way. A shift that one direction requires shortens all others, in a flat valley a hundredfold.
+    fn lengthen(&mut self, radius: f64, unseen: f64) {
+        let lowest = if self.curvature > 0.0 { -self.slope / self.curvature } else { f64::INFINITY };
+        let longer = lowest.min(radius / self.extent);
+        let decrease = -longer * (self.slope + 0.5 * longer * self.curvature);
+        if !(longer > 1.0 && longer.is_finite() && decrease > unseen) {
+            return;
+        }
+        self.increment.iter_mut().chain(&mut self.raw).for_each(|x| *x *= longer);
+        self.extent *= longer;
+        self.slope *= longer;
+        self.curvature *= longer * longer;
+        self.inertia *= longer * longer;
+    }
 }
 
 impl Workspace {
@@ -70,12 +92,13 @@ impl Workspace {
         let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
         let work = -slope - self.free_dot(engine, &raw, |i| self.tangent.drive[i]);
         let inertia = self.free_dot(engine, &raw, |i| engine.metric[i] * raw[i]);
-        let increment = self.finished_step(raw, drive, iteration)?;
+        let increment = self.finished_step(raw.clone(), drive, iteration)?;
         let extent = extent(engine, residual, &increment);
-        Ok(ModelStep { increment, extent, slope, curvature: work - self.shift * inertia, inertia })
+        Ok(ModelStep { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
     }
 
-    /// The step of the smallest shift that makes the model convex and keeps the step within 1.5 radii.
+    /// The step of the smallest shift that makes the model convex and keeps the step within 1.5 radii, extended to the
+    /// minimum of the model along it.
     pub(super) fn step_within(
         &mut self,
         engine: &Engine,
@@ -93,6 +116,9 @@ impl Workspace {
             self.shift = self.shift_for(&step, step.extent / radius).max(2.0 * self.shift);
             self.factorise(engine, self.shift);
             step = self.model_step(engine, residual, drive, at)?;
+        }
+        if radius.is_finite() && self.shift > 0.0 {
+            step.lengthen(radius, unseen(residual));
         }
         Ok(step)
     }
