@@ -124,7 +124,7 @@ impl Workspace {
     }
 
     /// The shift that shortens a step by a factor, if the step is a single mode with its Rayleigh quotient for
-    /// eigenvalue.
+    /// eigenvalue, however soft: a shift that were too large for a slide would leave steps of steepest descent.
     pub(super) fn shift_for(&self, step: &ModelStep, shorter: f64) -> f64 {
         let ratio = step.curvature / step.inertia;
         if ratio.is_finite() { (ratio + self.shift) * shorter - ratio } else { FIRST_SHIFT }
