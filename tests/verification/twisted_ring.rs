@@ -52,7 +52,7 @@ fn check_rest(report: &StepReport, seen: &Observation, excess_link: f64, diamete
 /// Contact force at one point to 1e-4; then two points, three, line contact to 0.1 % in writhe and elastic energy.
 #[test]
 fn contact_forces_and_topology_of_the_thick_ring() {
-    let mut solver = ring(32, 0.02, 1e8, augmented(1e11));
+    let mut solver = ring(48, 0.02, 1e8, augmented(1e11));
     let states = [
         (0.5, None, 0),
         (1.1, None, 0),

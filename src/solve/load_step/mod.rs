@@ -7,7 +7,7 @@
 //! | `solve_step` | the search for a target from start to end |
 //! | `predictor` | the next state extrapolated from those before |
 //! | `multipliers`, `complementarity` | the augmented Lagrangian: offsets raised and lowered until gaps and pressures fit |
-//! | `multiplier_estimate` | pressures and tensions that a search begins with, of a start shape |
+//! | `penalty_continuation`, `multiplier_estimate` | pressures that a search begins with: of a softer law, of a start shape |
 //! | `nested_iteration`, `periodic_extension` | a start from a coarse mesh, from a short plectoneme |
 //! | `refine` | the same state on a finer mesh or under a harder law |
 //! | `step_report` | how the step ended |
@@ -16,6 +16,7 @@ mod complementarity;
 mod multiplier_estimate;
 pub(in crate::solve) mod multipliers;
 mod nested_iteration;
+mod penalty_continuation;
 mod periodic_extension;
 pub(in crate::solve) mod predictor;
 mod ramped_step;

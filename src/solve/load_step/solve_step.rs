@@ -49,6 +49,9 @@ impl Solver {
     /// [`Solver::solve_step`], tried first from the predicted state.
     pub(crate) fn solve_step_along(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> StepReport {
         let mut report = StepReport::settled();
+        if let Err(error) = self.linearise_about_harder_law() {
+            return StepReport::refused(error);
+        }
         let foreseen = match predicted {
             Some(prediction) => self.solve_from_prediction(drive, &prediction, &mut report),
             None => self.solve_from_short(drive, &mut report),

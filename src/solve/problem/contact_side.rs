@@ -11,11 +11,9 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::math::two_sum::two_sum;
 use crate::scene::{Electrostatics, Model};
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::State;
-
-/// Part of a segment's length that sums of lengths may be off by.
-const ROUNDING: f64 = 1e-9;
 
 /// Contact side of the engine; absent when the law is none.
 #[derive(Debug)]
@@ -201,7 +199,7 @@ impl ContactSide {
         loop {
             self.nodes[here].iter().for_each(|&node| visit(node));
             match if forward { self.set.next(here) } else { self.set.prev(here) } {
-                Some(next) if distance > ROUNDING * self.set.lengths[next] && next != segment => here = next,
+                Some(next) if distance > NOTHING * self.set.lengths[next] && next != segment => here = next,
                 _ => break,
             }
             distance -= self.set.lengths[here];
