@@ -4,7 +4,7 @@ use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
 use crate::solve::load_step::complementarity::Complementarity;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{CONTRACTION, FARTHEST, FEW, FINE, IN_VAIN, NOTHING, SLIGHT};
+use crate::solve::measures::{FARTHEST, FEW, FINE, IN_VAIN, NOTHING, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_gaps::smallest_gaps;
@@ -232,7 +232,7 @@ impl Default for SecantSteps {
 impl SecantSteps {
     /// Records the work left to release when penetrations are within the tolerance.
     fn note(&mut self, work: f64) {
-        self.in_vain = if work > CONTRACTION * self.least { self.in_vain + 1 } else { 0 };
+        self.in_vain = if work > 0.5 * self.least { self.in_vain + 1 } else { 0 };
         self.least = self.least.min(work);
     }
 

@@ -12,6 +12,9 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::search::step_bound::motion;
 
+/// Terms computed in parallel before one ordered scatter.
+const BATCH: usize = 8192;
+
 impl Engine {
     /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
     /// tangent: e is what gaps became on the way to where contact now is, beyond what `increment` predicted. Strands
@@ -125,7 +128,7 @@ impl Engine {
         gradient: impl Fn(&ContactPair) -> ([f64; 24], R) + Sync,
         mut told: impl FnMut(&ContactPair, R),
     ) {
-        for batch in terms.chunks(PAIRS) {
+        for batch in terms.chunks(BATCH) {
             let found = self.install(|| parallel::map(batch.len(), 64, &|k| gradient(&batch[k])));
             for (term, (gradient, rest)) in batch.iter().zip(found) {
                 side.scatter(term, &gradient, forces);

@@ -35,8 +35,8 @@ impl LabelledContacts {
             return Self::default();
         }
         let terms = engine.residual(&engine.state).contact_pairs;
-        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), ROUGH * side.min_radius);
         // a foot is known no better where the distance hardly changes along it
+        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), ROUGH * side.min_radius);
         let augments = solver.augments();
         for term in &terms {
             if augments {

@@ -6,11 +6,14 @@ use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, 
 use crate::solve::problem::engine::{Element, Engine};
 use crate::solve::problem::state::State;
 
-/// Elements computed in parallel before one ordered scatter, because their tangents, five kilobytes each, then fit into a
-/// cache.
-const BATCH: usize = 128;
-/// Elements per parallel piece of work, because one takes a microsecond, with its tangent several.
-const GRAIN: usize = 8;
+/// Elements computed in parallel before one ordered scatter: bounds the buffer, not the result.
+const BATCH: usize = 1024;
+/// The same with their tangents, five kilobytes each, so that they fit into a cache.
+const TANGENTS: usize = 128;
+/// Elements per parallel piece of work: a microsecond each or less.
+const GRAIN: usize = 32;
+/// The same with their tangents, several microseconds each.
+const TANGENT_GRAIN: usize = 8;
 
 impl Engine {
     /// Gradient and potential of all elements.
@@ -33,10 +36,11 @@ impl Engine {
         out: &mut Residual,
         sink: &mut Sink,
     ) {
-        let mut results = vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); BATCH.min(self.elements.len())];
-        for first in (0..self.elements.len()).step_by(BATCH) {
-            let count = BATCH.min(self.elements.len() - first);
-            parallel::each(&mut results[..count], GRAIN, &|k, (result, blocks)| {
+        let mut results =
+            vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); TANGENTS.min(self.elements.len())];
+        for first in (0..self.elements.len()).step_by(TANGENTS) {
+            let count = TANGENTS.min(self.elements.len() - first);
+            parallel::each(&mut results[..count], TANGENT_GRAIN, &|k, (result, blocks)| {
                 *blocks = [[0.0; MAX_DOF]; MAX_DOF];
                 let e = first + k;
                 *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(blocks));

@@ -14,6 +14,9 @@ use crate::solve::measures::ARC;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
+/// Largest number of parts, because each takes a look at all pairs. Longer motions are refused without one.
+const MAX_PARTS: f64 = 64.0;
+
 impl Engine {
     /// Whether no strand passes another on the path from `start` to the engine's state; contact
     /// geometry is that of the engine's state afterwards.
@@ -32,7 +35,7 @@ impl Engine {
         let increment = self.swings(start, end);
         let largest = (0..self.num_nodes()).map(|n| rotation(&increment, n).norm()).fold(0.0, f64::max);
         let parts = (largest / ARC).ceil().max(1.0);
-        if !parts.is_finite() {
+        if parts.is_nan() || parts > MAX_PARTS {
             return Ok(false);
         }
         let mut state = start.clone();

@@ -15,12 +15,13 @@ use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::{ARC, SLIGHT};
-use crate::solve::problem::assembly::PAIRS;
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
 /// Pairs of runs to share out among threads.
 const SHARES: usize = 256;
+/// Below this many segments threads cost more than they save.
+const SMALL: usize = 2048;
 
 /// A run of segments, or of whole curves.
 struct SegmentRun {
@@ -136,8 +137,7 @@ impl<'a> PassageTree<'a> {
 
     /// Largest t ≤ 1 for which no pair of strands comes nearer than is to be kept.
     pub(super) fn fraction(&self) -> f64 {
-        // few segments are looked at sooner than threads share them out
-        if self.set.len() < PAIRS {
+        if self.set.len() < SMALL {
             return self.descend(vec![[0, 0]], usize::MAX, 1.0).1;
         }
         // shares are the same for any number of threads, and so is the minimum
