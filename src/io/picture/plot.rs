@@ -327,12 +327,16 @@ mod tests {
 
     #[test]
     fn a_pdf_has_all_shapes_of_the_svg() {
-        let path = std::env::temp_dir().join(format!("supercoil_plot_{}.pdf", std::process::id()));
-        plot_lines(&path, &spec(vec![(1.0, 0.1), (10.0, 5.0), (1e3, 7e3)])).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::remove_file(&path).unwrap();
+        let [text, svg] = ["pdf", "svg"].map(|ending| {
+            let path = std::env::temp_dir().join(format!("supercoil_plot_{}_all.{ending}", std::process::id()));
+            plot_lines(&path, &spec(vec![(1.0, 0.1), (10.0, 5.0), (1e3, 7e3)])).unwrap();
+            let text = std::fs::read_to_string(&path).unwrap();
+            std::fs::remove_file(&path).unwrap();
+            text
+        });
         assert!(text.starts_with("%PDF-1.4\n") && text.ends_with("%%EOF\n"));
         assert!(text.contains("0.000 0.447 0.698 RG 16 w\n"), "the first colour, two pixels wide");
+        assert_eq!(text.matches("\nS\n").count(), svg.matches("stroke=\"#").count());
     }
 
     #[test]
