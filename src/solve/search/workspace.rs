@@ -36,6 +36,8 @@ pub(crate) struct Workspace {
     /// Generation of the candidates that the pattern belongs to.
     generation: u64,
     pub(crate) shift: f64,
+    /// Shift of the factor at hand.
+    pub(crate) factorised: f64,
     /// Diagonal of the tangent while a shift is in it.
     unshifted: Vec<f64>,
     /// Last estimate of the softest direction.
@@ -155,6 +157,7 @@ impl Workspace {
                 }
             }
         }
+        self.factorised = shift;
         let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;

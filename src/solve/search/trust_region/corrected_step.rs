@@ -76,13 +76,16 @@ impl Workspace {
             let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= SLIGHT;
             let with_contact = !(pushed || gentle);
             let (excess, second_order) = self.second_order(engine, (state, residual), &there, &trial, with_contact);
-            let (from, correction) = if gentle {
+            let (from, mut correction) = if gentle {
                 let mut unbalanced = there.gradient;
                 self.zero_energy.remove_sliding_force(&mut unbalanced);
                 (&trial.increment, self.solve_last(engine, &unbalanced))
             } else {
                 (&base, self.solve_last(engine, &second_order))
             };
+            if trial.rounds == 0 && with_contact && self.localise(engine, residual, &base, &correction) {
+                correction = self.solve_last(engine, &second_order);
+            }
             let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
             let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
@@ -105,6 +108,27 @@ impl Workspace {
             Some(best) if !trial.settled && trial.expected > noise(residual) => best,
             _ => trial,
         })
+    }
+
+    /// Factorises with a larger shift if the correction of a step is not small beside it, so that another one moves less;
+    /// whether it did. Under contact the correction of least energy slides strands along each other by as much as the
+    /// step does, because that costs nothing, and leaves errors as large as those it mends. A correction should be a
+    /// tenth of the step ([`SLIGHT`]). The shift is at most that of bends as wide as the contact distance d, B/d⁴: with
+    /// more of it strands would evade each other by kinks.
+    fn localise(&mut self, engine: &Engine, residual: &Residual, base: &[f64], correction: &[f64]) -> bool {
+        let Some(side) = engine.contact.as_ref().filter(|_| !residual.contact_pairs.is_empty()) else { return false };
+        let inertia = |x: &[f64]| self.free_dot(engine, x, |i| engine.metric[i] * x[i]);
+        let [step, moved] = [base, correction].map(inertia);
+        let shorter = (moved / step).sqrt() / SLIGHT;
+        let stiffness = self.energy_norm_sq(engine, correction) / moved;
+        let largest = (engine.scales.length / (2.0 * side.min_radius)).powi(4);
+        // that of a single mode of this stiffness, shift included
+        let shift = (self.shift + stiffness * (shorter - 1.0)).min(largest);
+        let is_larger = shorter > 1.0 && shift > self.factorised;
+        if is_larger {
+            self.factorise(engine, shift);
+        }
+        is_larger
     }
 
     /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
