@@ -319,6 +319,6 @@ pub(crate) fn wanted(strands: &Strands, exclusion: &Exclusion, [i, j]: [usize; 2
 }
 
 #[cfg(test)]
-mod folds;
+mod fold_tests;
 #[cfg(test)]
 mod tests;
