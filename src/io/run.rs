@@ -87,7 +87,7 @@ pub fn scene_of(checkpoint: &Checkpoint) -> Result<Scene, InputError> {
 pub struct SceneRun {
     /// The scene.
     pub scene: Scene,
-    /// Folder of the outputs, see [`Record`].
+    /// Folder of the outputs.
     pub dir: PathBuf,
     /// Stops the run between two Newton iterations.
     pub interrupt: Interrupt,

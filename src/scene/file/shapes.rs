@@ -37,9 +37,11 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Line { start, direction, length } => {
             Shape::Line { start: start.into(), direction: direction.into(), length: wound.length(length)? }
         }
-        ShapeText::Circle { length, radius, center, normal } => {
-            Shape::Circle { length: circumference(length, radius, wound)?, center: center.into(), normal: normal.into() }
-        }
+        ShapeText::Circle { length, radius, center, normal } => Shape::Circle {
+            length: circumference(length, radius, wound)?,
+            center: center.into(),
+            normal: normal.into(),
+        },
         ShapeText::Arc { start, tangent, towards, radius, turns } => {
             let ok = turns > 0.0 && turns <= 1.0;
             InputError::check("shape.turns", turns, ok, "greater than 0 and at most 1 (turns)")?;
