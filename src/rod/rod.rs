@@ -49,9 +49,9 @@ pub struct Rod {
     pub start_excess_link: f64,
     /// Turns by which [`Rod::with_excess_link`] has twisted the frames, uniformly along the rod; not part of the
     /// natural state with [`Natural::AsShaped`].
-    pub(crate) twist_put_in: f64,
+    pub twist_put_in: f64,
     /// Closed rods: link Tw + Wr of the original frames, turns; the natural link with [`Natural::AsShaped`].
-    pub(crate) shape_link: f64,
+    pub shape_link: f64,
     /// Turns of the double helix that the frames leave out: whole turns of a rod that models DNA in blocks, see
     /// [`Helix::in_blocks`](crate::dna::sequence::Helix::in_blocks). 0 for others.
     pub turns_left_out: f64,

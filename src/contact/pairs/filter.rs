@@ -18,10 +18,12 @@
 
 use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::contact::curves::radius::Radius;
-use crate::contact::measures::LANES;
 use crate::math::Vec3;
 
 type Lane = [f32; LANES];
+
+/// Pairs tested together, because a vector register holds four f32.
+const LANES: usize = 4;
 
 /// Bound of the rounding of the projections, relative to |w|₁ × the largest component, because that is more than 3 casts,
 /// 3 products and 5 sums make.

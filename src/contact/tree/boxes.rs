@@ -1,7 +1,8 @@
 //! Four f32 boxes side by side (structure of arrays), so that one box is tested against four at once: the leaves of the
 //! broad phase's tree.
 
-use crate::contact::measures::LANES;
+/// Number of boxes of a block, because a vector register holds four f32.
+pub(crate) const WIDTH: usize = 4;
 
 /// A box: lowest and highest corner.
 pub(crate) type Box3 = ([f32; 3], [f32; 3]);
@@ -9,15 +10,15 @@ pub(crate) type Box3 = ([f32; 3], [f32; 3]);
 /// Four boxes, coordinate by coordinate; unused places are empty boxes that overlap nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Block {
-    lo: [[f32; LANES]; 3],
-    hi: [[f32; LANES]; 3],
+    lo: [[f32; WIDTH]; 3],
+    hi: [[f32; WIDTH]; 3],
 }
 
 impl Block {
     /// The first `count` (at most four) boxes.
     pub(crate) fn gather(count: usize, get: impl Fn(usize) -> Box3) -> Self {
-        let mut block = Self { lo: [[f32::INFINITY; LANES]; 3], hi: [[f32::NEG_INFINITY; LANES]; 3] };
-        for lane in 0..count.min(LANES) {
+        let mut block = Self { lo: [[f32::INFINITY; WIDTH]; 3], hi: [[f32::NEG_INFINITY; WIDTH]; 3] };
+        for lane in 0..count.min(WIDTH) {
             let (lo, hi) = get(lane);
             for k in 0..3 {
                 block.lo[k][lane] = lo[k];
@@ -31,7 +32,7 @@ impl Block {
     pub(crate) fn union(&self) -> Box3 {
         let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for k in 0..3 {
-            for lane in 0..LANES {
+            for lane in 0..WIDTH {
                 lo[k] = lo[k].min(self.lo[k][lane]);
                 hi[k] = hi[k].max(self.hi[k][lane]);
             }
@@ -43,9 +44,9 @@ impl Block {
     #[inline(always)]
     pub(crate) fn overlaps_all(&self, other: &Self) -> u32 {
         let mut mask = 0;
-        for c in 0..LANES {
+        for c in 0..WIDTH {
             let lane = (std::array::from_fn(|k| self.lo[k][c]), std::array::from_fn(|k| self.hi[k][c]));
-            mask |= other.overlaps(&lane) << (LANES * c);
+            mask |= other.overlaps(&lane) << (WIDTH * c);
         }
         mask
     }
@@ -53,9 +54,9 @@ impl Block {
     /// Bit d is set if box d overlaps (touches) the given one.
     #[inline(always)]
     pub(crate) fn overlaps(&self, (lo, hi): &Box3) -> u32 {
-        let mut apart = [f32::NEG_INFINITY; LANES];
+        let mut apart = [f32::NEG_INFINITY; WIDTH];
         for k in 0..3 {
-            for d in 0..LANES {
+            for d in 0..WIDTH {
                 let (left, right) = (self.lo[k][d] - hi[k], lo[k] - self.hi[k][d]);
                 let larger = if left > right { left } else { right };
                 apart[d] = if larger > apart[d] { larger } else { apart[d] };
@@ -83,9 +84,9 @@ mod tests {
         for (m, n) in (0..=5).flat_map(|m| (0..=5).map(move |n| (m, n))) {
             let (a, b) = (Block::gather(m, |k| boxes[k]), Block::gather(n, |k| boxes[4 - k]));
             let mask = a.overlaps_all(&b);
-            for (c, d) in (0..LANES).flat_map(|c| (0..LANES).map(move |d| (c, d))) {
+            for (c, d) in (0..WIDTH).flat_map(|c| (0..WIDTH).map(move |d| (c, d))) {
                 let expected = c < m && d < n && overlap(&boxes[c], &boxes[4 - d]);
-                assert_eq!(mask >> (LANES * c + d) & 1 == 1, expected, "{m} {n} {c} {d}");
+                assert_eq!(mask >> (WIDTH * c + d) & 1 == 1, expected, "{m} {n} {c} {d}");
                 *(if expected { &mut seen } else { &mut missed }) += 1;
             }
         }

@@ -32,9 +32,9 @@ use std::ops::Range;
 
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::curves::input::{CurveShape, Strands};
-use crate::contact::measures::{CHEAP, LANES, ROUNDING};
+use crate::contact::measures::{CHEAP, ROUNDING};
 use crate::contact::pairs::filter::keep_near;
-use crate::contact::tree::boxes::Block;
+use crate::contact::tree::boxes::{Block, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
 use crate::contact::tree::leaves::Leaves;
 use crate::error::InputError;
@@ -230,7 +230,7 @@ impl LeafComparison<'_> {
         while mask != 0 {
             let bit = mask.trailing_zeros();
             mask &= mask - 1;
-            let (i, j) = (self.firsts[p] + bit / LANES as u32, self.firsts[q] + bit % LANES as u32);
+            let (i, j) = (self.firsts[p] + bit / WIDTH as u32, self.firsts[q] + bit % WIDTH as u32);
             let wanted = j > self.far[i as usize];
             if wanted && (!self.seams || !self.exclusion.excluded_reduced(i as usize, j as usize)) {
                 found.push([i, j]);

@@ -6,8 +6,8 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 
 use crate::contact::curves::input::{Strands, lower, upper};
-use crate::contact::measures::{CHEAP, LANES, ROUNDING};
-use crate::contact::tree::boxes::{Block, Box3};
+use crate::contact::measures::{CHEAP, ROUNDING};
+use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::bytes;
 use crate::math::{Vec3, parallel};
 
@@ -55,7 +55,7 @@ impl Leaves {
             })
         };
         self.blocks.resize(num_leaves, Block::default());
-        parallel::each(&mut self.blocks, CHEAP / LANES, &|leaf, place| *place = block(leaf));
+        parallel::each(&mut self.blocks, CHEAP / WIDTH, &|leaf, place| *place = block(leaf));
         if num_leaves < SMALL || !sane(size) {
             self.tree = None;
         } else {
@@ -121,9 +121,9 @@ impl Leaves {
 
 /// First segment of each leaf, and the number of segments: each curve in runs of four.
 fn leaves(strands: &Strands) -> Vec<u32> {
-    let mut firsts = Vec::with_capacity(strands.len().div_ceil(LANES) + strands.curves.len() + 1);
+    let mut firsts = Vec::with_capacity(strands.len().div_ceil(WIDTH) + strands.curves.len() + 1);
     for curve in &strands.curves {
-        firsts.extend((curve.first..curve.first + curve.count).step_by(LANES).map(|i| i as u32));
+        firsts.extend((curve.first..curve.first + curve.count).step_by(WIDTH).map(|i| i as u32));
     }
     firsts.push(strands.len() as u32);
     firsts
