@@ -67,3 +67,9 @@ pub mod element {
         Strain, Stress, evaluate, predicted_stress, raw_strains, second_order_force, stiffness,
     };
 }
+
+/// The record of a run.
+#[cfg(feature = "runs")]
+pub mod record {
+    pub use crate::io::record::{MAX_SITES, Record, RodSnapshot};
+}

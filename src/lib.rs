@@ -125,8 +125,8 @@
 //! says so. Work is parallel in the caller's rayon pool (or in one of its own), with the feature `parallel`; results
 //! are the same bits for any number of threads.
 
-// the lower layers have items that only the solver uses
-#![cfg_attr(not(feature = "solver"), allow(dead_code))]
+// the lower layers have items that only the solver or scene files use
+#![cfg_attr(not(all(feature = "solver", feature = "scenes")), allow(dead_code))]
 
 pub mod contact;
 pub mod dna;

@@ -6,6 +6,7 @@ mod minima;
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
 use crate::contact::curves::input::{Curve, Strands};
 use crate::contact::law::potential::PairForce;
+use crate::contact::measures::CHEAP;
 use crate::contact::options::{DetectorOptions, Neighbours};
 use crate::contact::sites::site::{Minimum, Site};
 use crate::contact::tree::broad_phase::BroadPhase;
@@ -16,11 +17,6 @@ use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 
 pub use forces::Forces;
-
-/// Candidate pairs per parallel task.
-const CHUNK: usize = 2048;
-/// Segments per parallel task.
-const SEGMENTS: usize = 4096;
 
 /// Sites and zones found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -178,7 +174,7 @@ impl Detector {
             }
         };
         self.lengths.resize(strands.len(), 0.0);
-        parallel::each(&mut self.lengths, SEGMENTS, &|k, place| *place = length(k));
+        parallel::each(&mut self.lengths, CHEAP, &|k, place| *place = length(k));
         self.start.clear();
         for curve in &strands.curves {
             let mut sum = 0.0;
@@ -216,10 +212,10 @@ impl Detector {
         let pairs = this.broad.pairs();
         let arc = |s: usize, u: f64| this.arc(strands, s, u);
         let search = PartSearch { strands, arc, range: this.options.range };
-        lists.resize_with(pairs.len().div_ceil(CHUNK), Vec::new);
+        lists.resize_with(pairs.len().div_ceil(CHEAP), Vec::new);
         parallel::each(&mut lists, 1, &|k, parts| {
             parts.clear();
-            for &[i, j] in &pairs[k * CHUNK..pairs.len().min((k + 1) * CHUNK)] {
+            for &[i, j] in &pairs[k * CHEAP..pairs.len().min((k + 1) * CHEAP)] {
                 let (i, j) = (i as usize, j as usize);
                 if this.exclusion.excluded(i, j) || strands.adjacent(i, j) {
                     continue;
@@ -247,7 +243,7 @@ impl Detector {
             });
         self.measure(strands);
         if same {
-            parallel::each(&mut self.set.segments, SEGMENTS, &|k, segment| *segment = strands.cubic(k));
+            parallel::each(&mut self.set.segments, CHEAP, &|k, segment| *segment = strands.cubic(k));
             self.set.set_lengths(&self.lengths);
             return Ok(());
         }

@@ -15,10 +15,11 @@
 mod curves;
 mod detector;
 pub(crate) mod law;
+mod measures;
 mod options;
 mod pairs;
 pub(crate) mod projection;
-pub mod screened;
+pub(crate) mod screened;
 mod sites;
 pub(crate) mod steps;
 mod tree;

@@ -8,7 +8,8 @@ use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, SignChange, product_with_quadratic, roots};
 
-const CAPACITY: usize = 8;
+/// Feet on one segment, at most, because a quintic rises three times at most, and there are two ends.
+const CAPACITY: usize = 5;
 
 /// A local minimum of the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -29,20 +29,23 @@ use super::curves::input::Strands;
 use super::exclusion::Exclusion;
 use super::law::potential::Hessian;
 use super::law::potential::stiffness::{Coordinates, PairStiffness, PairTangent};
+use super::measures::DEAR;
 use crate::error::InputError;
 use crate::math::bernstein::cubic_weights;
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3, parallel};
 
-/// Range of the potential, in Debye lengths …
+/// Range of the potential, in Debye lengths, because a cut-off there removes 7e-5 of the energy of parallel strands two Debye
+/// lengths apart. The potential is switched off over the last Debye length.
 pub const RANGE: f64 = 10.0;
-/// … and the distance from which it is switched off.
-const SWITCH: f64 = 9.0;
-/// Arc lengths, in Debye lengths, where the weight of points of one curve begins to rise from 0 and where it reaches 1.
-const NEIGHBOURS: [f64; 2] = [4.0, 8.0];
-/// Length that three Gauss points resolve, in contact distances and in Debye lengths; see the header.
+/// Arc length, in Debye lengths, where the weight of points of one curve begins to rise from 0, because the measured bending
+/// stiffness contains the repulsion of nearer points. It reaches 1 at twice this.
+const NEIGHBOURS: f64 = 4.0;
+/// Length that three Gauss points resolve, in contact distances and in Debye lengths, because the energy of
+/// strands that touch is then known to 1e-4.
 const PIECE: [f64; 2] = [0.75, 2.0];
-/// Movement of nodes, in Debye lengths, after which pairs are searched again. A longer list costs more than a search.
+/// Movement of nodes, in Debye lengths, after which pairs are searched again, because a longer list costs more than a
+/// search.
 const MARGIN: f64 = 0.5;
 
 /// Energy A exp(−r/λ)/r of two points per product of their lengths.
@@ -78,12 +81,11 @@ impl Screened {
         let decay = per + inverse;
         let slope = -energy * decay;
         let curvature = energy * (decay * decay + inverse * inverse);
-        if x <= SWITCH {
+        if x <= RANGE - 1.0 {
             return PairEnergy { energy, slope, curvature };
         }
-        let [s, ds, dds] = smooth_step((RANGE - x) / (RANGE - SWITCH));
-        let unit = -per / (RANGE - SWITCH);
-        let (ds, dds) = (ds * unit, dds * unit * unit);
+        let [s, ds, dds] = smooth_step(RANGE - x);
+        let (ds, dds) = (ds * -per, dds * per * per);
         PairEnergy {
             energy: energy * s,
             slope: slope * s + energy * ds,
@@ -137,8 +139,8 @@ impl Repulsion {
         let points = (0..set.curves.len()).map(|curve| points(length(curve), piece)).collect();
         let neighbours: Vec<[f64; 2]> = (0..set.curves.len())
             .map(|curve| {
-                let start = (NEIGHBOURS[0] * law.debye_length).max(length(curve));
-                [start, start * NEIGHBOURS[1] / NEIGHBOURS[0]]
+                let start = (NEIGHBOURS * law.debye_length).max(length(curve));
+                [start, 2.0 * start]
             })
             .collect();
         // segments whose points are all neighbours
@@ -172,8 +174,7 @@ impl Repulsion {
 
     /// The terms of some of the pairs, in their order.
     pub(crate) fn terms(&self, set: &CurveSet, pairs: &[[u32; 2]], tangent: bool) -> Vec<Vec<Term>> {
-        const CHUNK: usize = 64;
-        parallel::map_ranges(pairs.len(), CHUNK, &|range| {
+        parallel::map_ranges(pairs.len(), DEAR, &|range| {
             let term = |pair: &[u32; 2]| self.term(set, pair.map(|k| k as usize), tangent);
             pairs[range].iter().filter_map(term).collect()
         })

@@ -5,9 +5,9 @@
 
 pub mod base_pairs;
 pub mod blocks;
-pub mod bound;
+pub(crate) mod bound;
 pub(crate) mod pose;
-pub mod salt;
+pub(crate) mod salt;
 pub mod sequence;
 
 use crate::error::InputError;
@@ -44,7 +44,7 @@ pub const RISE: f64 = 0.34;
 pub const HELICAL_REPEAT: f64 = 10.5;
 
 /// Geometric diameter of the bare duplex, nm: the contact diameter in the limit of full screening.
-pub const BARE_DIAMETER: f64 = 2.0;
+pub(crate) const BARE_DIAMETER: f64 = 2.0;
 
 /// A double-stranded molecule of known length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl Molecule {
     }
 
     /// Relaxed link Lk₀ = base pairs / helical repeat, turns (not rounded: a closed molecule's own link is an integer).
-    pub fn relaxed_link(&self) -> f64 {
+    pub(crate) fn relaxed_link(&self) -> f64 {
         self.base_pairs as f64 / HELICAL_REPEAT
     }
 
@@ -96,22 +96,18 @@ impl Molecule {
     pub fn excess_link(&self, sigma: f64) -> f64 {
         sigma * self.relaxed_link()
     }
-
-    /// Supercoiling density σ = ΔLk / Lk₀ of an excess link (turns).
-    pub fn supercoiling_density(&self, excess_link: f64) -> f64 {
-        excess_link / self.relaxed_link()
-    }
 }
 
 /// Sodium chloride concentration (mol/l) and effective contact diameter (nm) of the duplex.
 ///
 /// Values of the electrostatic theory as confirmed by knotting probabilities (Stigter 1977; Rybenkov, Cozzarelli &
 /// Vologodskii 1993; Vologodskii & Cozzarelli 1995), about ±10 %.
-pub const SALT_TABLE: [(f64, f64); 6] = [(0.01, 15.0), (0.05, 7.5), (0.1, 5.5), (0.15, 5.0), (0.2, 4.5), (1.0, 3.0)];
+pub(crate) const SALT_TABLE: [(f64, f64); 6] =
+    [(0.01, 15.0), (0.05, 7.5), (0.1, 5.5), (0.15, 5.0), (0.2, 4.5), (1.0, 3.0)];
 
 /// Effective contact diameter (nm) of the duplex at a sodium chloride concentration in mol/l, 0.01 to 1.
 ///
-/// Interpolates ln(diameter) linearly in ln(concentration) between the entries of [`SALT_TABLE`]; about ±10 %.
+/// Interpolates ln(diameter) linearly in ln(concentration) between the entries of `SALT_TABLE`; about ±10 %.
 ///
 /// # Errors
 /// [`InputError::Value`] outside the table.
@@ -147,7 +143,6 @@ mod tests {
             assert!(close(molecule.relaxed_link(), link, 5e-4), "{}", molecule.name);
             assert!(close(molecule.excess_link(-0.06), excess, 4e-3), "{}", molecule.name);
             assert!(close(5.0 / molecule.contour_length(), slenderness, 2e-2), "{}", molecule.name);
-            assert!(close(molecule.supercoiling_density(molecule.excess_link(-0.06)), -0.06, 1e-14));
         }
     }
 

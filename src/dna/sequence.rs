@@ -259,7 +259,7 @@ impl Sequence {
     ///
     /// # Errors
     /// Proteins beyond the last base pair.
-    pub fn helix_with(&self, steps: &Steps, closed: bool, proteins: &Bound) -> Result<Helix, InputError> {
+    pub(crate) fn helix_with(&self, steps: &Steps, closed: bool, proteins: &Bound) -> Result<Helix, InputError> {
         let count = self.steps(steps, closed).count();
         let rise: f64 = self.steps(steps, closed).map(|step| step.mean[5]).sum();
         let length = rise * ANGSTROM;

@@ -29,7 +29,7 @@ use super::replace::fill_and_rename;
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
-pub const FORMAT: u32 = 12;
+pub(crate) const FORMAT: u32 = 12;
 const HEADER: usize = 28;
 
 /// A run between two steps: all data to resume it and to write its outputs.
@@ -42,7 +42,7 @@ pub struct Checkpoint {
     /// Values of the scene that were replaced, as `KEY=VALUE`.
     pub set: Vec<String>,
     /// Fingerprint of the scene.
-    pub fingerprint: Fingerprint,
+    pub(crate) fingerprint: Fingerprint,
     /// Wall time of the run so far \[s\].
     pub seconds: f64,
     /// State of the solver.
@@ -127,7 +127,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`InputError::Inconsistent`] naming the part that differs.
-    pub fn check_scene(&self, scene: &Scene) -> Result<(), InputError> {
+    pub(crate) fn check_scene(&self, scene: &Scene) -> Result<(), InputError> {
         let changed = self.fingerprint.differences(&Fingerprint::of(scene));
         if changed.is_empty() {
             return Ok(());

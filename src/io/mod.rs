@@ -13,7 +13,7 @@ pub mod detail;
 #[cfg(feature = "runs")]
 pub mod export;
 #[cfg(feature = "runs")]
-pub mod fingerprint;
+pub(crate) mod fingerprint;
 #[cfg(feature = "runs")]
 mod folder;
 #[cfg(feature = "pictures")]
@@ -21,7 +21,7 @@ pub mod picture;
 #[cfg(feature = "runs")]
 pub mod plot_run;
 #[cfg(feature = "runs")]
-pub mod record;
+pub(crate) mod record;
 #[cfg(feature = "runs")]
 mod replace;
 #[cfg(feature = "runs")]

@@ -307,7 +307,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`InputError::Write`] if the file cannot be written, or the pictures are not of one size.
-    pub fn save_transparent_png(&self, on_black: &Self, path: &Path) -> Result<(), InputError> {
+    pub(crate) fn save_transparent_png(&self, on_black: &Self, path: &Path) -> Result<(), InputError> {
         let refuse = |reason: String| InputError::Write { path: path.to_owned(), reason };
         let pixel = |(white, black): (&[u8], &[u8])| {
             // the difference of the two is the transparency; the brightest channel determines it

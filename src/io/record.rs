@@ -337,17 +337,17 @@ impl Record {
     }
 
     /// Sets the pressure along lines of contact in the final state.
-    pub fn set_lines(&mut self, lines: Vec<LineSample>) {
+    pub(crate) fn set_lines(&mut self, lines: Vec<LineSample>) {
         self.lines = lines;
     }
 
     /// Sets the reason why the run ended early, for the summary.
-    pub fn set_failure(&mut self, failure: Option<String>) {
+    pub(crate) fn set_failure(&mut self, failure: Option<String>) {
         self.failure = failure;
     }
 
     /// Sets an estimate of the final state's error, for the summary.
-    pub fn set_error_estimate(&mut self, estimate: ErrorEstimate) {
+    pub(crate) fn set_error_estimate(&mut self, estimate: ErrorEstimate) {
         self.error_estimate = Some(estimate);
     }
 

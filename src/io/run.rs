@@ -87,7 +87,7 @@ pub fn scene_of(checkpoint: &Checkpoint) -> Result<Scene, InputError> {
 pub struct SceneRun {
     /// The scene.
     pub scene: Scene,
-    /// Folder of the outputs, see [`Record`].
+    /// Folder of the outputs.
     pub dir: PathBuf,
     /// Stops the run between two Newton iterations.
     pub interrupt: Interrupt,
@@ -156,25 +156,9 @@ impl SceneRun {
         seconds_before: f64,
         watch: &mut Watch,
     ) -> Result<Outcome, RunError> {
-        let started = Instant::now();
         let mut options = options(&self.scene);
-        options.newton.interrupt = self.interrupt;
-        let output = &self.scene.output;
-        let mut keeper = Keeper {
-            record,
-            path: self.dir.join(FILE_NAME),
-            scene: self.scene.path.clone(),
-            set: self.scene.set.clone(),
-            fingerprint: Fingerprint::of(&self.scene),
-            steps: output.checkpoint_steps,
-            seconds: output.checkpoint_seconds,
-            on_disk: from.is_some(),
-            last: started,
-            latest: from.clone(),
-            started,
-            seconds_before,
-            estimates: output.error_estimate,
-        };
+        options.newton.interrupt = self.interrupt.clone();
+        let mut keeper = Keeper::new(&self, record, from.clone(), seconds_before);
         let mut failed: Option<InputError> = None;
         let mut observer = |progress: &Progress, waypoint: &Waypoint| {
             let observation = observe::observe(progress);
@@ -187,23 +171,29 @@ impl SceneRun {
                 }
             }
         };
-        let followed = self.scene.follow.and_then(|choice| Some((choice, self.scene.stages.last()?.ramps.first()?)));
-        let stepped = &self.scene.stages[..self.scene.stages.len() - usize::from(followed.is_some())];
+        let path = self.scene.stages.last().and_then(|last| {
+            let (choice, ramp) = (self.scene.follow?, last.ramps.first()?);
+            Some(FollowedStage { index: self.scene.stages.len() - 1, choice, ramp })
+        });
+        let stepped = path.as_ref().map_or(&self.scene.stages[..], |path| &self.scene.stages[..path.index]);
         let mut result = solve::run_from(self.scene.model, stepped, &options, from, &mut observer);
-        if let (None, Ok(solution), Some((choice, ramp))) = (&failed, &mut result, followed)
+        if let (None, Ok(solution), Some(path)) = (&failed, &mut result, path)
             && solution.status == Status::Converged
         {
-            let stage = stepped.len();
-            let ended = keeper.follow(solution, stage, ramp, &choice, watch);
-            if let Err(error) = ended {
-                failed = Some(error);
-            }
+            failed = keeper.follow(solution, &path, watch).err();
         }
         match failed {
             Some(error) => Err(error.into()),
             None => keeper.finish(result),
         }
     }
+}
+
+/// A last stage whose path is followed.
+struct FollowedStage<'a> {
+    index: usize,
+    choice: FollowChoice,
+    ramp: &'a Ramp,
 }
 
 /// Writer of record and checkpoints of a run.
@@ -228,6 +218,25 @@ struct Keeper {
 }
 
 impl Keeper {
+    fn new(run: &SceneRun, record: Record, from: Option<Restart>, seconds_before: f64) -> Self {
+        let (scene, started) = (&run.scene, Instant::now());
+        Self {
+            record,
+            path: run.dir.join(FILE_NAME),
+            scene: scene.path.clone(),
+            set: scene.set.clone(),
+            fingerprint: Fingerprint::of(scene),
+            steps: scene.output.checkpoint_steps,
+            seconds: scene.output.checkpoint_seconds,
+            on_disk: from.is_some(),
+            last: started,
+            latest: from,
+            started,
+            seconds_before,
+            estimates: scene.output.error_estimate,
+        }
+    }
+
     fn take_in(&mut self, observation: Observation, engine: &Engine, waypoint: &Waypoint) -> Result<(), InputError> {
         self.record.push(observation, snapshots(engine))?;
         self.latest = waypoint.restart();
@@ -242,9 +251,7 @@ impl Keeper {
     fn follow(
         &mut self,
         solution: &mut solve::Solution,
-        stage: usize,
-        ramp: &Ramp,
-        choice: &FollowChoice,
+        FollowedStage { index, choice, ramp }: &FollowedStage,
         watch: &mut Watch,
     ) -> Result<(), InputError> {
         self.latest = None;
@@ -268,7 +275,7 @@ impl Keeper {
                 return ControlFlow::Continue(());
             }
             let mut observation = observe::observe(&point.progress);
-            observation.stage = stage;
+            observation.stage = *index;
             observation.step = self.record.steps().len();
             observation.notes.extend(kind_in_words(point));
             let seen = watch(&observation);

@@ -239,7 +239,7 @@ const SITE_COLUMNS: [&str; 21] = [
 ///
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
-pub fn write_sites(
+pub(crate) fn write_sites(
     path: &Path,
     rods: &[String],
     lengths: &[f64],
@@ -276,8 +276,8 @@ pub fn write_sites(
 /// lengths, force per length of rod a, gap.
 ///
 /// # Errors
-/// As [`write_sites`].
-pub fn write_lines(path: &Path, rods: &[String], samples: &[LineSample]) -> Result<(), InputError> {
+/// As `write_sites`.
+pub(crate) fn write_lines(path: &Path, rods: &[String], samples: &[LineSample]) -> Result<(), InputError> {
     let row = |sample: &LineSample| -> Result<[Cell; 7], InputError> {
         let (a, b) = (name_of(rods, sample.rod_a)?, name_of(rods, sample.rod_b)?);
         let LineSample { site, arc_a, arc_b, pressure, gap, .. } = *sample;

@@ -29,11 +29,7 @@ pub fn minimum(f: impl Fn(f64) -> f64, low: f64, high: f64, tolerance: f64) -> (
         }
         let (mut p, mut q) = (0.0, 0.0);
         if before_last.abs() > tol && fw.is_finite() && fv.is_finite() {
-            let r = (x - w) * (fx - fv);
-            let s = (x - v) * (fx - fw);
-            p = (x - v) * s - (x - w) * r;
-            q = 2.0 * (s - r);
-            if q > 0.0 { p = -p } else { q = -q }
+            (p, q) = to_vertex([x, w, v], [fx, fw, fv]);
         }
         if q > 0.0 && p.abs() < (0.5 * q * before_last).abs() && p > q * (a - x) && p < q * (b - x) {
             before_last = step;
@@ -64,6 +60,16 @@ pub fn minimum(f: impl Fn(f64) -> f64, low: f64, high: f64, tolerance: f64) -> (
         .map(|end| (end, value(end)))
         .into_iter()
         .fold((x, fx), |best, end| if end.1 < best.1 { end } else { best })
+}
+
+/// From x to the vertex of the parabola through three points (x, fx), (w, fw), (v, fv): numerator and denominator, this not
+/// negative, and 0 on a line.
+fn to_vertex([x, w, v]: [f64; 3], [fx, fw, fv]: [f64; 3]) -> (f64, f64) {
+    let r = (x - w) * (fx - fv);
+    let s = (x - v) * (fx - fw);
+    let p = (x - v) * s - (x - w) * r;
+    let q = 2.0 * (s - r);
+    if q > 0.0 { (-p, q) } else { (p, -q) }
 }
 
 #[cfg(test)]

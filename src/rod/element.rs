@@ -18,8 +18,10 @@
 //! The stress inside the geometric part of the tangent may differ from C ε(x): mixed-integration-point Newton
 //! (Magisano, Leonetti & Garcea 2017) passes the stress predicted by the previous linear solve.
 
+use std::ops::Range;
+
 use crate::math::shape_functions::ShapeTable;
-use blocks::{NodeBlocks, ShapeAt, add_nodal_gradient};
+use blocks::{NodalGradient, NodeBlocks, SecondDerivative, ShapeAt, Slope};
 use kinematics::{InPlane, Space, inner};
 use material::MaterialLaw;
 
@@ -112,29 +114,33 @@ impl ElementProperties<'_> {
     }
 }
 
-/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains, N = R + 2Z numbers y,
-/// T rotations of a node.
+/// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains.
 ///
-/// Five const parameters, because stable Rust does not accept an associated constant as the length of an array in the
-/// signature of a generic function. Associated array types would be accepted, but hide the lengths from the loops below:
-/// each access would be checked at run time, in the innermost code of the solver.
-trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize, const T: usize> {
+/// Without these three lengths both would have those of space, and the plane would fill the first entries: cubic elements
+/// then take 1.25 times as long in the plane and 1.12 times in space (residual and tangent, with five lengths).
+trait Kinematics<const R: usize, const Z: usize, const S: usize> {
     /// Kind of energy of each strain: 0 stretch, 1 shear, 2 bend, 3 twist.
     const KIND: [usize; S];
-    /// Index of the first rotation among the six unknowns of a node; these begin with the R displacements.
-    const FIRST_ROTATION: usize;
+    /// The rotations among the six unknowns of a node; these begin with the R displacements.
+    const ROTATIONS: Range<usize>;
 
     /// Strains (reference values not subtracted).
     fn strain(p: &InterpolatedPoint<R, Z>) -> [f64; S];
 
     /// ∇P_i.
-    fn slopes(p: &InterpolatedPoint<R, Z>) -> [[f64; N]; S];
+    fn slopes(p: &InterpolatedPoint<R, Z>) -> [Slope<R, Z>; S];
 
-    /// Σ S_i ∇²P_i, both triangles.
-    fn curvature(p: &InterpolatedPoint<R, Z>, stress: &[f64; S]) -> [[f64; N]; N];
+    /// Σ S_i ∇²P_i.
+    fn curvature(p: &InterpolatedPoint<R, Z>, stress: &[f64; S]) -> SecondDerivative<R, Z>;
 
-    /// Derivatives of the quaternion by the rotations of the node: ½ e_k q.
-    fn rotations(q: &[f64; Z]) -> [[f64; Z]; T];
+    /// Derivative ½ e_k q of a node's quaternion by its k-th rotation.
+    fn rotation(q: &[f64; Z], k: usize) -> [f64; Z];
+
+    /// The derivatives by all rotations, with their places among the unknowns of the node.
+    #[inline]
+    fn rotations(q: &[f64; Z]) -> impl Iterator<Item = (usize, [f64; Z])> {
+        Self::ROTATIONS.enumerate().map(|(k, unknown)| (unknown, Self::rotation(q, k)))
+    }
 
     /// Linear change B δ of the strains at integration point `g` for an increment δ (displacement, rotation vector per
     /// node). Also returns raw strains and the rows of B.
@@ -144,22 +150,13 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         change: &NodeValues<R, Z>,
         length: f64,
         g: usize,
-    ) -> ([f64; S], [f64; S], [[f64; N]; S]) {
+    ) -> ([f64; S], [f64; S], [Slope<R, Z>; S]) {
         let num_nodes = table.order + 1;
         let p = interpolate(nodes, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
         let dp = interpolate(change, &table.n[g], &table.d[g], num_nodes, 1.0 / length);
         let raw = Self::strain(&p);
         let b = Self::gradients(&p, &raw);
-        let mut linear = [0.0; S];
-        for i in 0..S {
-            for k in 0..R {
-                linear[i] += b[i][k] * dp.rp[k];
-            }
-            for k in 0..Z {
-                linear[i] += b[i][R + k] * dp.z[k] + b[i][R + Z + k] * dp.zp[k];
-            }
-        }
-        (raw, linear, b)
+        (raw, std::array::from_fn(|i| b[i].change(&dp)), b)
     }
 
     /// Linear change of nodal positions and quaternions for an increment.
@@ -167,8 +164,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         let mut change = NodeValues::default();
         for a in 0..num_nodes {
             change.r[a].copy_from_slice(&increment[6 * a..6 * a + R]);
-            for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
-                let turn = increment[6 * a + Self::FIRST_ROTATION + k];
+            for (unknown, way) in Self::rotations(&nodes.q[a]) {
+                let turn = increment[6 * a + unknown];
                 for l in 0..Z {
                     change.q[a][l] += turn * way[l];
                 }
@@ -204,76 +201,67 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         let num_nodes = table.order + 1;
         let change = Self::nodal_change(nodes, increment, num_nodes);
         let mut excess = [[0.0; S]; 3];
-        let (mut grad_r, mut grad_q) = ([[0.0; R]; 4], [[0.0; Z]; 4]);
+        let mut nodal = NodalGradient::default();
         for g in 0..table.order {
             let (raw, linear, b) = Self::linear_change(table, nodes, &change, length, g);
             let after = Self::strain(&interpolate(moved, &table.n[g], &table.d[g], num_nodes, 1.0 / length));
-            let mut grad = [0.0; N];
             excess[g] = material.stress(g, &std::array::from_fn(|i| after[i] - raw[i] - linear[i]));
-            for i in 0..S {
-                for k in 0..N {
-                    grad[k] += excess[g][i] * b[i][k];
-                }
-            }
-            add_nodal_gradient(&grad, &body.shape_at(g), &mut grad_r, &mut grad_q);
+            nodal.add(&Slope::sum(&excess[g], &b), &body.shape_at(g));
         }
+        (excess, Self::forces(nodes, &nodal, num_nodes))
+    }
+
+    /// Derivatives with respect to the unknowns of the nodes.
+    fn forces(nodes: &NodeValues<R, Z>, gradient: &NodalGradient<R, Z>, num_nodes: usize) -> [f64; MAX_DOF] {
         let mut out = [0.0; MAX_DOF];
         for a in 0..num_nodes {
-            out[6 * a..6 * a + R].copy_from_slice(&grad_r[a]);
-            for (k, way) in Self::rotations(&nodes.q[a]).iter().enumerate() {
-                out[6 * a + Self::FIRST_ROTATION + k] = inner(way, &grad_q[a]);
+            out[6 * a..6 * a + R].copy_from_slice(&gradient.r[a]);
+            for (unknown, way) in Self::rotations(&nodes.q[a]) {
+                out[6 * a + unknown] = inner(&way, &gradient.q[a]);
             }
         }
-        (excess, out)
+        out
     }
 
     /// First derivatives of the strains with respect to y = (r', z, z'): ∇f = (∇P − f ∇|z|²)/|z|².
     #[inline]
-    fn gradients(p: &InterpolatedPoint<R, Z>, strain: &[f64; S]) -> [[f64; N]; S] {
+    fn gradients(p: &InterpolatedPoint<R, Z>, strain: &[f64; S]) -> [Slope<R, Z>; S] {
         let inv = 1.0 / p.zz;
         let mut b = Self::slopes(p);
         for i in 0..S {
             for k in 0..Z {
-                b[i][R + k] -= 2.0 * strain[i] * p.z[k];
+                b[i].z[k] -= 2.0 * strain[i] * p.z[k];
             }
-            for k in 0..N {
-                b[i][k] *= inv;
-            }
+            b[i] = b[i].times(inv);
         }
         b
     }
 
-    /// h = Σ_i S_i ∇²f_i (symmetric) and g = Σ S_i ∇f_i.
+    /// Σ_i S_i ∇²f_i and Σ S_i ∇f_i.
     #[inline]
     fn geometric(
         p: &InterpolatedPoint<R, Z>,
         strain: &[f64; S],
-        b: &[[f64; N]; S],
+        b: &[Slope<R, Z>; S],
         stress: &[f64; S],
-    ) -> ([[f64; N]; N], [f64; N]) {
+    ) -> (SecondDerivative<R, Z>, Slope<R, Z>) {
         let inv = 1.0 / p.zz;
-        let mut g = [0.0; N];
+        let g = Slope::sum(stress, b);
         let mut work = 0.0;
         for i in 0..S {
             work += stress[i] * strain[i];
-            for k in 0..N {
-                g[k] += stress[i] * b[i][k];
-            }
         }
-        let forms = Self::curvature(p, stress);
-        let mut h = [[0.0; N]; N];
+        let mut h = Self::curvature(p, stress);
         for l in 0..Z {
             for k in 0..R {
-                let value = (forms[k][R + l] - 2.0 * g[k] * p.z[l]) * inv;
-                (h[k][R + l], h[R + l][k]) = (value, value);
+                h.rz[k][l] = (h.rz[k][l] - 2.0 * g.r[k] * p.z[l]) * inv;
             }
             for k in 0..Z {
-                let (row, column) = (R + k, R + l);
-                h[row][column] = (forms[row][column] - 2.0 * (g[row] * p.z[l] + p.z[k] * g[column])) * inv;
-                let value = (forms[column][R + Z + k] - 2.0 * p.z[l] * g[R + Z + k]) * inv;
-                (h[column][R + Z + k], h[R + Z + k][column]) = (value, value);
+                h.zz[k][l] = (h.zz[k][l] - 2.0 * (g.z[k] * p.z[l] + p.z[k] * g.z[l])) * inv;
+                h.zzp[l][k] = (h.zzp[l][k] - 2.0 * p.z[l] * g.zp[k]) * inv;
+                h.zpz[k][l] = h.zzp[l][k];
             }
-            h[R + l][R + l] -= 2.0 * work * inv;
+            h.zz[l][l] -= 2.0 * work * inv;
         }
         (h, g)
     }
@@ -288,8 +276,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
         let (table, length) = (body.table, body.length);
         let num_nodes = table.order + 1;
         let mut out = ElementOutput::default();
-        let mut grad_r = [[0.0; R]; 4];
-        let mut grad_q = [[0.0; Z]; 4];
+        let mut nodal = NodalGradient::default();
         let mut blocks = tangent.is_some().then(NodeBlocks::<R, Z>::default);
         for g in 0..table.order {
             let shape = body.shape_at(g);
@@ -299,48 +286,60 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize, const N: usize,
             let strain: [f64; S] = std::array::from_fn(|i| raw[i] - given.reference[g][i]);
             let stress = material.stress(g, &strain);
             let mut energy = [0.0; 4];
-            let mut grad = [0.0; N];
             for i in 0..S {
                 energy[Self::KIND[i]] += stress[i] * strain[i];
-                for k in 0..N {
-                    grad[k] += stress[i] * b[i][k];
-                }
             }
             for (sum, part) in out.energy.iter_mut().zip(energy) {
                 *sum += 0.5 * shape.weight * part;
             }
-            add_nodal_gradient(&grad, &shape, &mut grad_r, &mut grad_q);
+            nodal.add(&Slope::sum(&stress, &b), &shape);
             let Some(blocks) = &mut blocks else { continue };
             let (mut h, grad) = Self::geometric(&p, &raw, &b, given.predicted.map_or(&stress, |s| &s[g]));
-            add_nodal_gradient(&grad, &shape, &mut [[0.0; R]; 4], &mut blocks.grad_q);
-            let scaled = material.of_rows(g, &b);
-            for i in 0..S {
-                for k in 0..N {
-                    for l in 0..N {
-                        h[k][l] += scaled[i][k] * b[i][l];
-                    }
-                }
+            blocks.gradient.add(&grad, &shape);
+            for (scaled, b) in material.of_slopes(g, &b).iter().zip(&b) {
+                h.add_product(scaled, b);
             }
             blocks.add(&h, &shape);
         }
-        let rotations: [[[f64; Z]; T]; 4] = std::array::from_fn(|a| Self::rotations(&nodes.q[a]));
-        for a in 0..num_nodes {
-            out.residual[6 * a..6 * a + R].copy_from_slice(&grad_r[a]);
-            for k in 0..T {
-                out.residual[6 * a + Self::FIRST_ROTATION + k] = inner(&rotations[a][k], &grad_q[a]);
-            }
-        }
+        out.residual = Self::forces(nodes, &nodal, num_nodes);
         let (Some(blocks), Some(tangent)) = (blocks, tangent) else { return out };
         for a in 0..num_nodes {
             for c in a..num_nodes {
-                blocks.write(tangent, [a, c], Self::FIRST_ROTATION, &rotations);
+                Self::write(&blocks, tangent, [a, c], nodes);
             }
-            let correction = -0.25 * inner(&blocks.grad_q[a], &nodes.q[a]);
-            for k in 6 * a + Self::FIRST_ROTATION..6 * a + 6 {
-                tangent[k][k] += correction;
+            let correction = -0.25 * inner(&blocks.gradient.q[a], &nodes.q[a]);
+            for k in Self::ROTATIONS {
+                tangent[6 * a + k][6 * a + k] += correction;
             }
         }
         out
+    }
+
+    /// Transforms the blocks of nodes a ≤ c to the unknowns (δr, θ).
+    fn write(blocks: &NodeBlocks<R, Z>, tangent: &mut ElementTangent, [a, c]: [usize; 2], nodes: &NodeValues<R, Z>) {
+        let (row, col) = (6 * a, 6 * c);
+        for k in 0..R {
+            for l in 0..R {
+                tangent[row + k][col + l] = blocks.rr[a][c][k][l];
+            }
+            for (unknown, way) in Self::rotations(&nodes.q[c]) {
+                tangent[row + k][col + unknown] = inner(&blocks.rq[a][c][k], &way);
+            }
+            for (unknown, way) in Self::rotations(&nodes.q[a]) {
+                tangent[row + unknown][col + k] = inner(&blocks.rq[c][a][k], &way);
+            }
+        }
+        for (first, way) in Self::rotations(&nodes.q[a]) {
+            let mut product = [0.0; Z];
+            for m in 0..Z {
+                for l in 0..Z {
+                    product[l] += way[m] * blocks.qq[a][c][m][l];
+                }
+            }
+            for (second, way) in Self::rotations(&nodes.q[c]) {
+                tangent[row + first][col + second] = inner(&product, &way);
+            }
+        }
     }
 }
 

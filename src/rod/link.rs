@@ -91,13 +91,13 @@ impl Rod {
     }
 
     /// [`Rod::natural_link`] with the turns that the frames leave out: Lk₀ of the molecule that the rod models.
-    pub fn relaxed_link(&self) -> f64 {
+    pub(crate) fn relaxed_link(&self) -> f64 {
         self.natural_link() + self.turns_left_out
     }
 
     /// Closed rods: link Tw + Wr of the start state, turns. The frame at s = L is the frame at 0 turned by it about d3, so
     /// its fraction is the turn of the seam.
-    pub fn start_link(&self) -> f64 {
+    pub(crate) fn start_link(&self) -> f64 {
         self.start_excess_link + self.natural_link()
     }
 

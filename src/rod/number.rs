@@ -77,7 +77,7 @@ impl Rod {
         }
     }
 
-    /// Sets a number that [`Rod::check_number`] allows. Nodes are unchanged.
+    /// Sets a number that `Rod::check_number` allows. Nodes are unchanged.
     #[cfg(feature = "solver")]
     pub(crate) fn set_number(&mut self, which: RodNumber, value: f64) {
         let mut kappa = self.uniform_kappa();
@@ -106,7 +106,7 @@ impl Rod {
     /// A stiffness, length or contact radius that is not positive; the contact radius of a rod that takes no part in
     /// contact, or whose radius varies along it; stiffnesses of a rod with a full stiffness; length and natural strains of
     /// rods whose natural strains, or radii, vary along them.
-    pub fn check_number(&self, field: &str, which: RodNumber, to: f64) -> Result<(), InputError> {
+    pub(crate) fn check_number(&self, field: &str, which: RodNumber, to: f64) -> Result<(), InputError> {
         let refuse = |reason: &str| {
             let reason = format!("rod \"{}\" {reason}", self.name);
             Err(InputError::Inconsistent { field: field.to_owned(), reason })

@@ -54,7 +54,7 @@ impl Rod {
     ///
     /// # Errors
     /// No segments, or more than a rod may have.
-    pub fn resampled(&self, num_segments: usize) -> Result<(Vec<Vec3>, Vec<Quat>), InputError> {
+    pub(crate) fn resampled(&self, num_segments: usize) -> Result<(Vec<Vec3>, Vec<Quat>), InputError> {
         if num_segments == 0 || num_segments > super::shape::MAX_SEGMENTS {
             let allowed = "at least 1 element, and at most ten million nodes";
             return Err(InputError::Count { field: "elements".to_owned(), value: num_segments, allowed });

@@ -41,7 +41,7 @@ pub struct Rod {
     /// Stress-free state.
     pub natural: Natural,
     /// Closed rods: excess link of the start state, turns: the link Tw + Wr of the centreline with the material line d1
-    /// beyond that of the relaxed rod, Lk − Lk₀, see [`Rod::start_link`] and [`Rod::natural_link`]. Open rods: 0.
+    /// beyond that of the relaxed rod, Lk − Lk₀, see [`Rod::natural_link`]. Open rods: 0.
     ///
     /// Its whole turns are exact. Its fraction depends on the frames at s = 0 and s = L. It is exact if prescribed
     /// ([`Rod::with_excess_link`]). Otherwise the closing segment has the mean twist of the others; on a shape with
@@ -245,7 +245,7 @@ impl Rod {
     }
 
     /// Reference arc length of a node \[L\].
-    pub fn arc_of_node(&self, node: usize) -> f64 {
+    pub(crate) fn arc_of_node(&self, node: usize) -> f64 {
         self.length * (node as f64 / self.num_segments() as f64)
     }
 }

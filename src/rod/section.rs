@@ -48,7 +48,7 @@ impl CrossSection {
     }
 
     /// Second moments of area I1 = ∫x2² dA about d1 and I2 = ∫x1² dA about d2 \[L⁴\].
-    pub fn second_moments(&self) -> [f64; 2] {
+    pub(crate) fn second_moments(&self) -> [f64; 2] {
         match *self {
             Self::Circle { radius } => [PI * radius.powi(4) / 4.0; 2],
             Self::Rectangle { width, height } => [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
@@ -59,7 +59,7 @@ impl CrossSection {
     ///
     /// Disc: ½π r⁴. Rectangle of sides a ≥ b (Timoshenko & Goodier 1970, Theory of Elasticity, §109, eq. 171):
     /// J = a b³ ⅓ (1 − (192/π⁵)(b/a) Σ_{n odd} tanh(nπa/2b)/n⁵), summed to machine precision.
-    pub fn torsion_constant(&self) -> f64 {
+    pub(crate) fn torsion_constant(&self) -> f64 {
         match *self {
             Self::Circle { radius } => PI * radius.powi(4) / 2.0,
             Self::Rectangle { width, height } => {

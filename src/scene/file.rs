@@ -278,7 +278,7 @@ impl Default for OutputChoice {
 
 impl Scene {
     /// Default temperature for energies in kT, K.
-    pub const DEFAULT_TEMPERATURE: f64 = 300.0;
+    pub(crate) const DEFAULT_TEMPERATURE: f64 = 300.0;
 
     /// Temperature, K, and its thermal energy kT, pN·nm; `None` if units are not nm and pN.
     pub fn thermal(&self) -> Option<(f64, f64)> {

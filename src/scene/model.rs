@@ -383,7 +383,7 @@ impl Model {
     }
 
     /// The node and all nodes that joints connect it to.
-    pub fn joined_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
+    pub(crate) fn joined_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
         let mut found = vec![node];
         let mut next = 0;
         while next < found.len() {

@@ -13,7 +13,7 @@ pub struct Units {
 
 impl Units {
     /// Whether the units are nm and pN, for which thermal energy is known.
-    pub fn are_molecular(&self) -> bool {
+    pub(crate) fn are_molecular(&self) -> bool {
         (self.length.as_str(), self.force.as_str()) == ("nm", "pN")
     }
 }

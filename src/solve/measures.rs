@@ -15,26 +15,27 @@ pub(in crate::solve) const BALANCED: f64 = 1e-8;
 pub(in crate::solve) const FINE: f64 = 1e-6;
 /// Relative deviation up to which two shapes, motions or forces count as the same, because meshes do not tell them apart.
 pub(in crate::solve) const SAME: f64 = 1e-3;
-/// Relative accuracy of rough results, which are only the start of something else.
+/// Relative accuracy of rough results, because they are only the start of something else.
 pub(in crate::solve) const ROUGH: f64 = 1e-2;
 /// Relative change up to which a linearisation holds, because its error is the square: a hundredth.
 pub(in crate::solve) const SLIGHT: f64 = 0.1;
 /// Largest ratio of two changes in a row of an iteration that converges, because with less gain another step does better.
 /// With .5 instead, corrections that hardly shrink go on: the beam beside a clamp takes 2844 iterations for 709.
 pub(in crate::solve) const CONTRACTION: f64 = 0.4;
-/// Turn, rad, within which a chord stands for the arc: it is a hundredth shorter.
+/// Turn, rad, within which a chord stands for the arc, because it is only a hundredth shorter.
 pub(in crate::solve) const ARC: f64 = 0.5;
 /// Largest growth of an extrapolated step, because an extrapolation to twice the distance of what is known has twice to
 /// four times its error.
 pub(in crate::solve) const FARTHEST: f64 = 2.0;
 /// Tries in a row without gain after which there will be none, because the first may be chance.
 pub(in crate::solve) const IN_VAIN: usize = 2;
-/// Rounds of rules that find their value by the second round: the first measures, the second corrects, the third confirms.
+/// Rounds of rules that find their value by the second round, because the first measures, the second corrects, the
+/// third confirms.
 pub(in crate::solve) const FEW: usize = 3;
 /// Rounds of an iteration, because one that contracts by [`CONTRACTION`] gains four digits in them. With 8 rounds of
 /// corrections instead the helical ring does not come to rest.
 pub(in crate::solve) const MAX_ROUNDS: usize = 10;
-/// Newton iterations, or inverse iterations, at most: twice as many as a good search takes.
+/// Newton iterations, or inverse iterations, at most, because that is twice as many as a good search takes.
 pub(in crate::solve) const MAX_ITERATIONS: usize = 16;
-/// Halvings that shorten an interval to rounding.
+/// Halvings that shorten an interval to rounding, because each gives a bit.
 pub(in crate::solve) const HALVINGS: usize = f64::MANTISSA_DIGITS as usize;

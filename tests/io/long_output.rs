@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use plectoneme::plectoneme;
+use supercoil::internals::record::{MAX_SITES, Record, RodSnapshot};
 use supercoil::io::csv::read_state;
-use supercoil::io::record::{MAX_SITES, Record, RodSnapshot};
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;

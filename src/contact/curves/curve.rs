@@ -103,7 +103,7 @@ impl Cubic {
     /// Upper bound of the total turning of the tangent along the curve, rad: the sum of the angles between successive
     /// edges of the control polygon, zero edges (repeated control points) left out. A curve shrunk to a point has 0.
     #[must_use]
-    pub fn turning_bound(&self) -> f64 {
+    pub(crate) fn turning_bound(&self) -> f64 {
         let mut turning = 0.0;
         let mut last: Option<Vec3> = None;
         for edge in self.edges() {
@@ -138,7 +138,7 @@ impl Cubic {
 
     /// Direction of the tangent at u = 1 (not normalised): the last non-zero edge; zero for a curve shrunk to a point.
     #[must_use]
-    pub fn end_tangent(&self) -> Vec3 {
+    pub(crate) fn end_tangent(&self) -> Vec3 {
         self.edges().into_iter().rev().find(|e| *e != Vec3::zeros()).unwrap_or_default()
     }
 }
@@ -162,19 +162,7 @@ pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
         }
         (a / sa, b / sb)
     };
-    let (across, along) = (a.cross(&b).norm(), a.dot(&b));
-    if across < SMALL_ANGLE * along { small_angle(across / along) } else { across.atan2(along) }
-}
-
-/// Largest tangent for which [`small_angle`] is exact to rounding.
-const SMALL_ANGLE: f64 = 0.1;
-
-/// atan t by its series up to t¹⁵. Most angles between successive edges are small, and there are three per segment and
-/// state.
-fn small_angle(t: f64) -> f64 {
-    let q = t * t;
-    let tail = [1.0 / 15.0, 1.0 / 13.0, 1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
-    t - t * q * tail.iter().fold(0.0, |sum, term| term - q * sum)
+    a.cross(&b).norm().atan2(a.dot(&b))
 }
 
 /// The larger distance of two points from the segment from 0 to `d`.

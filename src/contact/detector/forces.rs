@@ -4,13 +4,13 @@ use super::Detector;
 use crate::contact::curves::input::{Curve, CurveShape, Strands};
 use crate::contact::law::Law;
 use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairTerm, Pressures, Want};
+use crate::contact::measures::DEAR;
 use crate::error::InputError;
 use crate::math::{Vec3, parallel};
 
-/// Candidate pairs whose forces are computed before they are summed in order.
+/// Candidate pairs whose forces are computed before they are summed in order, because memory should not grow with
+/// the number of pairs.
 const BLOCK: usize = 8192;
-/// Candidate pairs per parallel task.
-const FORCES: usize = 64;
 
 /// Energy and forces of the contact of curves.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl Detector {
         let pressures = Pressures { law, offset: &|_, _| [0.0; 2], before: None };
         for block in this.broad.pairs().chunks(BLOCK) {
             found.resize(block.len(), PairForce::NONE);
-            parallel::each_part(&mut found, FORCES, &|first, part| {
+            parallel::each_part(&mut found, DEAR, &|first, part| {
                 let mut pieces = Vec::new();
                 for (force, pair) in part.iter_mut().zip(&block[first..]) {
                     let pair = pair.map(|k| k as usize);

@@ -1,8 +1,9 @@
 //! Sites: local minima of the gap of all candidates.
 
-use super::{CHUNK, Detector};
+use super::Detector;
 use crate::contact::curves::curve::norm;
 use crate::contact::curves::input::Strands;
+use crate::contact::measures::CHEAP;
 use crate::contact::options::Neighbours;
 use crate::contact::pairs::capsule;
 use crate::contact::sites::closest;
@@ -15,7 +16,7 @@ impl Detector {
         let mut minima = std::mem::take(&mut self.minima);
         let this = &*self;
         let pairs = this.broad.pairs();
-        let lists = parallel::map_ranges(pairs.len(), CHUNK, &|range| {
+        let lists = parallel::map_ranges(pairs.len(), CHEAP, &|range| {
             let mut minima = Vec::with_capacity(range.len());
             for &[i, j] in &pairs[range] {
                 this.pair_minima(strands, i as usize, j as usize, &mut minima);
@@ -27,7 +28,7 @@ impl Detector {
         site::put_in_order(strands, &mut minima, |s, u| this.start[s] + u * this.lengths[s], &this.lengths);
         let arc = |s: usize, u: f64| this.arc(strands, s, u);
         sites.clear();
-        sites.extend(parallel::map(minima.len(), CHUNK, &|k| site::site_of(strands, arc, &minima[k])));
+        sites.extend(parallel::map(minima.len(), CHEAP, &|k| site::site_of(strands, arc, &minima[k])));
         self.minima = minima;
     }
 

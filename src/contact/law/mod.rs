@@ -80,11 +80,11 @@ impl Law {
     }
 }
 
-/// Length of the shortest line over that of the longest point contact. A factor of 1 would be exact for strands that
-/// bend in one plane under an even law. Crossings of strands that wind about each other were up to 1.2 times as long
-/// under soft laws (κε⁴/B of 50). Lines exceed 1.5 at once.
+/// Length of the shortest line over that of the longest point contact, because crossings of strands that wind about each
+/// other were up to 1.2 times as long under soft laws (κε⁴/B of 50), and lines exceed 1.5 at once. A factor of 1 would be
+/// exact for strands that bend in one plane under an even law.
 const LINE_OVER_POINT: f64 = 1.5;
-/// The root βa in [`shortest_line`].
+/// The root βa of the equation in [`shortest_line`].
 const HALF_ZONE_AT_OPENING: f64 = 1.095_543_932_565_708;
 
 /// Length \[L\] from which a contact is a line: 1.5 times the zone of a point contact at the load at which it opens

@@ -13,6 +13,7 @@
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::contact::curves::input::{CurveShape, Strands};
 use crate::contact::law::Law;
+use crate::contact::measures::{CHEAP, DEAR};
 use crate::contact::pairs::capsule::Capsule;
 use crate::contact::projection::smooth_joint;
 use crate::contact::tree::exclusion::Exclusion;
@@ -38,9 +39,6 @@ mod rings;
 pub(crate) mod second_order;
 pub(crate) mod stiffness;
 mod term;
-
-/// Segments per parallel task.
-const SEGMENTS: usize = 256;
 
 /// Terms of all candidate pairs in contact, with either segment as the slave, in the order of the candidates (slave i,
 /// master j first).
@@ -78,7 +76,7 @@ impl<'a> ContactGeometry<'a> {
         let mut capsules = Vec::new();
         if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
             let capsule = |k: usize| Capsule::new(&strands.cubic(k));
-            capsules = parallel::map(strands.len(), SEGMENTS, &capsule);
+            capsules = parallel::map(strands.len(), CHEAP, &capsule);
         }
         let mut kinked = Vec::new();
         if !capsules.is_empty() {
@@ -87,7 +85,7 @@ impl<'a> ContactGeometry<'a> {
                 let before = strands.prev(k).map(|before| strands.cubic(before));
                 before.is_some_and(|before| !smooth_joint(&before, &own, own.b[0].amax()))
             };
-            kinked = parallel::map(strands.len(), SEGMENTS, &kink);
+            kinked = parallel::map(strands.len(), CHEAP, &kink);
         }
         Self { strands, lengths, capsules, kinked, exclusion, remainders: &[] }
     }
@@ -123,8 +121,7 @@ fn in_chunks<T: Send>(
     candidates: &[[u32; 2]],
     add: impl Fn([usize; 2], &mut Vec<BranchPiece>, &mut Vec<T>) + Sync,
 ) -> Vec<Vec<T>> {
-    const CHUNK: usize = 64;
-    parallel::map_ranges(candidates.len(), CHUNK, &|range| {
+    parallel::map_ranges(candidates.len(), DEAR, &|range| {
         let (mut found, mut pieces) = (Vec::new(), Vec::new());
         candidates[range].iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
         found
@@ -319,6 +316,6 @@ pub(crate) fn wanted(strands: &Strands, exclusion: &Exclusion, [i, j]: [usize; 2
 }
 
 #[cfg(test)]
-mod folds;
+mod fold_tests;
 #[cfg(test)]
 mod tests;

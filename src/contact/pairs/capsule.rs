@@ -2,10 +2,8 @@
 //! length.
 
 use crate::contact::curves::curve::Cubic;
+use crate::contact::measures::ROUNDING;
 use crate::math::Vec3;
-
-/// Bound of the rounding of [`segment_distance_sq`] relative to the size of the pair.
-const SAFETY: f64 = 64.0 * f64::EPSILON;
 
 /// Squared distance \[L²\] between the segments p0 p1 and q0 q1.
 ///
@@ -95,7 +93,7 @@ impl Capsule {
     pub fn distance_lower_bound(&self, other: &Self) -> f64 {
         let (d, e, r) = (self.end - self.start, other.end - other.start, self.start - other.start);
         let Scaled { size, scale, unit_sq } = scaled_distance_sq(&d, &e, &r);
-        (scale * unit_sq.sqrt() - self.bulge - other.bulge - SAFETY * size).max(0.0)
+        (scale * unit_sq.sqrt() - self.bulge - other.bulge - ROUNDING * size).max(0.0)
     }
 }
 
@@ -115,7 +113,7 @@ pub fn distance_lower_bound_within(a: &Cubic, b: &Cubic, tol: f64) -> f64 {
     nearest_parts(a, b, tol, MAX_HALVINGS, f64::INFINITY)
 }
 
-/// Halvings of a pair of cubics in all: their bulges are then below 1e-7 of what they were.
+/// Halvings of a pair of cubics in all, because their bulges have then fallen to 1e-7, and the work could double with each.
 const MAX_HALVINGS: usize = 24;
 
 fn nearest_parts(a: &Cubic, b: &Cubic, tol: f64, halvings: usize, known: f64) -> f64 {

@@ -20,14 +20,16 @@ use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::contact::curves::radius::Radius;
 use crate::math::Vec3;
 
-/// Pairs tested together.
-const LANES: usize = 4;
 type Lane = [f32; LANES];
 
-/// Bound of the rounding of the projections, relative to |w|₁ × the largest component: 3 casts, 3 products and 5 sums.
+/// Pairs tested together, because a vector register holds four f32.
+const LANES: usize = 4;
+
+/// Bound of the rounding of the projections, relative to |w|₁ × the largest component, because that is more than 3 casts,
+/// 3 products and 5 sums make.
 const SAFETY: f32 = 16.0 * f32::EPSILON;
 
-/// f32 holds fourth powers of sizes within this factor of the radius; pairs beyond are kept.
+/// Largest ratio of size and radius of pairs that are tested, because f32 holds its fourth power; pairs beyond are kept.
 const LARGEST: f64 = 1e7;
 
 /// Vectors of four pairs.

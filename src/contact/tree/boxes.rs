@@ -1,14 +1,11 @@
 //! Four f32 boxes side by side (structure of arrays), so that one box is tested against four at once: the leaves of the
 //! broad phase's tree.
 
-/// Number of boxes of a block.
+/// Number of boxes of a block, because a vector register holds four f32.
 pub(crate) const WIDTH: usize = 4;
 
 /// A box: lowest and highest corner.
 pub(crate) type Box3 = ([f32; 3], [f32; 3]);
-
-/// The empty box.
-const EMPTY: Box3 = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
 
 /// Four boxes, coordinate by coordinate; unused places are empty boxes that overlap nothing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +30,7 @@ impl Block {
 
     /// Smallest box around all four.
     pub(crate) fn union(&self) -> Box3 {
-        let (mut lo, mut hi) = EMPTY;
+        let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for k in 0..3 {
             for lane in 0..WIDTH {
                 lo[k] = lo[k].min(self.lo[k][lane]);

@@ -32,15 +32,14 @@ use std::ops::Range;
 
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::curves::input::{CurveShape, Strands};
+use crate::contact::measures::{CHEAP, ROUNDING};
 use crate::contact::pairs::filter::keep_near;
 use crate::contact::tree::boxes::{Block, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
-use crate::contact::tree::leaves::{Leaves, MIN_LEN};
+use crate::contact::tree::leaves::Leaves;
 use crate::error::InputError;
 use crate::math::{Vec3, parallel};
 
-/// Leaves or pairs of leaves per task of the search.
-const TASK: usize = 1024;
 /// Finds candidate pairs and keeps them from one call to the next.
 #[derive(Default)]
 pub struct BroadPhase {
@@ -163,7 +162,7 @@ impl BroadPhase {
         if strands.curves.iter().any(|c| matches!(c.shape, CurveShape::Cubics(_))) {
             let bulge = |i| if strands.is_straight(i) { 0.0 } else { strands.cubic(i).bulge() };
             self.bulges.resize(strands.len(), 0.0);
-            parallel::each(&mut self.bulges, MIN_LEN, &|k, place| *place = bulge(k));
+            parallel::each(&mut self.bulges, CHEAP, &|k, place| *place = bulge(k));
         }
     }
 
@@ -189,12 +188,12 @@ impl BroadPhase {
             bulges: &self.bulges,
         };
         let num_leaves = self.leaves.blocks.len();
-        let mut lists = parallel::map_ranges(num_leaves, TASK, &|leaves| {
+        let mut lists = parallel::map_ranges(num_leaves, CHEAP, &|leaves| {
             let mut found = Vec::new();
             leaves.for_each(|p| compare.within(p, &mut found));
             compare.near(&found)
         });
-        lists.extend(parallel::map_ranges(leaf_pairs.len(), TASK, &|pairs| {
+        lists.extend(parallel::map_ranges(leaf_pairs.len(), CHEAP, &|pairs| {
             let mut found = Vec::new();
             leaf_pairs[pairs].iter().for_each(|&[p, q]| compare.leaves(p as usize, q as usize, u32::MAX, &mut found));
             compare.near(&found)
@@ -282,7 +281,7 @@ fn sort_pairs(lists: &[Vec<[u32; 2]>], rows: usize, starts: &mut Vec<u32>, sorte
 impl Built {
     fn still_holds(&self, strands: &Strands, exclusion: &Exclusion, range: f64, margin: f64) -> bool {
         // Rounded down: a few ulp less than half the margin (no movement is always allowed).
-        let allowed = 0.5 * margin * (1.0 - 1e-12);
+        let allowed = 0.5 * margin * (1.0 - ROUNDING);
         let near = |(then, now): (&Vec3, &Vec3)| then == now || (now - then).norm() <= allowed;
         let same_curves = self.curves.iter().copied().eq(curves_of(strands));
         let same_curves = same_curves && self.radii.iter().eq(radii_of(strands));
@@ -297,7 +296,7 @@ impl Built {
             let (then, after) = rest.split_at(run.len());
             rest = after;
             let still = |part: Range<usize>| then[part.clone()].iter().zip(&run[part]).all(near);
-            if !parallel::all(run.len(), MIN_LEN, &still) {
+            if !parallel::all(run.len(), CHEAP, &still) {
                 return false;
             }
         }

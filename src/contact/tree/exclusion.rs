@@ -19,10 +19,9 @@ use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::error::SolveError;
 use crate::math::Vec3;
 
-/// Change of turning after which a candidate list is rebuilt, rad.
+/// Change of turning after which a candidate list is rebuilt, rad, because a larger one puts more neighbours on the list,
+/// and a smaller one rebuilds it more often.
 const SLACK: f64 = 0.25;
-/// Bound of the rounding of sums of angles, rad per rad of accumulated turning.
-const ROUNDING: f64 = 1e-12;
 
 /// Turning bounds of all curves; updated with the geometry.
 #[derive(Clone, Debug, Default)]
@@ -177,7 +176,7 @@ impl Exclusion {
     }
 
     fn turning_of_arc(&self, [i, j]: [usize; 2], [u, v]: [f64; 2], cubic: impl Fn(usize) -> Cubic) -> f64 {
-        let (first, _, closed) = self.place[i];
+        let (first, count, closed) = self.place[i];
         if first != self.place[j].0 {
             return f64::INFINITY;
         }
@@ -193,7 +192,7 @@ impl Exclusion {
             between += total;
         }
         let ends = [cubic(i).split_at(u).1, cubic(j).split_at(v).0].map(|end| end.turning_bound());
-        between.max(0.0) + ends[0] + ends[1] + ROUNDING * (1.0 + total)
+        between.max(0.0) + ends[0] + ends[1] + rounding(count as usize, total)
     }
 
     /// True if neither point can be an orthogonal projection of the other because less than π/2 of turning lies between
@@ -236,6 +235,12 @@ impl Exclusion {
         let ahead = (hi - lo) as u32;
         ahead <= reach[lo] || (closed && count - ahead <= reach[hi])
     }
+}
+
+/// Bound of the rounding, rad, of turning accumulated over a curve: each segment adds two angles, rounded to an ulp, and two
+/// roundings of the sum.
+fn rounding(num_segments: usize, total: f64) -> f64 {
+    4.0 * f64::EPSILON * num_segments as f64 * (1.0 + total)
 }
 
 /// Memory of a list, bytes, spare capacity included.
@@ -295,7 +300,7 @@ impl CurveTurning<'_> {
     /// For each segment, the number of following ones within `limit` of turning (start of the one to end of the other).
     fn reach(&self, limit: f64, out: &mut [u32]) {
         let count = self.start.len();
-        let limit = limit - ROUNDING * (1.0 + self.total);
+        let limit = limit - rounding(count, self.total);
         // End of the k-th segment counted from the first, periodic on a closed curve (k below twice the count).
         let end_at = |k: usize| if k < count { self.end[k] } else { self.end[k - count] + self.total };
         let mut ahead = 0;

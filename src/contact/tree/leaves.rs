@@ -6,16 +6,15 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 
 use crate::contact::curves::input::{Strands, lower, upper};
+use crate::contact::measures::{CHEAP, ROUNDING};
 use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::bytes;
 use crate::math::{Vec3, parallel};
 
-/// Segments per parallel task.
-pub(super) const MIN_LEN: usize = 4096;
 /// Below this many leaves all their pairs are tested, because a tree costs more than it saves (and the library's
 /// builder does not accept 1 or 2 leaves).
 const SMALL: usize = 8;
-/// Growth of the inner boxes relative to the leaves after which a tree is rebuilt.
+/// Growth of the inner boxes relative to the leaves after which a tree is rebuilt, because a build costs more than a refit.
 const SPOILT: f64 = 1.5;
 
 /// Leaves and the tree over them.
@@ -56,7 +55,7 @@ impl Leaves {
             })
         };
         self.blocks.resize(num_leaves, Block::default());
-        parallel::each(&mut self.blocks, MIN_LEN / WIDTH, &|leaf, place| *place = block(leaf));
+        parallel::each(&mut self.blocks, CHEAP / WIDTH, &|leaf, place| *place = block(leaf));
         if num_leaves < SMALL || !sane(size) {
             self.tree = None;
         } else {
@@ -156,7 +155,7 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     let grow = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lower(&lo, p), upper(&hi, p));
     let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (lower(&a.0, &b.0), upper(&a.1, &b.1));
     let of_run = |run: &[Vec3]| {
-        let parts = parallel::map_ranges(run.len(), MIN_LEN, &|part| run[part].iter().fold(none, grow));
+        let parts = parallel::map_ranges(run.len(), CHEAP, &|part| run[part].iter().fold(none, grow));
         parts.into_iter().fold(none, join)
     };
     let (lo, hi) = strands.control_points().map(of_run).fold(none, join);
@@ -179,7 +178,7 @@ fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
     }
     let scale = 1.0 / size;
     // Coordinates are within ±1 (to rounding): 2⁻²⁴ covers the cast, 1e-13 the f64 roundings before it.
-    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + 1e-13);
+    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + ROUNDING);
     let below = |k: usize| ((lo[k] - centre[k]) * scale - grow) as f32;
     let above = |k: usize| ((hi[k] - centre[k]) * scale + grow) as f32;
     (std::array::from_fn(below), std::array::from_fn(above))

@@ -2,10 +2,9 @@
 
 use super::piece::{NUM_SAMPLES, falling_root};
 use super::{Branch, BranchPiece, FootKind, Projection, Sample, SegmentPair, unit};
+use crate::contact::curves::input::JOINT;
+use crate::contact::measures::MAX_STEPS;
 use crate::math::Vec3;
-
-/// Iterations of the safeguarded root finder; bisection alone ends after 53.
-const MAX_ROOT_ITERATIONS: usize = 100;
 
 /// Function whose root is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,10 +68,10 @@ impl SegmentPair<'_> {
     /// branch.
     fn foot(&self, a: &Vec3, guess: f64, branch: &Branch) -> f64 {
         let [low, high] = branch.within;
-        let border = 1e-9 * (high - low);
+        let border = JOINT * (high - low);
         let mut v = guess;
         let mut last = f64::INFINITY;
-        for _ in 0..12 {
+        for _ in 0..MAX_STEPS {
             let (b, db, ddb) = self.master.derivatives(v);
             let f = (a - b).dot(&db);
             let slope = (a - b).dot(&ddb) - db.norm_squared();
@@ -167,7 +166,8 @@ impl SegmentPair<'_> {
         let (mut low, mut high) = (*s0, *s1);
         let sign = value(&low).0 < 0.0;
         let mut sample = if value(&low).0.abs() < value(&high).0.abs() { low } else { high };
-        for _ in 0..MAX_ROOT_ITERATIONS {
+        // as many Newton steps as bisections
+        for _ in 0..2 * f64::MANTISSA_DIGITS {
             let (f, df) = value(&sample);
             if (f < 0.0) == sign {
                 low = sample;

@@ -13,23 +13,23 @@ use std::collections::VecDeque;
 
 use super::facing::convexity;
 use super::piece::falling_root;
-use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, ROUNDING, Sample, SegmentPair};
+use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, ORTHOGONAL, Sample, SegmentPair};
 use crate::contact::curves::curve::Cubic;
+use crate::contact::measures::{MAX_STEPS, ROUNDING};
 use crate::contact::pairs::capsule;
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
-/// Largest number of cells examined; the feet of the rest are held.
-const MAX_CELLS: usize = 512;
 /// Least slope of f over its largest in a cell, because the energy of random curves changes by 4e-8 at most where this is
 /// halved or doubled.
 const EVEN: f64 = 0.1;
-/// Width of a cell, in both parameters, below which its foot is held.
+/// Largest number of cells examined, because slave points with an arc of the master at one distance have cells without
+/// end; the feet of the rest are held.
+const MAX_CELLS: usize = 512;
+/// Width of a cell, in both parameters, below which its foot is held, because the distance is then right to the
+/// square of this.
 const SMALLEST: f64 = 1.0 / 4096.0;
-
-/// Least |∂f/∂u| over its largest that is trusted at a smooth joint.
-const STEEP: f64 = 1e-6;
 
 struct ParameterCell {
     u: [f64; 2],
@@ -106,7 +106,7 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
         return BranchVerdict::Along(-along.sign());
     }
     // At a joint the tangents of the two segments may differ by the rounding of coordinates far from the origin.
-    let noise = if joined { STEEP } else { 10.0 * ROUNDING };
+    let noise = if joined { ORTHOGONAL } else { 10.0 * ROUNDING };
     let across =
         FunctionBounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
     if across.evenness() > EVEN {
@@ -212,7 +212,7 @@ impl SegmentPair<'_> {
         let [low, high] = branch.within;
         let (b, db, _) = self.master.derivatives(v);
         let mut u = guess.clamp(low, high);
-        for _ in 0..12 {
+        for _ in 0..MAX_STEPS {
             let (a, da, _) = self.slave.derivatives(u);
             let step = -(a - b).dot(&db) / da.dot(&db);
             u += step;

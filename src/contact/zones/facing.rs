@@ -14,20 +14,15 @@
 //! With φ linear between the feet of the ends, |w|² is of degree six. Its coefficients usually show that a slave is
 //! within reach throughout, or nowhere. [`SegmentPair`] handles the other pairs, folds and open ends.
 
-use super::{Branch, BranchPiece, FootSide, NARROW, Projection, ROUNDING, Sample, SegmentPair, unit};
+use super::{Branch, BranchPiece, FootSide, NARROW, ORTHOGONAL, Projection, Sample, SegmentPair, unit};
 use crate::contact::curves::curve::Cubic;
+use crate::contact::curves::input::JOINT;
+use crate::contact::measures::{LAST_STEP, MAX_STEPS, ROUNDING};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, product_with_quadratic, roots};
 
 /// Smallest ratio of the least D_vv to the largest, because below it feet move fast and Newton's method converges late.
 const CONVEX: f64 = 0.05;
-/// Relative rounding difference between the common tangent of a joint and a segment's own.
-const SAFE: f64 = 1e-6;
-/// Newton step after which the iteration ends: the remaining error is its square.
-const LAST_STEP: f64 = 1e-9;
-const MAX_STEPS: usize = 10;
-/// Distance of a foot from an end below which [`SegmentPair`] takes over.
-const NEAR_JOINT: f64 = 1e-7;
 
 /// A master with D_vv > 0 for all points of a slave.
 pub(in crate::contact) struct Facing {
@@ -116,7 +111,7 @@ impl Facing {
         let chord = pair.master.chord();
         let guess = (x - pair.master.b[0]).dot(&chord) / chord.norm_squared();
         let Some(foot) = self.foot(&x, guess) else { return false };
-        if !(NEAR_JOINT..=1.0 - NEAR_JOINT).contains(&foot.v) {
+        if !(JOINT..=1.0 - JOINT).contains(&foot.v) {
             return false;
         }
         if !nearest {
@@ -207,7 +202,7 @@ pub(super) fn convexity(slave: &Cubic, master: &Cubic) -> [f64; 2] {
 
 /// Whether the whole curve lies clearly beyond a point along a direction.
 fn beyond(curve: &Cubic, point: &Vec3, along: &Vec3) -> bool {
-    let least = SAFE * SAFE * along.norm_squared();
+    let least = ORTHOGONAL * ORTHOGONAL * along.norm_squared();
     curve.b.iter().all(|p| {
         let from = p - point;
         let way = from.dot(along);

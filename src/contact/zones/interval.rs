@@ -169,9 +169,10 @@ impl StraightPair {
         // Before the start of e, beside it, beyond its end: the line relative to the nearest point, and the range of u with
         // its foot there.
         let beside = [r - e * (er / ee), d - e * (de / ee)];
-        let before = (cut(UNIT, -er, -de), [r, d]);
-        let after = (cut(UNIT, er - ee, de), [r - e, d]);
-        let middle = (cut(cut(UNIT, er, de), ee - er, -de), beside);
+        let unit = [0.0, 1.0];
+        let before = (cut(unit, -er, -de), [r, d]);
+        let after = (cut(unit, er - ee, de), [r - e, d]);
+        let middle = (cut(cut(unit, er, de), ee - er, -de), beside);
         let wedge = |range: [f64; 2], corner: &Option<Vec3>, p: &Vec3, sign: f64| match corner {
             Some(t) => cut(range, sign * p.dot(t), sign * d.dot(t)),
             None => range,
@@ -201,8 +202,6 @@ impl StraightPair {
         }
     }
 }
-
-const UNIT: [f64; 2] = [0.0, 1.0];
 
 /// Buffers of [`join`], kept between calls: at 72 bytes a part, new memory would cost a quarter of the time.
 #[derive(Debug, Default)]

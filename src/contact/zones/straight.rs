@@ -95,12 +95,13 @@ impl Lines {
         let whole = [0.0, 1.0];
         // Feet of this pair lie after the start and before the end, not on the joint at the end or on a kink.
         let resting = |k: usize, joined: bool| self.sides[k] == [0.0; 2] && !joined;
+        let empty = [1.0, 0.0];
         let mut middle = cut(cut(whole, s0, k0), -s1, -k1);
         if resting(0, self.joined[0]) || resting(1, false) {
-            middle = NOTHING;
+            middle = empty;
         }
-        let start = if self.open[0] { cut(whole, -s0, -k0) } else { NOTHING };
-        let end = if self.open[1] { cut(whole, s1, k1) } else { NOTHING };
+        let start = if self.open[0] { cut(whole, -s0, -k0) } else { empty };
+        let end = if self.open[1] { cut(whole, s1, k1) } else { empty };
         let mut ranges = [(start, FootKind::Start), (middle, FootKind::Orthogonal), (end, FootKind::End)];
         if self.foot[1] < 0.0 {
             ranges.swap(0, 2);
@@ -181,9 +182,6 @@ impl Lines {
     }
 }
 
-/// The empty range.
-const NOTHING: [f64; 2] = [1.0, 0.0];
-
 /// The part of a range with c + u k ≥ 0; empty (its end before its start) if there is none.
 pub(in crate::contact) fn cut(range: [f64; 2], c: f64, k: f64) -> [f64; 2] {
     let root = -c / k;
@@ -194,7 +192,7 @@ pub(in crate::contact) fn cut(range: [f64; 2], c: f64, k: f64) -> [f64; 2] {
     } else if c >= 0.0 {
         range
     } else {
-        NOTHING
+        [1.0, 0.0]
     }
 }
 

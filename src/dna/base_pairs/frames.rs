@@ -43,7 +43,7 @@ impl BasePairs {
     ///
     /// # Errors
     /// Another shape; frames that are not orthonormal, by their index.
-    pub fn from_npy(bytes: &[u8], closed: bool) -> Result<Self, String> {
+    pub(crate) fn from_npy(bytes: &[u8], closed: bool) -> Result<Self, String> {
         let NpyArray { shape, values } = NpyArray::parse(bytes)?;
         let [count, 4, 3] = shape[..] else { return Err(format!("has shape {shape:?}, not (pairs, 4, 3)")) };
         let vector = |k: usize| Vec3::new(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
@@ -79,7 +79,7 @@ impl BasePairs {
     ///
     /// # Errors
     /// The first illegal line.
-    pub fn from_ref_frames(text: &str, closed: bool) -> Result<Self, String> {
+    pub(crate) fn from_ref_frames(text: &str, closed: bool) -> Result<Self, String> {
         let mut rows: Vec<(usize, Vec3)> = Vec::new();
         let lines = (1..).zip(text.lines()).skip(1);
         for (number, line) in lines {
@@ -135,7 +135,7 @@ impl BasePairs {
     ///
     /// # Errors
     /// The first illegal line.
-    pub fn from_par(text: &str, closed: bool) -> Result<Self, String> {
+    pub(crate) fn from_par(text: &str, closed: bool) -> Result<Self, String> {
         let mut lines = (1..).zip(text.lines()).skip(2);
         let (head, names) =
             lines.next().ok_or_else(|| "ends where the names of the columns are expected".to_owned())?;

@@ -10,7 +10,7 @@ const INK: [u8; 3] = [40, 44, 52];
 
 impl Picture {
     /// Draws a bar with the colours of a palette along the right edge, its ends labelled, `title` above it.
-    pub fn color_bar(&mut self, palette: Palette, range: [f64; 2], title: &str) {
+    pub(crate) fn color_bar(&mut self, palette: Palette, range: [f64; 2], title: &str) {
         let (width, height) = (self.width, self.height);
         let letter = self.letter();
         let (thick, tall) = (letter * 3 / 2, height / 2);

@@ -169,7 +169,7 @@ impl Plan {
 
     /// The file of the base scene.
     #[must_use]
-    pub fn base_scene(&self) -> &Path {
+    pub(crate) fn base_scene(&self) -> &Path {
         &self.head.scene
     }
 

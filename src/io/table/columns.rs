@@ -322,7 +322,7 @@ impl Columns {
     ///
     /// # Errors
     /// [`InputError::Write`] if the file cannot be written.
-    pub fn write_legend(&self, path: &Path) -> Result<(), InputError> {
+    pub(crate) fn write_legend(&self, path: &Path) -> Result<(), InputError> {
         let row = |column: &RunColumn| [column.name.as_str(), column.unit.as_str(), column.meaning].map(Cell::from);
         write_table(path, &["column", "unit", "meaning"], self.all.iter().map(row))
     }

@@ -70,6 +70,33 @@ fn merged(
     reach: impl Fn([usize; 2]) -> [f64; 2],
     least: usize,
 ) -> Vec<Members> {
+    let next = neighbours(set, zones, &groups, reach);
+    let mut used = vec![false; groups.len()];
+    let mut all = Vec::new();
+    for start in 0..groups.len() {
+        let row = row_of(start, &next, &mut used);
+        if row.is_empty() {
+            continue;
+        }
+        let members = |&(group, turned): &(usize, bool)| {
+            groups[group].iter().map(move |&(zone, flipped)| (zone, flipped != turned)).collect::<Vec<_>>()
+        };
+        if row.len() >= least {
+            all.push(row.iter().flat_map(members).collect());
+        } else {
+            all.extend(row.iter().map(members));
+        }
+    }
+    all
+}
+
+/// For each group those that follow it or that it follows, and whether they see the two strands the other way round.
+fn neighbours(
+    set: &CurveSet,
+    zones: &[SiteZone],
+    groups: &[Members],
+    reach: impl Fn([usize; 2]) -> [f64; 2],
+) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
     sides.sort_by(|x, y| x.curves.cmp(&y.curves).then(x.arcs[0][0].total_cmp(&y.arcs[0][0])));
@@ -94,31 +121,24 @@ fn merged(
             }
         }
     }
-    let mut used = vec![false; groups.len()];
-    let mut all = Vec::new();
-    for start in 0..groups.len() {
-        if std::mem::replace(&mut used[start], true) {
-            continue;
-        }
-        let (mut found, mut visited) = (vec![(start, false)], 0);
-        while let Some(&(group, turned)) = found.get(visited) {
-            for &(other, turn) in &next[group] {
-                if !std::mem::replace(&mut used[other], true) {
-                    found.push((other, turned != turn));
-                }
-            }
-            visited += 1;
-        }
-        let members = |&(group, turned): &(usize, bool)| {
-            groups[group].iter().map(move |&(zone, flipped)| (zone, flipped != turned)).collect::<Vec<_>>()
-        };
-        if found.len() >= least {
-            all.push(found.iter().flat_map(members).collect());
-        } else {
-            all.extend(found.iter().map(members));
-        }
+    next
+}
+
+/// The groups that hang together with a first one, each with its sense; none if the first one is used already.
+fn row_of(first: usize, next: &[Members], used: &mut [bool]) -> Members {
+    if std::mem::replace(&mut used[first], true) {
+        return Vec::new();
     }
-    all
+    let (mut found, mut visited) = (vec![(first, false)], 0);
+    while let Some(&(group, turned)) = found.get(visited) {
+        for &(other, turn) in &next[group] {
+            if !std::mem::replace(&mut used[other], true) {
+                found.push((other, turned != turn));
+            }
+        }
+        visited += 1;
+    }
+    found
 }
 
 /// A group from its first strand and, where both are of one curve, from its second.

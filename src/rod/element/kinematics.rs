@@ -8,6 +8,9 @@
 //! V = w̄² r' / |w|²  (extension, shear)        K = 2 Im(w̄ w') / |w|²
 //! ```
 
+use std::ops::Range;
+
+use super::blocks::{SecondDerivative, Slope};
 use super::{InterpolatedPoint, Kinematics};
 use crate::math::quaternion::{Q, dot, mul, mul_e1, mul_e2, mul_e3, mul_pure, pure_mul};
 
@@ -53,9 +56,9 @@ pub(super) fn inner<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 
 pub(super) struct Space;
 
-impl Kinematics<3, 4, 6, 11, 3> for Space {
+impl Kinematics<3, 4, 6> for Space {
     const KIND: [usize; 6] = [1, 1, 0, 2, 2, 3];
-    const FIRST_ROTATION: usize = 3;
+    const ROTATIONS: Range<usize> = 3..6;
 
     fn strain(p: &InterpolatedPoint<3, 4>) -> [f64; 6] {
         let w = [mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)];
@@ -71,8 +74,8 @@ impl Kinematics<3, 4, 6, 11, 3> for Space {
         ]
     }
 
-    fn slopes(p: &InterpolatedPoint<3, 4>) -> [[f64; 11]; 6] {
-        let mut b = [[0.0; 11]; 6];
+    fn slopes(p: &InterpolatedPoint<3, 4>) -> [Slope<3, 4>; 6] {
+        let mut b = [Slope::ZERO; 6];
         let u = pure_mul(&p.rp, &p.z);
         let w = [mul_e1(&p.z), mul_e2(&p.z), mul_e3(&p.z)];
         let ue = [mul_e1(&u), mul_e2(&u), mul_e3(&u)];
@@ -80,56 +83,48 @@ impl Kinematics<3, 4, 6, 11, 3> for Space {
         let conj = [p.z[0], -p.z[1], -p.z[2], -p.z[3]];
         for i in 0..3 {
             let director = mul(&w[i], &conj);
-            b[i][..3].copy_from_slice(&director[1..]);
-            for k in 0..4 {
-                b[i][3 + k] = -2.0 * ue[i][k];
-                b[3 + i][3 + k] = -2.0 * ze[i][k];
-                b[3 + i][7 + k] = 2.0 * w[i][k];
-            }
+            b[i].r.copy_from_slice(&director[1..]);
+            b[i].z = ue[i].map(|x| -2.0 * x);
+            b[3 + i].z = ze[i].map(|x| -2.0 * x);
+            b[3 + i].zp = w[i].map(|x| 2.0 * x);
         }
         b
     }
 
-    fn curvature(p: &InterpolatedPoint<3, 4>, stress: &[f64; 6]) -> [[f64; 11]; 11] {
+    fn curvature(p: &InterpolatedPoint<3, 4>, &[s1, s2, n, m1, m2, t]: &[f64; 6]) -> SecondDerivative<3, 4> {
         const UNIT: [Q; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-        let mut h = [[0.0; 11]; 11];
-        let force = [stress[0], stress[1], stress[2]];
-        let moment = [stress[3], stress[4], stress[5]];
+        let mut h = SecondDerivative::ZERO;
+        let (force, moment) = ([s1, s2, n], [m1, m2, t]);
         let zn = mul_pure(&p.z, &force);
         for k in 0..3 {
-            let mixed = mul(&UNIT[k + 1], &zn);
-            for l in 0..4 {
-                h[k][3 + l] = -2.0 * mixed[l];
-                h[3 + l][k] = h[k][3 + l];
-            }
+            h.rz[k] = mul(&UNIT[k + 1], &zn).map(|x| -2.0 * x);
         }
         for k in 0..4 {
             let column = mul_pure(&pure_mul(&p.rp, &UNIT[k]), &force);
-            let row = mul_pure(&UNIT[k], &moment);
             for l in 0..4 {
-                h[3 + l][3 + k] = -2.0 * column[l];
-                h[3 + k][7 + l] = 2.0 * row[l];
-                h[7 + l][3 + k] = h[3 + k][7 + l];
+                h.zz[l][k] = -2.0 * column[l];
             }
+            h.zzp[k] = mul_pure(&UNIT[k], &moment).map(|x| 2.0 * x);
         }
         h
     }
 
-    fn rotations(q: &Q) -> [Q; 3] {
-        [
-            [-0.5 * q[1], 0.5 * q[0], -0.5 * q[3], 0.5 * q[2]],
-            [-0.5 * q[2], 0.5 * q[3], 0.5 * q[0], -0.5 * q[1]],
-            [-0.5 * q[3], -0.5 * q[2], 0.5 * q[1], 0.5 * q[0]],
-        ]
+    #[inline]
+    fn rotation(q: &Q, k: usize) -> Q {
+        match k {
+            0 => [-0.5 * q[1], 0.5 * q[0], -0.5 * q[3], 0.5 * q[2]],
+            1 => [-0.5 * q[2], 0.5 * q[3], 0.5 * q[0], -0.5 * q[1]],
+            _ => [-0.5 * q[3], -0.5 * q[2], 0.5 * q[1], 0.5 * q[0]],
+        }
     }
 }
 
 /// Strains: extension, shear, bending.
 pub(super) struct InPlane;
 
-impl Kinematics<2, 2, 3, 6, 1> for InPlane {
+impl Kinematics<2, 2, 3> for InPlane {
     const KIND: [usize; 3] = [0, 1, 2];
-    const FIRST_ROTATION: usize = 5;
+    const ROTATIONS: Range<usize> = 5..6;
 
     fn strain(p: &InterpolatedPoint<2, 2>) -> [f64; 3] {
         let ([x, y], [c, s], [dc, ds], inv) = (p.rp, p.z, p.zp, 1.0 / p.zz);
@@ -137,34 +132,33 @@ impl Kinematics<2, 2, 3, 6, 1> for InPlane {
         [(cos * x + sin * y) * inv, (cos * y - sin * x) * inv, 2.0 * (c * ds - s * dc) * inv]
     }
 
-    fn slopes(p: &InterpolatedPoint<2, 2>) -> [[f64; 6]; 3] {
+    fn slopes(p: &InterpolatedPoint<2, 2>) -> [Slope<2, 2>; 3] {
         let ([x, y], [c, s], [dc, ds]) = (p.rp, p.z, p.zp);
         let (cos, sin) = (c * c - s * s, 2.0 * c * s);
         let (along, across) = (2.0 * (c * x + s * y), 2.0 * (c * y - s * x));
         [
-            [cos, sin, along, across, 0.0, 0.0],
-            [-sin, cos, across, -along, 0.0, 0.0],
-            [0.0, 0.0, 2.0 * ds, -2.0 * dc, -2.0 * s, 2.0 * c],
+            Slope { r: [cos, sin], z: [along, across], zp: [0.0; 2] },
+            Slope { r: [-sin, cos], z: [across, -along], zp: [0.0; 2] },
+            Slope { r: [0.0; 2], z: [2.0 * ds, -2.0 * dc], zp: [-2.0 * s, 2.0 * c] },
         ]
     }
 
-    fn curvature(p: &InterpolatedPoint<2, 2>, &[n, t, m]: &[f64; 3]) -> [[f64; 6]; 6] {
+    fn curvature(p: &InterpolatedPoint<2, 2>, &[n, t, m]: &[f64; 3]) -> SecondDerivative<2, 2> {
         let ([x, y], [c, s]) = (p.rp, p.z);
         let (a, b) = (2.0 * (c * n - s * t), 2.0 * (s * n + c * t));
         let (push, shift) = (2.0 * (x * n + y * t), 2.0 * (y * n - x * t));
         let m = 2.0 * m;
-        [
-            [0.0, 0.0, a, -b, 0.0, 0.0],
-            [0.0, 0.0, b, a, 0.0, 0.0],
-            [a, b, push, shift, 0.0, m],
-            [-b, a, shift, -push, -m, 0.0],
-            [0.0, 0.0, 0.0, -m, 0.0, 0.0],
-            [0.0, 0.0, m, 0.0, 0.0, 0.0],
-        ]
+        SecondDerivative {
+            rz: [[a, -b], [b, a]],
+            zz: [[push, shift], [shift, -push]],
+            zzp: [[0.0, m], [-m, 0.0]],
+            ..SecondDerivative::ZERO
+        }
     }
 
-    fn rotations(q: &[f64; 2]) -> [[f64; 2]; 1] {
-        [[-0.5 * q[1], 0.5 * q[0]]]
+    #[inline]
+    fn rotation(q: &[f64; 2], _: usize) -> [f64; 2] {
+        [-0.5 * q[1], 0.5 * q[0]]
     }
 }
 

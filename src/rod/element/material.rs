@@ -1,5 +1,6 @@
 //! The material matrix: from strains to stress resultants.
 
+use super::blocks::Slope;
 use super::kinematics::inner;
 use super::{Strain, Stress};
 use crate::rod::Section;
@@ -29,8 +30,8 @@ pub(super) trait MaterialLaw<const S: usize> {
     /// C ε at integration point `g`.
     fn stress(&self, g: usize, strain: &[f64; S]) -> [f64; S];
 
-    /// C B for the rows of B.
-    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; S]) -> [[f64; N]; S];
+    /// C B for the derivatives B of the strains.
+    fn of_slopes<const R: usize, const Z: usize>(&self, g: usize, b: &[Slope<R, Z>; S]) -> [Slope<R, Z>; S];
 }
 
 impl<const S: usize> MaterialLaw<S> for [f64; S] {
@@ -40,8 +41,8 @@ impl<const S: usize> MaterialLaw<S> for [f64; S] {
     }
 
     #[inline]
-    fn of_rows<const N: usize>(&self, _: usize, b: &[[f64; N]; S]) -> [[f64; N]; S] {
-        std::array::from_fn(|i| std::array::from_fn(|k| self[i] * b[i][k]))
+    fn of_slopes<const R: usize, const Z: usize>(&self, _: usize, b: &[Slope<R, Z>; S]) -> [Slope<R, Z>; S] {
+        std::array::from_fn(|i| b[i].times(self[i]))
     }
 }
 
@@ -52,16 +53,8 @@ impl MaterialLaw<6> for [[Strain; 6]; 3] {
     }
 
     #[inline]
-    fn of_rows<const N: usize>(&self, g: usize, b: &[[f64; N]; 6]) -> [[f64; N]; 6] {
-        let mut out = [[0.0; N]; 6];
-        for (row, entries) in out.iter_mut().zip(&self[g]) {
-            for (entry, b) in entries.iter().zip(b) {
-                for k in 0..N {
-                    row[k] += entry * b[k];
-                }
-            }
-        }
-        out
+    fn of_slopes<const R: usize, const Z: usize>(&self, g: usize, b: &[Slope<R, Z>; 6]) -> [Slope<R, Z>; 6] {
+        self[g].map(|entries| Slope::sum(&entries, b))
     }
 }
 

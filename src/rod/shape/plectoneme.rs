@@ -159,11 +159,6 @@ impl Plectoneme {
         0.5 * ((self.length - 4.0 * half_loop) * curvature * curvature + 4.0 * bend)
     }
 
-    /// Length along a straight axis, from apex to apex \[L\].
-    pub fn axial_length(&self) -> f64 {
-        self.helix_height() + 2.0 * LOOP_HEIGHT * self.loop_size
-    }
-
     /// Length of the helix along a straight axis \[L\]; negative if the loops alone are too long for the rod.
     fn helix_height(&self) -> f64 {
         0.5 * (self.length - 4.0 * self.loop_integrals()[0]) * self.angle.cos()

@@ -37,17 +37,11 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Line { start, direction, length } => {
             Shape::Line { start: start.into(), direction: direction.into(), length: wound.length(length)? }
         }
-        ShapeText::Circle { length, radius, center, normal } => {
-            let length = match (length, radius) {
-                (Some(length), None) => length,
-                (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius)?,
-                (None, None) if wound.length.is_some() => wound.length(None)?,
-                _ => {
-                    return Err(InputError::inconsistent("shape", "a circle is given by its length or by its radius"));
-                }
-            };
-            Shape::Circle { length, center: center.into(), normal: normal.into() }
-        }
+        ShapeText::Circle { length, radius, center, normal } => Shape::Circle {
+            length: circumference(length, radius, wound)?,
+            center: center.into(),
+            normal: normal.into(),
+        },
         ShapeText::Arc { start, tangent, towards, radius, turns } => {
             let ok = turns > 0.0 && turns <= 1.0;
             InputError::check("shape.turns", turns, ok, "greater than 0 and at most 1 (turns)")?;
@@ -57,30 +51,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::Helix { center, axis, radius, pitch, turns } => {
             Shape::Helix { center: center.into(), axis: axis.into(), radius, pitch, turns }
         }
-        ShapeText::Points { ref file, ref columns, frame, ref chain, every, scale, smooth } => {
-            let path = base_dir.join(file);
-            let three = |names: Vec<String>| {
-                let refuse =
-                    |_| InputError::inconsistent("shape.columns", "takes three names: of the columns of x, y and z");
-                <[String; 3]>::try_from(names).map_err(refuse)
-            };
-            let columns = columns.clone().map(three).transpose()?;
-            let import = Import { columns, frame, chain: chain.clone(), every, scale };
-            let mut points = read_points_with(&path, &import).map_err(|error| within("shape", error))?;
-            if wound.closed {
-                drop_closing_point(&mut points);
-            }
-            if points.is_empty() {
-                return Err(InputError::Parse {
-                    file: path.display().to_string(),
-                    reason: "holds no points".to_owned(),
-                });
-            }
-            if let Some(length) = smooth {
-                points = smooth_points(&points, wound.closed, length).map_err(|error| within("shape", error))?;
-            }
-            Shape::Points(points)
-        }
+        ShapeText::Points { .. } => Shape::Points(points(text, base_dir, wound.closed)?),
         ShapeText::State { .. } | ShapeText::Frames { .. } => {
             return Err(InputError::inconsistent("shape", "a state is nodes with frames, no curve"));
         }
@@ -91,6 +62,38 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             TorusKnot { length, windings, aspect, phase, center, normal }.into()
         }
     })
+}
+
+fn circumference(length: Option<f64>, radius: Option<f64>, wound: &Wound) -> Result<f64, InputError> {
+    match (length, radius) {
+        (Some(length), None) => Ok(length),
+        (None, Some(radius)) => InputError::positive("shape.radius", radius).map(|()| TAU * radius),
+        (None, None) if wound.length.is_some() => wound.length(None),
+        _ => Err(InputError::inconsistent("shape", "a circle is given by its length or by its radius")),
+    }
+}
+
+/// Points of a file, smoothed if asked for.
+fn points(text: &ShapeText, base_dir: &Path, closed: bool) -> Result<Vec<Vec3>, InputError> {
+    let ShapeText::Points { file, columns, frame, chain, every, scale, smooth } = text else {
+        return Err(InputError::inconsistent("shape", "is no list of points"));
+    };
+    let refuse = |_| InputError::inconsistent("shape.columns", "takes three names: of the columns of x, y and z");
+    let three = |names: Vec<String>| <[String; 3]>::try_from(names).map_err(refuse);
+    let columns = columns.clone().map(three).transpose()?;
+    let import = Import { columns, frame: *frame, chain: chain.clone(), every: *every, scale: *scale };
+    let path = base_dir.join(file);
+    let mut points = read_points_with(&path, &import).map_err(|error| within("shape", error))?;
+    if closed {
+        drop_closing_point(&mut points);
+    }
+    if points.is_empty() {
+        return Err(InputError::Parse { file: path.display().to_string(), reason: "holds no points".to_owned() });
+    }
+    match smooth {
+        Some(length) => smooth_points(&points, closed, *length).map_err(|error| within("shape", error)),
+        None => Ok(points),
+    }
 }
 
 /// Removes a last point that repeats the first, because a closed spline continues from the last to the first.

@@ -142,80 +142,90 @@ impl Model {
     }
 
     fn check_ramp(&self, stage: &str, ramp: &Ramp, ramps: &[Ramp]) -> Result<(), InputError> {
+        let field = |key: &str| format!("{stage}.{key}");
         match *ramp {
-            Ramp::ExcessLink { rod, to } => {
-                let field = format!("{stage}.excess_link");
-                self.check_rod(&field, rod)?;
-                InputError::check(&format!("{field}.to"), to, true, "a finite number of turns")?;
-                self.require(self.rods[rod].closed, &field, rod, "is open: only a closed rod has an excess link")?;
-                self.require(
-                    !self.planar,
-                    &field,
-                    rod,
-                    "is in a planar scene: excess link needs space (planar = false)",
-                )
-            }
-            Ramp::Rotation { node, axis, to } => self.check_turned(&format!("{stage}.rotation"), node, &axis, to),
+            Ramp::ExcessLink { rod, to } => self.check_wound(&field("excess_link"), rod, to),
+            Ramp::Rotation { node, axis, to } => self.check_turned(&field("rotation"), node, &axis, to),
             Ramp::RotationAbout { node, axis, through, to } => {
-                let field = format!("{stage}.rotation");
-                self.check_turned(&field, node, &axis, to)?;
-                let allowed = "at most 100000 turns about an axis through a point";
-                InputError::check(&format!("{field}.turns"), to, to.abs() <= MOST_ROUND, allowed)?;
-                finite(&format!("{field}.through"), &through)?;
-                let stands = |k: usize| (0..3).all(|j| j == k || axis[j] == 0.0);
-                self.check_position_held(&field, node, "is carried round", [0, 1, 2].map(|k| !stands(k)))
+                self.check_turned(&field("rotation"), node, &axis, to)?;
+                self.check_carried_round(&field("rotation"), node, [&axis, &through], to)
             }
-            Ramp::Displacement { node, to } => {
-                let field = format!("{stage}.displacement");
-                self.check_node(&field, node)?;
-                finite(&format!("{field}.to"), &to)?;
-                self.check_not_joined(&field, node)?;
-                self.check_position_held(&field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
-                self.check_moved(&field, node.rod)
-            }
-            Ramp::Plane { plane, to } => {
-                let field = format!("{stage}.plane");
-                if plane >= self.planes.len() {
-                    let allowed = "the index of a plane of the model";
-                    return Err(InputError::Count { field: format!("{field}.plane"), value: plane, allowed });
-                }
-                InputError::check(&format!("{field}.to"), to, true, "a finite displacement")
-            }
-            Ramp::Number { rod, which, to } => {
-                let field = format!("{stage}.{}", which.name());
-                self.check_rod(&field, rod)?;
-                self.rods[rod].check_number(&field, which, to)?;
-                let moves_nature = matches!(which, RodNumber::Length | RodNumber::Twist);
-                let winds = ramps.iter().any(|other| matches!(other, Ramp::ExcessLink { rod: it, .. } if *it == rod));
-                let reason = "has its excess link ramped in the same stage, which length and natural twist change, too";
-                self.require(!(moves_nature && winds), &field, rod, reason)
-            }
+            Ramp::Displacement { node, to } => self.check_displaced(&field("displacement"), node, &to),
+            Ramp::Pose { node, ref pose } => self.check_pose(&field("pose"), node, pose),
+            Ramp::Plane { plane, to } => self.check_lifted(&field("plane"), plane, to),
+            Ramp::Number { rod, which, to } => self.check_number_ramp(&field(which.name()), (rod, which, to), ramps),
+            Ramp::Load { to } => self.check_load_factor(&field("load"), to),
+            Ramp::Pressure { rod, to } => self.check_inflated(&field("pressure"), rod, to),
+            // checked as they are made, in `check_supports_changed`
             Ramp::Hold(_) | Ramp::Release(_) => Ok(()),
-            Ramp::Pose { node, ref pose } => self.check_pose(&format!("{stage}.pose"), node, pose),
-            Ramp::Load { to } => {
-                let field = format!("{stage}.load");
-                InputError::check(&field, to, true, "a finite number")?;
-                if self.loads.is_empty() && self.line_loads.is_empty() {
-                    return Err(InputError::inconsistent(
-                        &field,
-                        "there are no loads to ramp: add loads or line_loads",
-                    ));
-                }
-                Ok(())
-            }
-            Ramp::Pressure { rod, to } => {
-                let field = format!("{stage}.pressure");
-                self.check_rod(&field, rod)?;
-                InputError::check(&format!("{field}.to"), to, true, "a finite number")?;
-                let ok = self.planar && self.rods[rod].closed;
-                self.require(
-                    ok,
-                    &field,
-                    rod,
-                    "is not a closed rod of a planar scene, the only kind that takes pressure",
-                )
-            }
         }
+    }
+
+    fn check_wound(&self, field: &str, rod: usize, turns: f64) -> Result<(), InputError> {
+        self.check_rod(field, rod)?;
+        InputError::check(&format!("{field}.to"), turns, true, "a finite number of turns")?;
+        self.require(self.rods[rod].closed, field, rod, "is open: only a closed rod has an excess link")?;
+        self.require(!self.planar, field, rod, "is in a planar scene: excess link needs space (planar = false)")
+    }
+
+    /// Beyond [`Self::check_turned`]: of a node that goes round a line `[axis, through]`.
+    fn check_carried_round(
+        &self,
+        field: &str,
+        node: NodeRef,
+        [axis, through]: [&Vec3; 2],
+        turns: f64,
+    ) -> Result<(), InputError> {
+        let allowed = "at most 100000 turns about an axis through a point";
+        InputError::check(&format!("{field}.turns"), turns, turns.abs() <= MOST_ROUND, allowed)?;
+        finite(&format!("{field}.through"), through)?;
+        let stands = |k: usize| (0..3).all(|j| j == k || axis[j] == 0.0);
+        self.check_position_held(field, node, "is carried round", [0, 1, 2].map(|k| !stands(k)))
+    }
+
+    fn check_displaced(&self, field: &str, node: NodeRef, to: &Vec3) -> Result<(), InputError> {
+        self.check_node(field, node)?;
+        finite(&format!("{field}.to"), to)?;
+        self.check_not_joined(field, node)?;
+        self.check_position_held(field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
+        self.check_moved(field, node.rod)
+    }
+
+    fn check_lifted(&self, field: &str, plane: usize, height: f64) -> Result<(), InputError> {
+        if plane >= self.planes.len() {
+            let allowed = "the index of a plane of the model";
+            return Err(InputError::Count { field: format!("{field}.plane"), value: plane, allowed });
+        }
+        InputError::check(&format!("{field}.to"), height, true, "a finite displacement")
+    }
+
+    fn check_number_ramp(
+        &self,
+        field: &str,
+        (rod, which, to): (usize, RodNumber, f64),
+        ramps: &[Ramp],
+    ) -> Result<(), InputError> {
+        self.check_rod(field, rod)?;
+        self.rods[rod].check_number(field, which, to)?;
+        let moves_nature = matches!(which, RodNumber::Length | RodNumber::Twist);
+        let winds = ramps.iter().any(|other| matches!(other, Ramp::ExcessLink { rod: it, .. } if *it == rod));
+        let reason = "has its excess link ramped in the same stage, which length and natural twist change, too";
+        self.require(!(moves_nature && winds), field, rod, reason)
+    }
+
+    fn check_load_factor(&self, field: &str, factor: f64) -> Result<(), InputError> {
+        InputError::check(field, factor, true, "a finite number")?;
+        if self.loads.is_empty() && self.line_loads.is_empty() {
+            return Err(InputError::inconsistent(field, "there are no loads to ramp: add loads or line_loads"));
+        }
+        Ok(())
+    }
+
+    fn check_inflated(&self, field: &str, rod: usize, pressure: f64) -> Result<(), InputError> {
+        self.check_rod(field, rod)?;
+        InputError::check(&format!("{field}.to"), pressure, true, "a finite number")?;
+        let ok = self.planar && self.rods[rod].closed;
+        self.require(ok, field, rod, "is not a closed rod of a planar scene, the only kind that takes pressure")
     }
 
     fn check_turned(&self, field: &str, node: NodeRef, axis: &Vec3, turns: f64) -> Result<(), InputError> {

@@ -24,62 +24,84 @@ const LONGEST: f64 = 100.0;
 /// neighbours coincide.
 pub fn smooth_points(points: &[Vec3], closed: bool, length: f64) -> Result<Vec<Vec3>, InputError> {
     InputError::positive("smooth", length)?;
-    let count = points.len();
-    if count < 5 {
-        return Err(InputError::Count {
-            field: "points".to_owned(),
-            value: count,
-            allowed: "at least 5 to be smoothed",
-        });
-    }
-    let segments = if closed { count } else { count - 1 };
-    let steps: Vec<f64> = (0..segments).map(|i| (points[(i + 1) % count] - points[i]).norm()).collect();
-    if let Some(index) = steps.iter().position(|step| *step <= 0.0) {
-        let reason = format!("points {index} and {} coincide", (index + 1) % count);
-        return Err(InputError::inconsistent("points", reason));
-    }
-    let mean = steps.iter().sum::<f64>() / segments as f64;
+    let polygon = Polygon::new(points, closed)?;
+    let mean = polygon.steps.iter().sum::<f64>() / polygon.steps.len() as f64;
     InputError::check("smooth", length, length <= LONGEST * mean, "at most 100 mean distances of points")?;
-    let mut system = Banded::new(count);
-    // a ring is folded, so that its ends are near to each other
-    let place = |i: usize| {
-        if !closed {
-            i
-        } else if 2 * i < count {
-            2 * i
-        } else {
-            2 * (count - i) - 1
+    let solved = polygon.system(length).solve();
+    Ok((0..points.len()).map(|i| solved[polygon.row(i)]).collect())
+}
+
+/// The points with the lengths of the sides between them.
+struct Polygon<'a> {
+    points: &'a [Vec3],
+    closed: bool,
+    /// From each point to the next, of an open polygon without the last.
+    steps: Vec<f64>,
+}
+
+impl<'a> Polygon<'a> {
+    fn new(points: &'a [Vec3], closed: bool) -> Result<Self, InputError> {
+        let count = points.len();
+        if count < 5 {
+            let allowed = "at least 5 to be smoothed";
+            return Err(InputError::Count { field: "points".to_owned(), value: count, allowed });
         }
-    };
-    let share = |i: usize| match (closed, i) {
-        (true, _) => 0.5 * (steps[i] + steps[(i + count - 1) % count]),
-        (false, 0) => 0.5 * steps[0],
-        (false, _) if i + 1 == count => 0.5 * steps[segments - 1],
-        _ => 0.5 * (steps[i] + steps[i - 1]),
-    };
-    for (i, point) in points.iter().enumerate() {
-        system.add(place(i), place(i), share(i));
-        system.right[place(i)] += point * share(i);
+        let sides = if closed { count } else { count - 1 };
+        let steps: Vec<f64> = (0..sides).map(|i| (points[(i + 1) % count] - points[i]).norm()).collect();
+        if let Some(index) = steps.iter().position(|step| *step <= 0.0) {
+            let reason = format!("points {index} and {} coincide", (index + 1) % count);
+            return Err(InputError::inconsistent("points", reason));
+        }
+        Ok(Self { points, closed, steps })
     }
-    let bent = if closed { 0..count } else { 1..count - 1 };
-    for i in bent {
-        let nodes = [(i + count - 1) % count, i, (i + 1) % count];
-        let [before, after] = [1.0 / steps[nodes[0]], 1.0 / steps[i]];
-        let weights = [before, -before - after, after].map(|w| w / share(i));
-        for (a, wa) in nodes.iter().zip(weights) {
-            for (b, wb) in nodes.iter().zip(weights) {
-                if place(*a) >= place(*b) {
-                    system.add(place(*a), place(*b), length.powi(4) * share(i) * wa * wb);
+
+    /// Row of a point in the system: a ring is folded, so that its ends are near to each other.
+    fn row(&self, i: usize) -> usize {
+        let count = self.points.len();
+        match i {
+            _ if !self.closed => i,
+            _ if 2 * i < count => 2 * i,
+            _ => 2 * (count - i) - 1,
+        }
+    }
+
+    /// Part of ∫ds that a point stands for.
+    fn share(&self, i: usize) -> f64 {
+        let (count, steps) = (self.points.len(), &self.steps);
+        match (self.closed, i) {
+            (true, _) => 0.5 * (steps[i] + steps[(i + count - 1) % count]),
+            (false, 0) => 0.5 * steps[0],
+            (false, _) if i + 1 == count => 0.5 * steps[i - 1],
+            _ => 0.5 * (steps[i] + steps[i - 1]),
+        }
+    }
+
+    /// The conditions of the minimum.
+    fn system(&self, length: f64) -> Banded {
+        let (points, count) = (self.points, self.points.len());
+        let mut system = Banded::new(count);
+        for (i, point) in points.iter().enumerate() {
+            system.add(self.row(i), self.row(i), self.share(i));
+            system.right[self.row(i)] += point * self.share(i);
+        }
+        let bent = if self.closed { 0..count } else { 1..count - 1 };
+        for i in bent {
+            let nodes = [(i + count - 1) % count, i, (i + 1) % count];
+            let [before, after] = [1.0 / self.steps[nodes[0]], 1.0 / self.steps[i]];
+            let weights = [before, -before - after, after].map(|w| w / self.share(i));
+            let rows = nodes.map(|node| self.row(node));
+            for (a, wa) in rows.into_iter().zip(weights) {
+                for (b, wb) in rows.into_iter().zip(weights).filter(|(b, _)| *b <= a) {
+                    system.add(a, b, length.powi(4) * self.share(i) * wa * wb);
                 }
             }
         }
+        if !self.closed {
+            system.hold(0, points[0]);
+            system.hold(count - 1, points[count - 1]);
+        }
+        system
     }
-    if !closed {
-        system.hold(0, points[0]);
-        system.hold(count - 1, points[count - 1]);
-    }
-    let solved = system.solve();
-    Ok((0..count).map(|i| solved[place(i)]).collect())
 }
 
 /// A symmetric positive definite system with few diagonals, three right-hand sides.

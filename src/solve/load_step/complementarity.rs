@@ -23,7 +23,7 @@ pub(in crate::solve) struct Complementarity {
     pub(in crate::solve) work: f64,
     /// … and of those contacts alone that have an offset of their own to lower.
     pub(in crate::solve) releasable: f64,
-    /// What the offsets are to be lowered by \[L\]: the gap of the open contact there, zero where there is none or
+    /// By how much offsets are to be lowered \[L\]: the gap of the open contact there, zero where there is none or
     /// another one touches.
     pub(in crate::solve) gaps: ContactField,
 }

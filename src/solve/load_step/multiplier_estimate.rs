@@ -19,8 +19,8 @@ use crate::solve::problem::prescribed_motion::PrescribedMotion;
 
 /// Largest pressure of an estimate, over the law's own.
 const LARGEST_PRESSURE: f64 = 0.5;
-/// Wavelength over 2π, in contact distances, beyond which inertia holds the rods. Longer waves are motions of the
-/// shape, not forces in it.
+/// Wavelength over 2π, in contact distances, beyond which inertia holds the rods, because longer waves are motions of
+/// the shape, not forces in it.
 const HELD: f64 = 30.0;
 
 /// Forces of a state in balance.

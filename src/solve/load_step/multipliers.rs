@@ -138,7 +138,7 @@ impl Solver {
 
     /// Arc length \[L\] within which an offset belongs to a contact (with a plane, without a master), and is raised and lowered by its smallest gap:
     /// where the contact may still be one and the same point. In a wider window an offset would see other contacts
-    /// too, not be lowered while strands touch there, and hold open what is apart at its own place; in a narrower one
+    /// too, not be lowered while strands touch there, and hold open strands that are apart at its own place; in a narrower one
     /// it would be raised at wave numbers q that the rods do not follow: of these an augmentation mends only a share
     /// κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
     pub(in crate::solve) fn window(&self, side: &ContactSide, slave: usize, master: Option<usize>) -> f64 {

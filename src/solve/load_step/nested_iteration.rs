@@ -1,14 +1,13 @@
 //! Large turns are made on a coarse mesh first.
 //!
 //! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations
-//! are spent on these. What a mesh is fine for are lines of contact and digits at the end of the way, not the way:
-//! strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, as few as are
-//! as fine as a draft would be ([`Fidelity::Draft`]). The nodes between are interpolated in what comes of it, with
-//! contact offsets, and this settles on the whole mesh like any other state: it ends in equilibrium, or the step is
-//! made the long way.
+//! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there: strands
+//! coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no coarser than
+//! that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the whole mesh comes
+//! to rest from there. If it does not, the step is made on the whole mesh alone.
 //!
 //! Smaller steps stay on the whole mesh. It would save a third of their work where they are not foreseen, too, but
-//! branches would be chosen by the coarse mesh, and what its lines of contact look like shows in the offsets (3e-3 of
+//! branches would be chosen by the coarse mesh, and the ripples of its lines of contact show in the offsets (3e-3 of
 //! the energy in a ply of three).
 //!
 //! No strand passes another when meshes are changed: strands in contact are two radii ε apart, and centrelines on the
@@ -35,7 +34,7 @@ use crate::solve::problem::state::State;
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
 
 impl Solver {
-    /// Tries to settle a step of several turns from where it leads on a coarse mesh; true if it did, otherwise the
+    /// Tries to come to rest after several turns from the equilibrium of a coarse mesh; true if it did, otherwise the
     /// solver is back where it was.
     pub(crate) fn solve_from_coarse(
         &mut self,

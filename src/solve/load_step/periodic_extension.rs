@@ -1,18 +1,16 @@
 //! Periodic extension: the start of a long plectoneme from the equilibrium of a short one.
 //!
-//! A long plectoneme is the same all along but near its end loops, and what has to happen there is the same at any
-//! length. So where the start state of a closed rod is a uniform double helix in the middle, elements are cut out of
-//! it, the short rod is brought to rest, and what was cut out is put back in the shape that the middle of the short one
-//! has taken: the screw motion S that takes each element of one strand to the next takes each of the other to the one
-//! before, and
+//! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state of a
+//! closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to rest.
+//! Then the elements are put back, in the shape of the short rod's middle: the screw motion S that takes each element of
+//! one strand to the next takes each of the other to the one before, and
 //!
 //! ```text
 //! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
 //! ```
 //!
-//! closes again exactly. The short rod's link is such that the long one's is what it was. The long rod
-//! then settles from there like any other state; whatever it was made from, it ends in equilibrium or says that it does
-//! not.
+//! closes again exactly. The short rod's link is chosen so that the long one keeps its own. The long rod
+//! then comes to rest from there like from any other state, or says that it does not.
 //!
 //! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
 //! face each other let strands slide along each other in waves: the curvature of the energy along these is negative by
@@ -38,9 +36,10 @@ use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
 
-/// Turns of the superhelix that the short rod keeps. More are tried if it does not converge.
+/// Turns of the superhelix that the short rod keeps. More are tried if it does not converge, because longer ones may.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
-/// Strand kept for each end loop, in contact distances: the loop and its transition to the regular superhelix.
+/// Strand kept for each end loop, in contact distances, because the loop and its transition to the regular superhelix
+/// must fit into it.
 const LOOPS: f64 = 60.0;
 
 /// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about
@@ -297,8 +296,8 @@ mod tests {
         Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap()
     }
 
-    /// The plectoneme of another length at the same angle is what comes of putting elements into the middle of one, or
-    /// of taking them out; its link too.
+    /// The plectoneme of another length at the same angle results from putting elements into the middle of one, or from
+    /// taking them out; so does its link.
     #[test]
     fn plectonemes_of_two_lengths_become_each_other() {
         for (angle, elements, other) in [(0.3, 200, 140), (-0.4, 151, 231), (0.25, 200, 260)] {

@@ -82,7 +82,7 @@ fn change(to: &BTreeMap<Control, f64>, from: &BTreeMap<Control, f64>) -> BTreeMa
 /// A predicted state.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
-    /// From the state with its turns [lifted](lifted) to the predicted one; supports moved by what is prescribed.
+    /// From the state with its turns [lifted](lifted) to the predicted one; supports move as prescribed.
     pub(crate) increment: Vec<f64>,
     /// Shear forces and tension at the points of each element \[F\].
     pub(crate) forces: Vec<[[f64; 3]; 3]>,

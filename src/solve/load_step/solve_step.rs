@@ -24,8 +24,8 @@ use crate::solve::search::newton::NewtonReport;
 use crate::solve::search::trust_region::progress::{PROGRESS, stored_energy};
 use crate::solve::search::trust_region::unseen;
 
-/// Depth of the core law relative to the contact distance. With .1 instead pUC19 with its whole link in one step takes 464
-/// iterations for 335, a minicircle 442 for 404, and tweezers do not converge.
+/// Depth of the core law relative to the contact distance, because with .1 instead pUC19 with its whole link in one
+/// step takes 464 iterations for 335, a minicircle 442 for 404, and tweezers do not converge.
 const DEPTH: f64 = 0.4;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;

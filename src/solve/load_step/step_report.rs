@@ -60,7 +60,7 @@ pub struct StepReport {
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
     /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside
-    /// others that touch: what the energy is too high by. They are released until it is 1e-9, but for contacts none of
+    /// others that touch: by so much is the energy too high. They are released until it is 1e-9, but for contacts none of
     /// whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
     pub complementarity: f64,
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise.

@@ -37,7 +37,7 @@ use crate::solve::search::timing::Instant;
 const AIM: f64 = 5.0;
 /// Lengths of such a step within which the corner is sought.
 const CORNER_REACH: f64 = 4.0;
-/// Longest chord of a step in units of its length along the tangent: beyond it Newton has gone to another path.
+/// Longest chord of a step in units of its length along the tangent, because beyond it Newton has gone to another path.
 const MAX_CHORD: f64 = 1.25;
 
 /// How a path is begun.
@@ -113,8 +113,8 @@ pub enum PointKind {
     /// before, or extrapolated from there; the number is that before.
     ///
     /// A point splits where its zone parts in two, which under a law κ is some layers (B/κ)^¼ later than where it
-    /// opens. Under an augmented Lagrangian what lies nearer together than its offsets can tell apart, about two layers
-    /// or an element, is one contact.
+    /// opens. Under an augmented Lagrangian points count as one contact that its offsets cannot tell apart, nearer than about
+    /// two layers or an element.
     Corner,
     /// The parameter has come to the ramp's target; the path ends.
     Target,

@@ -10,8 +10,8 @@ use crate::solve::problem::bend::Bend;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::newton::{NewtonOptions, relative_residual};
 
-/// Curvature × contact radius of a state from which a failed step counts as ended by the rod's thickness: the tube is
-/// embedded up to 1, and rings end within 1e-3 of it.
+/// Curvature × contact radius of a state from which a failed step counts as ended by the rod's thickness, because the
+/// tube is embedded up to 1, and rings end within 1e-3 of it.
 const TIGHT: f64 = 0.95;
 
 /// A place on a rod.
@@ -50,7 +50,7 @@ pub struct Failure {
     /// Fractions of the stage between which the attempt was to lead.
     pub span: [f64; 2],
     /// Whether the stage ramps loads or pressures, which may go beyond what the rods bear.
-    pub ramps_loads: bool,
+    pub(crate) ramps_loads: bool,
     /// How the attempt ended.
     pub status: Status,
     /// The breakdown, if any.

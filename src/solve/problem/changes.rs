@@ -36,8 +36,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Replaces the configuration: by a start shape of one's own, or by what the same rods have come to under other
-    /// loads or supports, to go on from there.
+    /// Replaces the configuration: by a start shape of one's own, or by a state of the same rods under other loads or
+    /// supports.
     ///
     /// # Errors
     /// `InputError::Inconsistent` when the sizes do not match the model.

@@ -8,11 +8,11 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::{ContactField, Entry};
 use crate::solve::problem::contact_side::ContactSide;
 
-/// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry.
-/// Farther away no offset is felt.
+/// Distance of centrelines, over the contact distance, up to which a strand that no longer touches keeps its entry,
+/// because no offset is felt farther away.
 const REMEMBERED: f64 = 2.0;
 
-/// Nodes by what touches near them: the place on the other strand as long as that is one and the same.
+/// The contact near a node: its place on the other strand, if there is only one.
 #[derive(Clone, Copy)]
 enum Partner {
     None,
@@ -26,7 +26,7 @@ struct Seen<'a> {
     master: usize,
     zone: &'a ZonePiece,
     window: f64,
-    /// Farther from it along the other strand is another contact \[L\]: beyond what one contact spans in the window,
+    /// Farther from it along the other strand is another contact \[L\]: beyond the extent of one contact in the window,
     /// and beyond the contact distance. Feet on one strand that far from each other lie 60° apart or more about the
     /// slave.
     apart: f64,

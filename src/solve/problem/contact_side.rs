@@ -192,7 +192,7 @@ impl ContactSide {
     }
 
     /// Visits the nodes of `segment` and of its followers (or predecessors) up to `distance` \[L\] further along the
-    /// curve. What is left of the distance by rounding reaches no segment: windows are often just an element long, and
+    /// curve. A remainder of the distance by rounding reaches no segment: windows are often just an element long, and
     /// would be one segment longer in some units of length than in others.
     pub(crate) fn spread(&self, segment: usize, mut distance: f64, forward: bool, mut visit: impl FnMut(usize)) {
         let mut here = segment;

@@ -19,8 +19,8 @@ use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
 
-/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model: that rounds their frames once
-/// more, which a shear strain cannot bear where rounding leaves few digits as it is.
+/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model, because that rounds their frames
+/// once more, and rounding leaves the shear strains of slenderer ones few digits as it is.
 const MOST_SLENDER: f64 = 1e10;
 
 /// One element: where its nodes are and which rod it belongs to.

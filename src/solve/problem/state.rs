@@ -85,7 +85,7 @@ impl State {
 
     /// The increment whose retraction takes `before` to this state: displacements \[L\] and rotation vectors of at most
     /// half a turn, rad.
-    pub fn increment_since(&self, before: &Self) -> Vec<f64> {
+    pub(crate) fn increment_since(&self, before: &Self) -> Vec<f64> {
         let mut increment = Vec::with_capacity(6 * self.positions.len());
         for node in 0..self.positions.len() {
             let displacement =
@@ -108,7 +108,7 @@ impl State {
     }
 
     /// Frame at s = L of a closed rod whose first node is `first`.
-    pub fn seam_frame(&self, rod: usize, first: usize) -> Quat {
+    pub(crate) fn seam_frame(&self, rod: usize, first: usize) -> Quat {
         self.frames[first] * spin(self.seams[rod])
     }
 }

@@ -1,15 +1,15 @@
 //! Supports that hold rotation about one axis alone: joints of constant velocity.
 //!
 //! Rotations about the two other axes do not commute, so "no increment turns about the axis" would be no support: a
-//! section that tilts round a cone comes back turned by the cone's solid angle, and lets twist out. What is held instead
-//! is a function of the orientation. Let the unit quaternion (q₀, v) be the rotation of the section since the rod was
+//! section that tilts round a cone comes back turned by the cone's solid angle, and lets twist out. So a function of the
+//! orientation is held. Let the unit quaternion (q₀, v) be the rotation of the section since the rod was
 //! made, and e the axis. The support holds
 //!
 //! ```text
 //! v·e = 0        the rotation vector has no component along e
 //! ```
 //!
-//! which is what a homokinetic joint does: the turning it lets through about e on one side goes on about the tilted axis
+//! like a homokinetic joint: the turning it lets through about e on one side goes on about the tilted axis
 //! on the other. A spin δw changes v·e by ½ c·δw with c = q₀ e + v × e, a unit vector halfway between the axis and where
 //! it was tilted to. The orientations that are allowed are a great sphere, so rotations about axes across c stay on it:
 //! the two rotations left are those of the plane across c, and nothing has to be put right after a step but rounding.
@@ -65,7 +65,7 @@ impl Swivel {
         basis
     }
 
-    /// Turns the node back about the held direction by what rounding and predictions turned it.
+    /// Turns the node back about the held direction, from which rounding and predictions turn it.
     pub(crate) fn restore(&self, state: &mut State) {
         let (c, off) = self.held(state);
         let angle = -2.0 * off.atan2(c.norm());

@@ -108,7 +108,7 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
 }
 
 /// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it; of
-/// these what leaves gaps to planes with such normals as they are.
+/// these those that keep the gaps to planes with such normals.
 fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], normals: &[Vec3]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
     let (along, about) = left_by_planes(normals, engine.model.planar);

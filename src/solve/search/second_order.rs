@@ -17,7 +17,7 @@ const BATCH: usize = 8192;
 
 impl Engine {
     /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
-    /// tangent: e is what gaps became on the way to where contact now is, beyond what `increment` predicted. Strands
+    /// tangent: e is the change of gaps beyond the one that `increment` predicted, at the present points of contact. Strands
     /// that were nowhere in contact push with the forces they have `there`.
     pub(crate) fn add_contact_second_order(
         &self,
@@ -191,7 +191,7 @@ mod tests {
         Engine::new(Model { rods, supports, contact, ..Model::default() }, None).unwrap()
     }
 
-    /// Contact surprise of moving the upper rod by `by`, as the force on each rod over the law's stiffness \[L²\].
+    /// Second-order force of contact if the upper rod is moved by `by`, as the force on each rod over the law's stiffness \[L²\].
     fn moved(across: bool, by: Vec3) -> [Vec3; 2] {
         let mut engine = pair(across);
         let state = engine.state.clone();

@@ -36,9 +36,9 @@ struct Keep {
 
 /// Bounds for a step before it is corrected.
 const STEP: Keep = Keep { distance: 0.5, deep: 0.25, rotation: 1.0, turned: 0.45 * TAU };
-/// Bounds for a corrected step: corrections may use half of the room that the step left.
+/// Bounds for a corrected step, because corrections may use half of the room that the step left.
 const CORRECTED: Keep = Keep { distance: 0.25, deep: 0.5, rotation: 1.5, turned: 0.48 * TAU };
-/// Bounds for a predicted state: it may turn strands in contact round each other, but not press them together.
+/// Bounds for a predicted state, because it may turn strands in contact round each other, but not press them together.
 const PREDICTED: Keep = Keep { distance: 0.9, ..STEP };
 
 impl Engine {

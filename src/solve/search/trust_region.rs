@@ -35,11 +35,11 @@ use progress::SearchProgress;
 use radius::{LARGEST, StepOutcome, TrustRegion};
 use step::ModelStep;
 
-/// Fractions of a step that are tried before the shift is raised. A fraction costs an evaluation, a shift a
+/// Fractions of a step that are tried before the shift is raised, because a fraction costs an evaluation, a shift a
 /// factorisation.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
-/// Factor on the shift after a step as long as the radius. If the smaller shift does not do, it costs one
-/// factorisation.
+/// Factor on the shift after a step as long as the radius, because a shift that is too small costs one factorisation
+/// only.
 const RELAXING: f64 = 0.5;
 /// Decrease of the potential, over the expected one, with which a step is accepted.
 const LEAST: f64 = 0.05;

@@ -12,8 +12,8 @@ use crate::solve::problem::zero_energy::ZeroEnergyModes;
 use crate::solve::search::timing::{Timings, timed};
 use crate::sparse::{Factor, Pattern};
 
-/// Eigenvalues above minus this (in units of B/L⁴) count as neutral: rigid motions and sliding of a uniform ring along
-/// itself are neutral but for rounding and discretisation.
+/// Eigenvalues above minus this (in units of B/L⁴) count as neutral, because rigid motions and sliding of a uniform
+/// ring along itself are neutral but for rounding and discretisation.
 pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 
 /// The same where a motion may cost next to nothing that neither springs hold nor elasticity. Of several rods, one that
@@ -112,7 +112,7 @@ impl Workspace {
         self.finished_step(raw, drive, iteration)
     }
 
-    /// A raw step with its neutral parts taken out and what is prescribed put in.
+    /// A raw step without its neutral parts and with the prescribed motion.
     pub(crate) fn finished_step(
         &self,
         mut step: Vec<f64>,

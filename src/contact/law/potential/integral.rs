@@ -4,18 +4,15 @@ use super::guess::Interpolation;
 use super::pressure::{PairLaw, without_limit};
 use super::stiffness::{Coordinates, PairStiffness};
 use super::term::{PairForce, PairTerm, QuadraturePoint, Request, Want, ZonePiece};
+use crate::contact::measures::{MAX_PARTS, POINTS_PER_PART};
 use crate::contact::zones::straight::Lines;
 use crate::contact::zones::{Branch, BranchPiece, FootKind, Projection};
 use crate::math::bernstein::{cubic_slopes, cubic_weights};
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3};
 
-/// Points of the Gauss rule on each piece of a zone.
-const POINTS_PER_PIECE: usize = 5;
-/// Both ends of a piece and the points of its rule.
-const MAX_PLACES: usize = POINTS_PER_PIECE + 2;
 /// Longest pieces of straight pairs, in contact distances, that fewer points integrate as well, and the number of
-/// these. Polylines have many short pieces.
+/// these, because polylines have many short pieces.
 const FEWER_POINTS: [(f64, usize); 2] = [(1.0 / 32.0, 2), (0.25, 3)];
 /// Parts that a piece through a fold is divided into, because it runs forth and back on the slave.
 const PARTS_OF_FOLD: f64 = 4.0;
@@ -103,13 +100,13 @@ impl PairLaw<'_> {
         let extent = width * self.span / self.contact_distance;
         let parts = match piece.branch.kind {
             FootKind::Fold => PARTS_OF_FOLD,
-            _ => extent.ceil().clamp(1.0, 64.0),
+            _ => extent.ceil().clamp(1.0, MAX_PARTS),
         };
         let points = FEWER_POINTS.iter().find(|(longest, _)| self.straight && extent <= *longest);
-        let rule = gauss(points.map_or(POINTS_PER_PIECE, |(_, points)| *points));
+        let rule = gauss(points.map_or(POINTS_PER_PART, |(_, points)| *points));
         let mut last = [t[0], other[0]];
         for part in 0..parts as usize {
-            let mut known = Interpolation::<MAX_PLACES>::between(last, [t[1], other[1]]);
+            let mut known = Interpolation::<{ POINTS_PER_PART + 2 }>::between(last, [t[1], other[1]]);
             for (&x, &w) in rule.points.iter().zip(rule.weights) {
                 let t = t[0] + width * (part as f64 + x) / parts;
                 let other = add(t, known.at(t), 0.5 * w * width * self.length / parts);

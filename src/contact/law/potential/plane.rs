@@ -15,16 +15,10 @@ use super::pressure::PairLaw;
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::law::potential::Request;
 use crate::contact::law::potential::stiffness::PairTangent;
+use crate::contact::measures::{CHEAP, MAX_PARTS, POINTS_PER_PART};
 use crate::math::bernstein::{Roots, cubic_weights, derivative, eval, roots};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
-
-/// Points of the Gauss rule on each part of a zone: the square of a cubic has degree 6, nine are exact.
-const POINTS: usize = 5;
-/// Segments per parallel piece of work.
-const SEGMENTS: usize = 256;
-/// Parts of a zone at most, as between strands.
-const MOST_PARTS: f64 = 64.0;
 
 /// The half-space n·(x − p) ≥ height that strands stay in.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,7 +93,7 @@ pub(crate) fn evaluate(
     if planes.is_empty() {
         return Vec::new();
     }
-    let of_segments = parallel::map_ranges(set.len(), SEGMENTS, &|range| {
+    let of_segments = parallel::map_ranges(set.len(), CHEAP, &|range| {
         let pairs = range.flat_map(|segment| (0..planes.len()).map(move |plane| (segment, plane)));
         pairs.filter_map(|at| term(set, planes, at, pressures, request)).collect::<Vec<_>>()
     });
@@ -130,29 +124,12 @@ pub(crate) fn term(
     let offset = (pressures.offset)(segment, plane);
     let law = PairLaw { pressures, contact_distance, length, reach, offset, straight: false, span: length };
     let mut sum = PlaneSum::default();
-    let mut contact = PlaneContact { segment, plane, zones: Vec::new(), points: Vec::new() };
+    let mut zones = Vec::new();
     for u in intervals {
-        let mut moments = [0.0; 3];
-        for_each_point(u, length, contact_distance, |u, weight| {
-            let (response, carried) = law.response(u, eval(&gap, u) + contact_distance);
-            if carried == 0.0 {
-                return;
-            }
-            let force = weight * response.pressure;
-            sum.add(
-                u,
-                weight * response.energy,
-                force,
-                if request.tangent { weight * response.stiffness } else { 0.0 },
-            );
-            (0..3).for_each(|k| moments[k] += force * u.powi(k as i32));
-            if request.tangent && response.stiffness.is_finite() {
-                contact.points.push(PlanePoint { u, stiffness: weight * response.stiffness });
-            }
-        });
+        let moments = sum.add_zone(u, &law, &gap, request.tangent);
         if request.zones {
             let (nearest, min_gap) = least(&gap, u);
-            contact.zones.push(PlaneZone { u, min_gap, nearest, moments });
+            zones.push(PlaneZone { u, min_gap, nearest, moments });
         }
     }
     let ends = Ends::of(set, segment, half_space.normal);
@@ -160,7 +137,7 @@ pub(crate) fn term(
         energy: sum.energy,
         gradient: ends.along(&sum.force.map(|force| -force)),
         tangent: request.tangent.then(|| ends.tangent(&sum)),
-        contact,
+        contact: PlaneContact { segment, plane, zones, points: sum.points },
     })
 }
 
@@ -168,8 +145,8 @@ pub(crate) fn term(
 /// contact distance.
 fn for_each_point([start, end]: [f64; 2], length: f64, contact_distance: f64, mut visit: impl FnMut(f64, f64)) {
     let width = end - start;
-    let parts = (width * length / contact_distance).ceil().clamp(1.0, MOST_PARTS);
-    let rule = gauss(POINTS);
+    let parts = (width * length / contact_distance).ceil().clamp(1.0, MAX_PARTS);
+    let rule = gauss(POINTS_PER_PART);
     for part in 0..parts as usize {
         for (&x, &w) in rule.points.iter().zip(rule.weights) {
             visit(start + width * (part as f64 + x) / parts, w * width * length / parts);
@@ -194,7 +171,7 @@ fn where_positive(coeffs: &[f64; 4]) -> Vec<[f64; 2]> {
     ends.windows(2).filter_map(positive).collect()
 }
 
-/// Where a cubic of these Bernstein coefficients is least in an interval, and what it is there.
+/// Place and value of the minimum of a cubic of these Bernstein coefficients in an interval.
 pub(crate) fn least(coeffs: &[f64; 4], [start, end]: [f64; 2]) -> (f64, f64) {
     let mut found = Roots::new();
     roots(&derivative(coeffs)[..3], &mut found);
@@ -211,9 +188,30 @@ struct PlaneSum {
     force: [f64; 4],
     /// ∫k a_i a_j ds, a the shares of the ends in a point, see [`shares`] \[F/L\].
     stiffness: [[f64; 4]; 4],
+    /// The points in contact, if the tangent was asked for.
+    points: Vec<PlanePoint>,
 }
 
 impl PlaneSum {
+    /// Adds the zone between two parameters of a segment whose gap has these Bernstein coefficients; returns ∫p ds, ∫p u ds
+    /// and ∫p u² ds.
+    fn add_zone(&mut self, zone: [f64; 2], law: &PairLaw, gap: &[f64; 4], tangent: bool) -> [f64; 3] {
+        let mut moments = [0.0; 3];
+        for_each_point(zone, law.length, law.contact_distance, |u, weight| {
+            let (response, carried) = law.response(u, eval(gap, u) + law.contact_distance);
+            if carried == 0.0 {
+                return;
+            }
+            let (force, stiffness) = (weight * response.pressure, weight * response.stiffness);
+            self.add(u, weight * response.energy, force, if tangent { stiffness } else { 0.0 });
+            (0..3).for_each(|k| moments[k] += force * u.powi(k as i32));
+            if tangent && response.stiffness.is_finite() {
+                self.points.push(PlanePoint { u, stiffness });
+            }
+        });
+        moments
+    }
+
     fn add(&mut self, u: f64, energy: f64, force: f64, stiffness: f64) {
         self.energy += energy;
         let w = cubic_weights(u);
@@ -243,7 +241,7 @@ impl Ends {
         Self { normal, handles: [b[1] - b[0], b[2] - b[3]] }
     }
 
-    /// What displacement and rotation of both ends do to the gap, three numbers each.
+    /// Changes of the gap by displacement and rotation of both ends, three numbers each.
     fn rates(&self) -> [Vec3; 4] {
         let turned = self.handles.map(|handle| handle.cross(&self.normal));
         [self.normal, turned[0], self.normal, turned[1]]

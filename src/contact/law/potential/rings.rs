@@ -8,9 +8,8 @@ use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
-/// Relative difference of distances that count as equal.
-const TIE: f64 = 1e-9;
-/// Distance of points that count as one, over the reach.
+/// Difference of points, or of distances, that counts as none, over the reach, because points where the distance is flat
+/// are known to the root of its rounding.
 const SAME: f64 = 1e-6;
 
 impl ContactGeometry<'_> {
@@ -77,7 +76,7 @@ impl ContactGeometry<'_> {
             points.extend(found.as_slice().iter().map(|&v| (k, v, (cubic.point(v) - x).norm())));
         }
         let farthest = points.iter().map(|p| p.2).fold(0.0, f64::max);
-        let first = points.iter().find(|p| p.2 >= farthest * (1.0 - TIE))?;
+        let first = points.iter().find(|p| p.2 >= farthest - SAME * reach)?;
         (farthest < reach).then_some((first.0, first.1))
     }
 }

@@ -9,15 +9,13 @@
 use super::stiffness::Coordinates;
 use super::term::{ContactPair, QuadraturePoint};
 use crate::contact::curves::curve::{Cubic, CurveSet};
+use crate::contact::measures::{LAST_STEP, MAX_STEPS};
 use crate::contact::zones::FootKind;
 use crate::math::Vec3;
 use crate::math::bernstein::cubic_weights;
 
-/// Most segments passed, and most Newton steps, in the search for a foot.
-const MAX_STEPS: usize = 16;
-/// Distance of parameters that count as one foot, because gaps are stationary there.
-const SAME_FOOT: f64 = 1e-9;
-/// Squared difference of unit tangents below which lines count as parallel.
+/// Squared difference of unit tangents below which lines count as parallel, because lines at less than 6°
+/// cross too far away.
 const SAME_DIRECTION: f64 = 0.01;
 
 /// Σ W k e ∂gap/∂x, e = gap(moved) − gap − δgap, of a term with respect to the ends of `cubics` (slave and master where
@@ -131,7 +129,7 @@ fn follow_foot(set: &CurveSet, point: &Vec3, segment: usize, v: f64) -> Vec3 {
         let step = chord.dot(&tangent) / (speed_sq - chord.dot(&curvature)).max(0.2 * speed_sq);
         let before = (segment, v);
         (segment, v) = place(set, segment, v + step.clamp(-1.0, 1.0));
-        if step.abs() < SAME_FOOT || before == (segment, v) {
+        if step.abs() < LAST_STEP || before == (segment, v) {
             break;
         }
     }

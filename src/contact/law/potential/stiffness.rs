@@ -32,7 +32,7 @@ pub type Hessian = [[Mat3; 8]; 8];
 /// in full.
 pub(crate) type PairTangent = [[f64; 24]; 24];
 
-/// Vectors collected before their products are added together.
+/// Vectors collected before their products are added together, because a sum of products stays in registers.
 const PENDING: usize = 10;
 
 impl Coordinates {

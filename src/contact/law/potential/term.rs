@@ -68,13 +68,13 @@ impl PairTerm {
     #[must_use]
     pub fn point_hessian(&self) -> [[Mat3; 4]; 4] {
         // Weights of the ends in the control points of a straight segment.
-        const PARTS: [[f64; 4]; 2] = [[1.0, 2.0 / 3.0, 1.0 / 3.0, 0.0], [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]];
+        let parts = [[1.0, 2.0 / 3.0, 1.0 / 3.0, 0.0], [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]];
         let mut sum = [[Mat3::zeros(); 4]; 4];
         let Some(hessian) = &self.hessian else { return sum };
         for (m, n) in (0..8).flat_map(|m| (0..8).map(move |n| (m, n))) {
             let block = if m <= n { hessian[m][n] } else { hessian[n][m].transpose() };
             for (p, q) in (0..2).flat_map(|p| (0..2).map(move |q| (p, q))) {
-                sum[p + 2 * (m / 4)][q + 2 * (n / 4)] += block * (PARTS[p][m % 4] * PARTS[q][n % 4]);
+                sum[p + 2 * (m / 4)][q + 2 * (n / 4)] += block * (parts[p][m % 4] * parts[q][n % 4]);
             }
         }
         sum

@@ -145,7 +145,7 @@ impl Tracer<'_> {
         Ok(there.gradient(engine, &chosen))
     }
 
-    /// What is beyond a corner near a point without contact; the contact there `begins` or has ended.
+    /// The path beyond a corner near a point without contact; the contact there `begins` or has ended.
     fn beyond(&mut self, free: &Point, pattern: &[f64], begins: bool) -> Result<Option<Beyond>, SolveError> {
         self.enter(free)?;
         self.linearise_there(&free.state)?;

@@ -7,7 +7,7 @@ use crate::solve::path::continuation::PointKind;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
 
 /// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is
-/// located: beyond it Newton has gone to another path.
+/// located, because beyond it Newton has gone to another path.
 const JUMP: [f64; 2] = [1e-4, 100.0];
 
 /// Quantity whose sign changes.

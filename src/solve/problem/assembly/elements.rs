@@ -6,13 +6,13 @@ use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, 
 use crate::solve::problem::engine::{Element, Engine};
 use crate::solve::problem::state::State;
 
-/// Elements computed in parallel before one ordered scatter: bounds the buffer, not the result.
+/// Elements computed in parallel before one ordered scatter, because the buffer must not grow with the mesh.
 const BATCH: usize = 1024;
-/// The same with their tangents, five kilobytes each, so that they fit into a cache.
+/// The same with their tangents, because these have five kilobytes each and should fit into a cache.
 const TANGENTS: usize = 128;
-/// Elements per parallel piece of work: a microsecond each or less.
+/// Elements per parallel piece of work, because each takes a microsecond or less.
 const GRAIN: usize = 32;
-/// The same with their tangents, several microseconds each.
+/// The same with their tangents, because each takes some microseconds.
 const TANGENT_GRAIN: usize = 8;
 
 impl Engine {
@@ -143,7 +143,7 @@ impl Engine {
     }
 
     /// C e per integration point and Bᵀ C e summed over elements, six per node, for the step from `state` to `moved`:
-    /// see [`element::surprise_force`].
+    /// see [`element::second_order_force`].
     pub(crate) fn elastic_second_order(
         &self,
         state: &State,

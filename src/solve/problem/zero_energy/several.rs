@@ -1,6 +1,6 @@
 //! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but
 //! nothing else, and the spin of each free isotropic closed rod about its centreline, which contact without friction
-//! does not feel; of groups that are held somewhere, what their supports let pass of these (two linked rings, one of
+//! does not feel; of groups that are held somewhere, those of these motions that their supports let pass (two linked rings, one of
 //! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
 //! along themselves is left to the mesh's ripple.
 

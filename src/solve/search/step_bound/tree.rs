@@ -1,9 +1,9 @@
 //! Which fraction of a step lets no strand pass another: branch and bound over a tree of runs of segments.
 //!
-//! The tree halves each curve into runs. A pair of runs is done with if the most that any two of their points approach
-//! each other, times the best fraction known, is less than what their boxes are apart; or if both belong to one curve
-//! and the arc over both cannot close: at a point where a curve meets itself the arc between is a loop with one corner,
-//! and such a loop turns by π at least (Fenchel). The turning on the way is at most that of the present plus the
+//! The tree halves each curve into runs. A pair of runs needs no further look if its largest approach, times the best
+//! fraction known, is less than the distance of its boxes. Nor does it if both belong to one curve and the arc over both
+//! cannot close: where a curve meets itself, the arc between is a loop with one corner, and such a loop turns by π at least
+//! (Fenchel). The turning on the way is at most that of the present plus the
 //! relative rotations of the step, so straight stretches cost nothing however far they swing. The result is the minimum
 //! over pairs of segments, whatever the order in which they are met.
 
@@ -20,7 +20,7 @@ use crate::solve::measures::{ARC, SLIGHT};
 const RUN: usize = 4;
 /// Pairs of runs to share out among threads.
 const SHARES: usize = 256;
-/// Below this many segments threads cost more than they save.
+/// Fewest segments that are shared out, because below that threads cost more than they save.
 const SMALL: usize = 2048;
 
 /// A run of segments, or of whole curves.
@@ -187,8 +187,8 @@ impl<'a> PassageTree<'a> {
             || p.end <= q.first && self.arc_around_is_open(curve, p.end - 1, q.first)
     }
 
-    /// Whether the arc from the start of segment i to the end of segment j ≥ i turns by less than closes it: π less what the
-    /// cubics between nodes may turn beyond the frames at nodes.
+    /// Whether the arc from the start of segment i to the end of segment j ≥ i turns by too little to close it: by less
+    /// than π minus the turning of cubics beyond that of the frames at their nodes.
     fn arc_is_open(&self, curve: usize, i: usize, j: usize) -> bool {
         self.turning[j][1] - self.turning[i][0] < PI - ARC - self.rounding(curve)
     }

@@ -2,8 +2,9 @@
 
 use crate::solve::problem::assembly::Residual;
 
-/// Decrease of the potential relative to the stored energy, or advance of a prescribed motion relative to its remainder,
-/// that counts as progress. A snap of magnetic tweezers descends for 700 iterations by some 1e-2 of its energy in a hundred.
+/// Decrease of the potential relative to the stored energy, or advance of a prescribed motion relative to its
+/// remainder, that counts as progress, because a snap of magnetic tweezers descends for 700 iterations by some 1e-2 of
+/// its energy in a hundred.
 pub(in crate::solve) const PROGRESS: f64 = 1e-2;
 
 /// Energy stored in rods and contact.

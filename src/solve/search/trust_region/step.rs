@@ -11,9 +11,9 @@ use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 
 use super::unseen;
 
-/// Smallest shift, in units of B/L⁴: the eigenvalue of a rod's softest bending.
+/// Smallest shift, in units of B/L⁴, because that is the eigenvalue of a rod's softest bending.
 const FIRST_SHIFT: f64 = 10.0;
-/// Largest shift. A matrix that is not positive definite with it has broken down.
+/// Largest shift, because a matrix that is not positive definite with it has broken down.
 const MAX_SHIFT: f64 = 1e30;
 
 /// A step and the quadratic model along it.
