@@ -109,11 +109,11 @@
 //! | `serde` | states, restarts and reports can be written and read with serde | 3 |
 //! | `scenes` | scene files (TOML); `serde` | 10 |
 //! | `tables` | tables and states as CSV; `solver` | 40 |
-//! | `pictures` | pictures of tubes, plots | 22 |
-//! | `view` | films of rods as a page for the browser, as glTF; `pictures` | 34 |
-//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 78 |
-//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 88 |
-//! | `cli` | the command line; `sweeps` | 107 |
+//! | `pictures` | pictures of tubes, plots | 26 |
+//! | `view` | films of rods as a page for the browser, as glTF; `pictures` | 36 |
+//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 79 |
+//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 89 |
+//! | `cli` | the command line; `sweeps` | 108 |
 //!
 //! Without `solver` there are no modules `sparse`, `solve` and `observe`. Without features and with
 //! `solver` it builds for `wasm32-unknown-unknown` and runs in the browser (`live/` is a page with the solver in it).

@@ -120,6 +120,7 @@ enum Command {
     /// Write the base pairs of a run's final state for programs that simulate DNA. Its unit of length must be nm.
     Export(Export),
     /// Run a scene many times with other values: `supercoil help sweep`.
+    #[command(after_long_help = sweep::SWEEP_FILE)]
     Sweep {
         #[command(subcommand)]
         command: sweep::SweepCommand,

@@ -12,10 +12,34 @@ use supercoil::io::sweep::{
 
 use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, progress::bar_style, say, seconds, stop_on_signal};
 
+/// A sweep file with all its keys.
+pub const SWEEP_FILE: &str = r#"A sweep file:
+
+  scene = "minicircle.toml"              # the base scene, relative to this file
+  rows = "last"                          # a row a case; "all" (default): a row each accepted step
+
+  [set]                                  # shared by all cases; keys are those of `run --set`
+  "rods.dna.elements" = 24
+
+  [axes]                                 # every combination
+  "rods.dna.dna.salt_mM" = [20, 50, 150]
+  "stages.0.ramp.sigma.to" = { from = -0.08, to = -0.02, count = 7 }
+
+  [[linked]]                             # these go together, first with first
+  "rods.dna.dna.base_pairs" = [200, 336]
+  "stages.0.steps" = [10, 20]
+
+  [random]                               # every combination with each of the draws
+  seed = 1
+  draws = 100
+  [random.keys]                          # uniform = [low, high], normal = [mean, deviation], whole = [low, high],
+  "rods.dna.dna.bending_persistence" = { normal = [50.0, 3.0] }          # choice = [...] or bases = N (letters ACGT)"#;
+
 #[derive(Subcommand)]
 pub enum SweepCommand {
     /// Make the cases of a sweep file and write them, a line a case, into a folder. Planning again with more values keeps
     /// the rows of earlier cases.
+    #[command(after_long_help = SWEEP_FILE)]
     Plan {
         /// Sweep file (TOML): a base scene and its axes.
         file: PathBuf,

@@ -11,11 +11,6 @@ use crate::error::InputError;
 /// Most bytes of a scene or of a file of points: a million points with all their digits take 60 MB.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// The text of any file, pipes included, of at most [`MOST_BYTES`].
-pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
-    utf8(read_bytes(path)?, path)
-}
-
 /// The text that the bytes of a file are.
 pub(crate) fn utf8(bytes: Vec<u8>, path: &Path) -> Result<String, InputError> {
     String::from_utf8(bytes).map_err(|_| {
@@ -24,8 +19,13 @@ pub(crate) fn utf8(bytes: Vec<u8>, path: &Path) -> Result<String, InputError> {
     })
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+/// The bytes of a regular file of at most [`MOST_BYTES`].
+pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
+    // checked before opening, because opening a pipe without a writer never ends
+    if path.metadata().is_ok_and(|found| !found.is_file()) {
+        return Err(refuse("is no regular file: only those are read".to_owned()));
+    }
     let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
     let mut bytes = Vec::new();
     file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
@@ -41,23 +41,7 @@ pub(crate) const CHECKPOINT: &[u8; 8] = b"SUPRCOIL";
 
 /// The text of a regular file.
 pub(crate) fn read_regular(path: &Path) -> Result<String, InputError> {
-    check_regular(path)?;
-    read_text(path)
-}
-
-/// The bytes of a regular file.
-pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
-    check_regular(path)?;
-    read_bytes(path)
-}
-
-fn check_regular(path: &Path) -> Result<(), InputError> {
-    // checked before opening, because opening a pipe without a writer never ends
-    if path.metadata().is_ok_and(|found| !found.is_file()) {
-        let reason = "is no regular file: only those are read".to_owned();
-        return Err(InputError::File { path: path.to_owned(), reason });
-    }
-    Ok(())
+    utf8(read_regular_bytes(path)?, path)
 }
 
 /// Smallest Jaro similarity of a suggested word, as for clap's own suggestions.

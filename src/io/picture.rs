@@ -120,6 +120,9 @@ pub struct TubePicture {
     pub height: usize,
     /// Viewing direction.
     pub view: View,
+    /// Point in the middle of the picture \[L\], the same for several pictures that are to be compared; `None` fits the
+    /// tubes.
+    pub center: Option<Vec3>,
     /// Background (sRGB).
     pub background: [u8; 3],
     /// Width of the visible region \[L\], the same for several pictures that are to be compared; `None` fits the tubes.
@@ -137,6 +140,7 @@ impl Default for TubePicture {
             width: 1200,
             height: 900,
             view: View::Auto,
+            center: None,
             background: [255, 255, 255],
             visible_width: None,
             supersampling: 3,
@@ -180,6 +184,7 @@ impl TubePicture {
             let field = "width × height × supersampling²".to_owned();
             return Err(InputError::Count { field, value: samples, allowed: "at most 268435456 samples (2 GB)" });
         }
+        check_vectors("center", self.center.as_slice())?;
         if let Some(width) = self.visible_width {
             InputError::positive("visible_width", width)?;
         }

@@ -4,7 +4,8 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::observe::report::{LineSample, Observation, PlaneSite, SiteReport};
+use crate::observe::SNAP;
+use crate::observe::report::{LineSample, Observation, PlaneSite, RodEnds, SiteReport};
 use crate::scene::Units;
 
 use super::csv::{Cell, write_table};
@@ -13,9 +14,8 @@ mod columns;
 
 pub use columns::Columns;
 
-/// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod.
-///
-/// Lines may be printed one by one: [`StepTable::head`], then [`StepTable::line`] for each step.
+/// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod, or of
+/// an open rod if it is the only one.
 #[derive(Debug, Clone, Copy)]
 pub struct StepTable<'a> {
     /// Names of the units.
@@ -27,14 +27,15 @@ pub struct StepTable<'a> {
 /// Name of a column in two lines, its unit and its width.
 type PrintedColumn = ([&'static str; 2], String, usize);
 
-/// The columns, named as in `table.csv` (link numbers without the rod's name).
-fn columns(units: &Units) -> [PrintedColumn; 13] {
+/// The columns, named as in `table.csv` (link numbers without the rod's name). An open rod has no excess link.
+fn columns(units: &Units, steps: &[Observation]) -> [PrintedColumn; 13] {
+    let link = if steps.iter().any(|step| only_open_rod(step).is_some()) { ["", "link"] } else { ["excess_", "link"] };
     let energy = format!("{} {}", units.force, units.length);
     let turns = || "turns".to_owned();
     let none = String::new;
     [
         (["", "step"], none(), 5),
-        (["excess_", "link"], turns(), 9),
+        (link, turns(), 9),
         (["", "writhe"], turns(), 9),
         (["", "twist"], turns(), 9),
         (["bending_", "energy"], energy.clone(), 11),
@@ -59,9 +60,21 @@ fn head(columns: &[PrintedColumn]) -> [String; 4] {
     [names(0), names(1), units, rule]
 }
 
+/// The open rod of a model with no other.
+fn only_open_rod(step: &Observation) -> Option<&RodEnds> {
+    match (&step.links[..], &step.ends[..]) {
+        ([], [only]) => Some(only),
+        _ => None,
+    }
+}
+
 /// The cells of a step, each as wide as its column.
 fn cells(step: &Observation) -> [String; 13] {
-    let link = step.links.first();
+    let [link, writhe, twist] = match (step.links.first(), only_open_rod(step)) {
+        (Some(rod), _) => [rod.excess_link, rod.writhe, rod.twist].map(Some),
+        (None, Some(rod)) => [rod.link, rod.writhe, Some(rod.twist)],
+        (None, None) => [None; 3],
+    };
     let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9}", fixed(x, 4)));
     // what is rounding beside the others, or beside a bend by one radian, is zero
     let e = &step.energies;
@@ -74,9 +87,9 @@ fn cells(step: &Observation) -> [String; 13] {
     };
     [
         format!("{:>5}", step.step),
-        turns(link.map(|l| l.excess_link)),
-        turns(link.map(|l| l.writhe)),
-        turns(link.map(|l| l.twist)),
+        turns(link),
+        turns(writhe),
+        turns(twist),
         energy(e.bending),
         energy(e.twisting),
         format!(" {}", energy(e.stretching)),
@@ -89,6 +102,11 @@ fn cells(step: &Observation) -> [String; 13] {
     ]
 }
 
+/// The line of one step.
+fn line(step: &Observation) -> String {
+    cells(step).concat() + &remark(step)
+}
+
 /// After the last column: a status other than converged, a star for notes.
 fn remark(step: &Observation) -> String {
     let status = if step.status == CONVERGED { String::new() } else { format!("  {}", step.status) };
@@ -96,20 +114,10 @@ fn remark(step: &Observation) -> String {
 }
 
 impl StepTable<'_> {
-    /// The three head lines (names, names continued, units) and a rule.
-    pub fn head(units: &Units) -> String {
-        head(&columns(units)).join("\n")
-    }
-
-    /// The line of one step.
-    pub fn line(step: &Observation) -> String {
-        cells(step).concat() + &remark(step)
-    }
-
     /// The table in lines of at most `width` columns: blocks one below the other, each with the numbers of the steps and
     /// as many columns as fit, at least one. Notes are not broken.
     pub fn within(&self, width: usize) -> String {
-        let columns = columns(self.units);
+        let columns = columns(self.units, self.steps);
         let remarks: Vec<String> = self.steps.iter().map(remark).collect();
         let cells: Vec<_> = self.steps.iter().map(cells).collect();
         let longest = remarks.iter().map(|remark| remark.chars().count()).max().unwrap_or(0);
@@ -138,18 +146,27 @@ impl StepTable<'_> {
         text
     }
 
+    /// A note with the number that its column of `table.csv` has.
+    fn told(&self, step: &Observation, note: &str) -> String {
+        let Units { length, force } = self.units;
+        match note {
+            SNAP => format!("{note}; it set {:.4} {force} {length} of energy free", step.energy_released),
+            other => other.to_owned(),
+        }
+    }
+
     /// Notes of the steps marked by a star, one a line; steps that follow each other with the same note share a line.
     /// Further lines are counted in the last one.
     fn footnotes(&self) -> Vec<String> {
-        let mut runs: Vec<(usize, usize, &str)> = Vec::new();
-        for (step, note) in self.steps.iter().flat_map(|step| step.notes.iter().map(|note| (step.step, note.as_str())))
-        {
+        let mut runs: Vec<(usize, usize, String)> = Vec::new();
+        let notes = self.steps.iter().flat_map(|step| step.notes.iter().map(|note| (step.step, self.told(step, note))));
+        for (step, note) in notes {
             match runs.iter_mut().rev().find(|run| run.2 == note && run.1 + 1 == step) {
                 Some(run) => run.1 = step,
                 None => runs.push((step, step, note)),
             }
         }
-        let line = |&(from, to, note): &(usize, usize, &str)| match from == to {
+        let line = |(from, to, note): &(usize, usize, String)| match from == to {
             true => format!("* step {from}: {note}"),
             false => format!("* steps {from} to {to}: {note}"),
         };
@@ -189,8 +206,8 @@ fn number(x: f64) -> String {
 
 impl fmt::Display for StepTable<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", Self::head(self.units))?;
-        self.steps.iter().try_for_each(|step| writeln!(f, "{}", Self::line(step)))?;
+        writeln!(f, "{}", head(&columns(self.units, self.steps)).join("\n"))?;
+        self.steps.iter().try_for_each(|step| writeln!(f, "{}", line(step)))?;
         self.footnotes().iter().try_for_each(|note| writeln!(f, "{note}"))
     }
 }
@@ -340,7 +357,7 @@ pub(super) mod tests {
         assert_eq!(widths, vec![widths[0]; 7], "{text}");
         assert!(text.contains("1.235e5") && text.contains("1.000e-6"), "{text}");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
-        assert!(StepTable::line(&failed).ends_with("  stopped"));
+        assert!(line(&failed).ends_with("  stopped"));
     }
 
     /// A table for a narrow terminal has the cells of the whole one, in their order, and no line too long.
@@ -351,7 +368,7 @@ pub(super) mod tests {
         let units = Units::default();
         let table = StepTable { units: &units, steps: &steps };
         let whole: Vec<Vec<String>> =
-            steps.iter().map(|step| StepTable::line(step).split_whitespace().map(str::to_owned).collect()).collect();
+            steps.iter().map(|step| line(step).split_whitespace().map(str::to_owned).collect()).collect();
         for width in [26, 40, 79, 80, 126, 140, 1000] {
             let text = table.within(width);
             assert!(text.lines().all(|line| line.chars().count() <= width), "{width}:\n{text}");
@@ -439,6 +456,29 @@ pub(super) mod tests {
         assert_eq!(columns.cells(&observation(1))[turned], Cell::Number(-1.0));
         let second = Observation { stage: 1, ..observation(1) };
         assert_eq!(columns.cells(&second)[turned], Cell::Number(-2.0));
+    }
+
+    /// An only open rod has its link, writhe and twist where closed rods have theirs; a snap tells its energy with the unit.
+    #[test]
+    fn open_rods_and_snaps_are_told() {
+        let rod = RodEnds {
+            rod: 0,
+            start: [0.0; 3],
+            end: [0.0; 3],
+            twist: 1.25,
+            excess_twist: 1.25,
+            link: Some(1.5),
+            writhe: Some(0.25),
+        };
+        let (notes, energy_released) = (vec![SNAP.to_owned()], 2.5);
+        let step = Observation { links: Vec::new(), ends: vec![rod], notes, energy_released, ..observation(0) };
+        let units = Units { length: "nm".to_owned(), force: "pN".to_owned() };
+        let text = StepTable { units: &units, steps: &[step] }.to_string();
+        assert!(text.contains(" 1.5000   0.2500   1.2500") && !text.contains("excess_"), "{text}");
+        assert!(
+            text.ends_with("* step 0: snap: the path was no longer stable; it set 2.5000 pN nm of energy free\n"),
+            "{text}"
+        );
     }
 
     /// A note of several steps appears once, below the table.

@@ -12,5 +12,6 @@ mod strains;
 
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
+pub(crate) use state::SNAP;
 pub use state::{OVERLAP, contact_lines, contact_sites, ending, observe};
 pub use strains::{RodStrains, strains};

@@ -32,8 +32,14 @@ const UNRESISTED: f64 = 1e-2;
 /// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
 const TOL_GAP: f64 = 1e-10;
 
+/// Factor by which the contact law in force is softer from which it is noted: a point of contact is wider by 3 %.
+const NOTED: f64 = 1.1;
+
 /// Relative rounding of a sum of lengths.
 const ROUNDING: f64 = 1e-12;
+
+/// Note of a step in which the rods snapped; [`Observation::energy_released`] says how much energy that set free.
+pub(crate) const SNAP: &str = "snap: the path was no longer stable";
 
 /// [`Observation::status`] of an equilibrium in which tubes overlap where contact does not resist it.
 pub const OVERLAP: &str = "overlap";
@@ -203,11 +209,11 @@ fn notes(progress: &Progress) -> Vec<String> {
         return Vec::new();
     }
     let (released, stiffness_reduction) = (progress.report.energy_released, progress.report.stiffness_reduction);
-    let snap =
-        (released > 0.0).then(|| format!("snap: the path was no longer stable; it set {released:.4} of energy free"));
-    let softer = (stiffness_reduction > 1.0).then(|| {
+    let snap = (released > 0.0).then(|| SNAP.to_owned());
+    let softer = (stiffness_reduction > NOTED).then(|| {
+        let digits = if stiffness_reduction < 10.0 { 1 } else { 0 };
         format!(
-            "the mesh does not carry the contact law asked for: one {stiffness_reduction:.0} times softer is in force, which widens \
+            "the mesh does not carry the contact law asked for: one {stiffness_reduction:.digits$} times softer is in force, which widens \
              points of contact; gaps are closed all the same"
         )
     });

@@ -18,6 +18,7 @@ mod state;
 mod templates;
 mod text;
 mod values;
+mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -27,9 +28,10 @@ use crate::error::InputError;
 
 use super::model::{Model, Stage};
 use super::{Fidelity, Units};
-use crate::text::{likest, read_text};
+use crate::text::read_regular;
 
 use text::{SceneText, StagesText};
+use words::in_a_users_words;
 
 #[cfg(feature = "sweeps")]
 pub(crate) use canonical::Canonical;
@@ -63,7 +65,8 @@ pub use templates::{TEMPLATES, Template};
 ///
 /// An unknown key is refused with its line, the keys that are allowed there and the most similar one; an illegal value
 /// with its key, the value and the legal range; a mesh that needs more memory than available (on Linux). All angles are
-/// in turns. Scenes are checked when they are read. Points come from regular files of at most 256 MiB.
+/// in turns. Scenes are checked when they are read. Scenes and what they name come from regular
+/// files of at most 256 MiB: `resume` reads them again.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// Title, for reports; may be empty.
@@ -196,7 +199,8 @@ pub struct PictureChoice {
     /// Width and height of `picture.png`, pixels. Legal: 16 to 8000. `None`: 1600 wide and as high as the rods need, 320 to
     /// 1200.
     pub size: Option<[usize; 2]>,
-    /// Direction from the rods to the eye, not zero; `None`: the direction of least extent of the final state.
+    /// Direction from the rods to the eye, not zero; `None`: the direction of least extent of the final state,
+    /// or a little above the first plane.
     pub camera: Option<[f64; 3]>,
     /// Upward direction of the picture, not along `camera`. `None`: the one with the widest final state; with a
     /// `camera`, z or else y.
@@ -301,7 +305,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::read`]; [`InputError::Inconsistent`] for a key that does not exist.
     pub fn read_with(path: &Path, set: &[String]) -> Result<Self, InputError> {
-        let text = read_text(path)?;
+        let text = read_regular(path)?;
         let scene = Self::parse(&text, set, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))?;
         Ok(Self { path: std::path::absolute(path).ok(), text, set: set.to_vec(), ..scene })
     }
@@ -329,13 +333,15 @@ impl Scene {
     /// # Errors
     /// As [`Scene::from_toml`].
     pub fn stages_from_toml(&self, text: &str) -> Result<Vec<Stage>, InputError> {
-        let refuse = |e: toml::de::Error| InputError::Parse { file: "stages".to_owned(), reason: with_suggestion(&e) };
+        let refuse =
+            |e: toml::de::Error| InputError::Parse { file: "stages".to_owned(), reason: in_a_users_words(&e, text) };
         let text: StagesText = toml::from_str(text).map_err(refuse)?;
         build::further_stages(&text.stages, &self.model, &self.relaxed_links)
     }
 
     fn parse(text: &str, set: &[String], file: &str, base_dir: &Path) -> Result<Self, InputError> {
-        let refuse = |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: with_suggestion(&e) };
+        let refuse =
+            |e: toml::de::Error| InputError::Parse { file: file.to_owned(), reason: in_a_users_words(&e, text) };
         // parsed also if values are replaced, because only here do errors have lines
         let mut read: SceneText = toml::from_str(text).map_err(refuse)?;
         if !set.is_empty() {
@@ -376,50 +382,6 @@ impl Scene {
             ..Self::default()
         })
     }
-}
-
-/// Most characters shown of a word that is quoted, because serde writes 1e300 with all its zeros.
-const LONGEST_WORD: usize = 40;
-
-/// Names of types in serde's messages and in ours.
-const TYPES: [(&str, &str); 8] = [
-    ("usize", "a whole number of at least 0"),
-    ("i64", "a whole number"),
-    ("i32", "a whole number"),
-    ("f64", "a number"),
-    ("a boolean", "true or false"),
-    ("a string", "text in quotes"),
-    ("variant identifier", "text in quotes"),
-    ("a list of tables", "a list of tables: each begins with its name in double brackets, such as [[rods]]"),
-];
-
-/// Message of an error, with the allowed word that is most similar to an unknown one.
-fn with_suggestion(error: &toml::de::Error) -> String {
-    let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
-    let suggestion = match words.as_slice() {
-        [found, allowed @ ..] if error.message().starts_with("unknown ") => likest(found, allowed.iter().copied()),
-        _ => None,
-    };
-    let hint = suggestion.map(|word| format!("did you mean `{word}`?"));
-    let text =
-        shortened(&error.to_string().replace("invalid type: map", "invalid type: table").replace(" as i128", ""));
-    // a key may follow on a line of its own
-    let in_a_users_words = |(before, after): (&str, &str)| {
-        let (found, rest) = after.split_at(after.find('\n').unwrap_or(after.len()));
-        let (_, said) = TYPES.iter().find(|(name, _)| *name == found)?;
-        Some(format!("{before}expected {said}{rest}"))
-    };
-    let text = text.rsplit_once("expected ").and_then(in_a_users_words).unwrap_or(text);
-    format!("{text}{}", hint.unwrap_or_default()).trim_end().to_owned()
-}
-
-/// Text in which each long number or word between backquotes is cut.
-fn shortened(text: &str) -> String {
-    let cut = |(index, part): (usize, &str)| match part.char_indices().nth(LONGEST_WORD) {
-        Some((end, _)) if index % 2 == 1 => format!("{}…", &part[..end]),
-        _ => part.to_owned(),
-    };
-    text.split('`').enumerate().map(cut).collect::<Vec<_>>().join("`")
 }
 
 /// Refuses strings with control characters, which would reach tables and terminals.

@@ -39,7 +39,7 @@ pub fn place_name(model: &Model, node: NodeRef) -> String {
     if model.rods.len() > 1 { format!("{}_{at}", rod.name) } else { at }
 }
 
-/// All prescribed quantities except link and poses, which states contain.
+/// All prescribed quantities except link and poses, which states contain; whole turns on top of a pose are among them.
 pub fn prescribed(model: &Model, stages: &[Stage]) -> Vec<Prescribed> {
     let mut all: Vec<Prescribed> = Vec::new();
     for (k, stage) in stages.iter().enumerate() {
@@ -82,11 +82,15 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
         Ramp::Number { rod, which, to } => {
             vec![(of_rod(which.name(), *rod), unit_of(*which), model.rods[*rod].number(*which), *to)]
         }
-        Ramp::ExcessLink { .. } | Ramp::Pose { .. } | Ramp::Hold(_) | Ramp::Release(_) => Vec::new(),
+        Ramp::Pose { node, pose } => {
+            let name = || format!("{}_extra_turns", place_name(model, *node));
+            pose.turns.map(|turns| (name(), "turns", 0.0, turns)).into_iter().collect()
+        }
+        Ramp::ExcessLink { .. } | Ramp::Hold(_) | Ramp::Release(_) => Vec::new(),
     }
 }
 
-/// Name of the first number that a ramp moves, as a column of tables; none for link, poses and supports.
+/// Name of the first number that a ramp moves, as a column of tables; none for link, poses without extra turns and supports.
 pub fn ramped_name(model: &Model, ramp: &Ramp) -> Option<String> {
     numbers(model, ramp).into_iter().next().map(|(name, ..)| name)
 }

@@ -24,7 +24,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
 ];
 
 /// Foreign crates that a single file names.
-const NAMED_ONCE: [(&str, &str); 10] = [
+const NAMED_ONCE: [(&str, &str); 12] = [
     ("rayon", "math/parallel.rs"),
     ("parry3d", "contact/tree/leaves.rs"),
     ("faer", "sparse/factor.rs"),
@@ -35,6 +35,8 @@ const NAMED_ONCE: [(&str, &str); 10] = [
     ("crc32fast", "io/checkpoint.rs"),
     ("ctrlc", "main.rs"),
     ("parquet::file", "io/sweep/parquet.rs"),
+    ("pdf_writer", "io/picture/pdf.rs"),
+    ("plotters_backend", "io/picture/pdf.rs"),
 ];
 
 fn source() -> PathBuf {

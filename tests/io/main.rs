@@ -32,6 +32,7 @@ mod long_output;
 mod paraview;
 mod pictures;
 mod planes;
+mod program;
 mod scene_files;
 mod scene_help;
 mod scene_tables;

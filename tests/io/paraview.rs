@@ -5,7 +5,7 @@
 use supercoil::io::vtk::{VtkData, read_vtp};
 use supercoil::math::Vec3;
 
-use crate::told::{folder, number, run, table};
+use crate::program::{folder, number, run, table};
 
 const CANTILEVER: &str = r#"
 units = { length = "m", force = "N" }

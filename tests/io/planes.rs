@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use supercoil::io::run::run_scene;
 use supercoil::scene::Scene;
 use supercoil::solve::Status;
+
+use crate::program::{folder, number, table};
 
 const RING: &str = r#"
 planar = true
@@ -72,28 +73,41 @@ fn planes_without_sense_are_refused() {
     }
 }
 
-fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
-    let columns: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: csv::StringRecord| columns.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
+/// Symptom: each picture of a film strip was centred by itself, so that a plane that is held seemed to move.
+#[test]
+fn a_film_strip_has_one_camera() {
+    let dir = folder("strip");
+    let scene = Scene::from_toml(&format!("{RING}[output]\nvtk = false\n"), Path::new("")).unwrap();
+    let outcome = run_scene(scene, &dir, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let strip = image::open(dir.join("filmstrip.png")).unwrap().to_luma8();
+    let width = strip.width() / 3;
+    // planes are seen edge on: as lines across
+    let lines = |frame: u32| -> Vec<u32> {
+        let columns = || frame * width..(frame + 1) * width;
+        let inked = |row: u32| columns().filter(|&x| strip.get_pixel(x, row)[0] < 255).count();
+        (0..strip.height()).filter(|&row| 10 * inked(row) > 9 * width as usize).collect()
+    };
+    let [first, last] = [lines(0), lines(2)];
+    assert_eq!(first.last(), last.last(), "the lower plane stands: {first:?} {last:?}");
+    assert!(first[0] + 5 < last[0], "the upper one comes down: {first:?} {last:?}");
+    std::fs::remove_dir_all(&dir).unwrap();
 }
 
 #[test]
 fn tables_tell_planes_forces_and_sites() {
-    let dir = std::env::temp_dir().join(format!("supercoil_planes_{}", std::process::id()));
+    let dir = folder("planes");
     let scene = Scene::from_toml(RING, Path::new("")).unwrap();
     let outcome = run_scene(scene, &dir, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(outcome.status, Status::Converged);
-    let table = rows(&dir.join("table.csv"));
-    let last = &table[table.len() - 1];
-    let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    let (_, steps) = table(&dir.join("table.csv"));
+    let last = &steps[steps.len() - 1];
     let [lower, upper] = ["lower_force", "upper_force"].map(|name| number(last, name));
     assert!(lower > 0.5 && (lower - upper).abs() < 1e-6, "{lower} {upper}");
     assert_eq!((number(last, "upper_displaced"), last["num_sites"].as_str()), (0.2, "2"));
     assert!((number(last, "contact_force") - lower - upper).abs() < 1e-12);
     assert!(number(last, "penetration") <= 5.1e-10);
-    let sites = rows(&dir.join("sites.csv"));
+    let sites = table(&dir.join("sites.csv")).1;
     assert_eq!(sites.iter().map(|site| site["rod_b"].as_str()).collect::<Vec<_>>(), ["lower", "upper"]);
     for (site, sign) in sites.iter().zip([1.0, -1.0]) {
         assert_eq!((site["rod_a"].as_str(), site["kind"].as_str(), site["from_b"].as_str()), ("ring", "point", ""));

@@ -142,6 +142,20 @@ fn missing_and_ill_typed_values_are_named() {
     refused(BEAM, "order = 2", "order = [", &["TOML parse error at line"]);
 }
 
+/// Where a key is missing is told as `--set` would address it, not by line only.
+#[test]
+fn tables_without_a_key_are_named() {
+    for (text, from, place) in [
+        (RING, "shape = { kind = \"circle\", length = 114.24 }\n", "line 4, column 1\n  |\n4 | [[rods]]"),
+        (RING, "shape = { kind = \"circle\", length = 114.24 }\n", "missing field `shape` in rods.dna"),
+        (RING, "kind = \"circle\", ", "missing field `kind` in rods.dna.shape"),
+        (RING, ", to = -3.0", "missing field `to` in stages.0.ramp.excess_link"),
+        (BEAM, "at = { arc = 1.6 }\n", "missing field `at` in supports.1"),
+    ] {
+        refused(text, from, "", &[place]);
+    }
+}
+
 /// Before, numbers beyond those that are meant were dropped without a word.
 #[test]
 fn lists_of_the_wrong_length_are_refused() {

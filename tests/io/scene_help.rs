@@ -4,14 +4,11 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use supercoil::scene::Scene;
 use supercoil::scene::file::{TEMPLATES, help, keys};
 
-fn supercoil(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_supercoil")).args(arguments).output().unwrap()
-}
+use crate::program::supercoil;
 
 #[test]
 fn scenes_to_begin_with_are_accepted() {

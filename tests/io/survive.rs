@@ -13,6 +13,8 @@ use supercoil::io::run::{Outcome, SceneRun, resume, run_scene};
 use supercoil::scene::Scene;
 use supercoil::solve::Status;
 
+use crate::program::folder;
+
 /// A minicircle through its snap into the figure-eight: contact, softened laws, steps that fail and are halved.
 const RING: &str = r#"
     title = "ring"
@@ -32,14 +34,6 @@ const RING: &str = r#"
     [output]
     checkpoint_steps = 1
 "#;
-
-/// An empty folder that no other test uses.
-fn folder(name: &str) -> PathBuf {
-    let dir = std::env::temp_dir().join(format!("supercoil_survive_{}_{name}", std::process::id()));
-    std::fs::remove_dir_all(&dir).ok();
-    std::fs::create_dir_all(&dir).unwrap();
-    dir
-}
 
 /// The ring's scene as a file, so that a run can be resumed by its folder alone.
 fn ring_file(dir: &Path) -> PathBuf {

@@ -315,6 +315,21 @@ fn the_command_line_says_how_it_went() {
     std::fs::remove_dir_all(dir).unwrap();
 }
 
+/// What the help shows can be planned: 3 salts, 7 densities, 2 linked values, 100 draws.
+#[test]
+fn the_sweep_file_of_the_help_is_one() {
+    let dir = crate::program::folder("sweep_help");
+    let help = Command::new(env!("CARGO_BIN_EXE_supercoil")).args(["help", "sweep"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let lines = help.split("A sweep file:\n").nth(1).unwrap().lines();
+    let file: String = lines.map(|line| line.trim().to_owned() + "\n").collect();
+    std::fs::write(dir.join("sweep.toml"), file).unwrap();
+    let minicircle = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes/minicircle.toml");
+    std::fs::copy(minicircle, dir.join("minicircle.toml")).unwrap();
+    assert_eq!(Plan::of_file(&dir.join("sweep.toml")).unwrap().cases().len(), 4200);
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
 #[test]
 fn the_example_is_ten_thousand_cases() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sweeps/minicircles.toml");

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::told::{folder, number, run, supercoil, table};
+use crate::program::{folder, number, run, supercoil, table};
 
 type Rows = Vec<std::collections::BTreeMap<String, String>>;
 
@@ -60,6 +60,8 @@ fn an_open_rod_has_link_twist_and_writhe() {
     let pushed = "[[stages]]\nramp = { displacement = { at = \"end\", to = [-0.3, 0, 0] } }\nsteps = 6";
     let rows = rows_of("open", &clamped("twist = 1.3\nelements = 16", pushed));
     assert!((number(&rows[0], "twist") - 1.3).abs() < 1e-7 && number(&rows[0], "writhe").abs() < 1e-7);
+    let told = |name: &str| rows.iter().map(|row| row[name].as_str()).collect::<Vec<_>>();
+    assert_eq!(told("end_displaced_x"), ["0.0", "-0.05", "-0.1", "-0.15", "-0.2", "-0.25", "-0.3"], "a grid");
     let last = rows.last().unwrap();
     assert!((number(last, "extension") - 0.7).abs() < 1e-9);
     assert!((number(last, "link") - 1.3).abs() < 1e-3, "{last:?}");
@@ -89,6 +91,7 @@ fn an_end_goes_to_a_pose() {
     there(&last("pose_axis", "relative = true, position = [-0.4, 0.3, 0.0], axis_angle = [0, 0, 1, 0.25]"));
     let turned = last("pose_turned", "extra_turns = 1");
     assert!((number(&turned, "link") - 1.0).abs() < 1e-9 && (number(&turned, "excess_twist") - 1.0).abs() < 1e-6);
+    assert_eq!(turned["end_extra_turns"], "1.0");
 }
 
 /// Supports let go and hold again between stages.
@@ -288,7 +291,7 @@ fn a_quantity_has_one_name() {
     }
     let known = [
         "step",
-        "excess_link",
+        "link",
         "writhe",
         "twist",
         "bending_energy",
@@ -299,8 +302,7 @@ fn a_quantity_has_one_name() {
     assert_eq!(names[..8], known, "{printed}");
     assert_eq!(names[8..], ["min_gap", "num_sites", "contact_force", "num_unstable", "iterations"], "{printed}");
     let (columns, _) = table(&dir.join("out/table.csv"));
-    // links are those of closed rods
-    assert!(names.iter().filter(|name| *name != "excess_link").all(|name| columns.contains(name)), "{columns:?}");
+    assert!(names.iter().all(|name| columns.contains(name)), "{columns:?}");
     let page = std::fs::read_to_string(dir.join("out/view.html")).unwrap();
     for name in ["bending_energy", "min_gap", "num_sites", "contact_force", "num_unstable"] {
         assert!(page.contains(&format!("\"name\":\"{name}\"")), "{name}");
@@ -348,7 +350,7 @@ fn narrow_terminals_are_not_overrun() {
     let (table, _) = printed.split_once("\n\nconverged").unwrap();
     // notes below the table are as long as they are
     let is_note = |line: &&str| line.starts_with("* ");
-    let lines = || table.lines().skip_while(|line| !line.contains("excess_")).take_while(|line| !is_note(line));
+    let lines = || table.lines().skip_while(|line| !line.contains("step")).take_while(|line| !is_note(line));
     assert!(lines().all(|line| line.chars().count() <= 40), "{printed}");
     for name in ["writhe", "bending_", "iterations"] {
         assert!(table.contains(name), "{printed}");

@@ -3,28 +3,9 @@
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
-pub(crate) fn supercoil(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_supercoil")).args(arguments).output().unwrap()
-}
-
-pub(crate) fn folder(name: &str) -> PathBuf {
-    let dir = std::env::temp_dir().join(format!("supercoil_told_{}_{name}", std::process::id()));
-    std::fs::remove_dir_all(&dir).ok();
-    std::fs::create_dir_all(&dir).unwrap();
-    dir
-}
-
-/// Runs a scene; exit code, standard output, standard error.
-pub(crate) fn run(dir: &Path, scene: &str) -> (i32, String, String) {
-    let file = dir.join("scene.toml");
-    std::fs::write(&file, scene).unwrap();
-    let out = supercoil(&["run", file.to_str().unwrap(), "--force", "--out", dir.join("out").to_str().unwrap()]);
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (out.status.code().unwrap(), text(&out.stdout), text(&out.stderr))
-}
+use crate::program::{folder, number, run, supercoil, table};
 
 fn warnings(dir: &Path, scene: &str) -> String {
     let file = dir.join("scene.toml");
@@ -32,20 +13,6 @@ fn warnings(dir: &Path, scene: &str) -> String {
     let out = supercoil(&["check", file.to_str().unwrap()]);
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     String::from_utf8_lossy(&out.stderr).into_owned()
-}
-
-pub(crate) type Table = (Vec<String>, Vec<BTreeMap<String, String>>);
-
-pub(crate) fn table(path: &Path) -> Table {
-    let mut reader = csv::Reader::from_path(path).unwrap();
-    let columns: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: csv::StringRecord| columns.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    let rows = reader.records().map(|record| row(record.unwrap())).collect();
-    (columns.clone(), rows)
-}
-
-pub(crate) fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("{column} = {:?}", row[column]))
 }
 
 const MINICIRCLE: &str = r#"

@@ -46,7 +46,7 @@ impl Camera {
         let scale = picture.visible_width.map_or(fitted, |w| width as f64 / w);
         Ok(Self {
             axes,
-            center: axes.transpose() * ((low + high) * 0.5),
+            center: picture.center.unwrap_or_else(|| axes.transpose() * ((low + high) * 0.5)),
             scale,
             per_pixel: picture.supersampling as f64,
             width,

@@ -1,6 +1,9 @@
 //! Pictures of a run: final shape, film strip, writhe against excess link.
 
+use std::f64::consts::TAU;
+
 use crate::error::InputError;
+use crate::io::picture::camera::principal_axes;
 use crate::io::picture::grid::round_below;
 use crate::io::picture::{
     Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
@@ -20,6 +23,14 @@ const STRIP: usize = 6;
 const PICTURE: [usize; 2] = [1600, 1200];
 /// Largest width and height of a picture in the film strip, pixels.
 const FRAME: [usize; 2] = [560, 420];
+/// Angle at which planes are seen, rad: their grids are open, and what lies on them is hardly foreshortened.
+const ELEVATION: f64 = 0.3;
+/// Curvature and twist rate over those of one turn along the rod that are shown as none: below the tolerance of the solver.
+const NO_TURN: f64 = 1e-6;
+/// Margin of a picture on each side, over the extent of its rods.
+const MARGIN: f64 = 0.03;
+/// Width with a colour bar over that without: the bar and its title take a fifth of the picture.
+const BAR: f64 = 1.3;
 /// Largest width over height, because legends need room in pictures of rods that are long and thin.
 const FLATTEST: usize = 5;
 
@@ -27,23 +38,29 @@ impl Record {
     pub(super) fn write_pictures(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let final_state = self.still(last, false);
         let axes = self.axes(&final_state);
-        let extents = self.extents(&final_state, &axes);
-        let [width, height] = self.choice.size.unwrap_or_else(|| canvas(extents, PICTURE));
-        let visible_width = Some(width_shown(extents, [width, height]));
+        let region = self.region(&final_state, &axes);
         let range = self.range(std::iter::once(&final_state));
-        let picture = TubePicture { width, height, visible_width, ..self.picture(&final_state, &axes, range) };
+        let shown = extents(region, range.is_some());
+        let [width, height] = self.choice.size.unwrap_or_else(|| canvas(shown, PICTURE));
+        let visible = width_shown(shown, [width, height]);
+        let (center, visible_width) = (Some(middle(region, &axes, range.map(|_| visible))), Some(visible));
+        let picture = self.picture(&final_state, &[&final_state], &axes, range);
+        let picture = TubePicture { width, height, center, visible_width, ..picture };
         self.write_picture(picture, range)?;
         let mut stills = Vec::new();
         let last = self.still(last, true);
         let frames = self.strip(&last);
-        let extents = frames.iter().map(|frame| self.extents(frame, &axes));
-        let extents = extents.fold([0.0_f64; 2], |[width, height], other| [width.max(other[0]), height.max(other[1])]);
-        let [width, height] = canvas(extents, FRAME);
-        let visible_width = Some(width_shown(extents, [width, height]));
+        // one camera for all, so that what is held stands still
+        let regions = frames.iter().map(|frame| self.region(frame, &axes));
+        let region = regions.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).unwrap_or_default();
+        let shown = extents(region, false);
+        let center = Some(middle(region, &axes, None));
+        let [width, height] = canvas(shown, FRAME);
+        let visible_width = Some(width_shown(shown, [width, height]));
         let range = self.range(frames.iter().copied());
-        for frame in frames {
-            let picture = self.picture(frame, &axes, range);
-            let picture = TubePicture { width, height, supersampling: 2, visible_width, ..picture };
+        for &frame in &frames {
+            let picture = self.picture(frame, &frames, &axes, range);
+            let picture = TubePicture { width, height, supersampling: 2, center, visible_width, ..picture };
             let mut drawn = picture.render()?;
             self.add_legends(&mut drawn, visible_width, None);
             stills.push((drawn, self.caption(frame.step)));
@@ -106,12 +123,17 @@ impl Record {
     fn range<'a>(&self, frames: impl Iterator<Item = &'a Still>) -> Option<[f64; 2]> {
         let values = frames.flat_map(|frame| &frame.rods).flat_map(|rod| &rod.values);
         let largest = values.map(|value| value.abs()).fold(0.0, f64::max);
-        let low = if self.choice.color_by == ColorBy::TwistRate { -largest } else { 0.0 };
-        (largest > 0.0).then_some([low, largest])
+        let longest = self.rods.iter().map(|rod| rod.length).fold(0.0, f64::max);
+        let (low, least) = match self.choice.color_by {
+            ColorBy::Strand | ColorBy::Pressure => (0.0, 0.0),
+            ColorBy::Curvature => (0.0, NO_TURN * TAU / longest),
+            ColorBy::TwistRate => (-largest, NO_TURN * TAU / longest),
+        };
+        (largest > least).then_some([low, largest])
     }
 
     /// Directions to the right and upwards in all pictures of the run: those of the scene, or the directions of largest
-    /// extent of the final state.
+    /// extent of the final state; above a plane it is below.
     fn axes(&self, frame: &Still) -> [Vec3; 2] {
         if let Some(camera) = self.choice.camera.map(Vec3::from) {
             let camera = camera / camera.amax();
@@ -123,23 +145,20 @@ impl Record {
         if self.planar {
             return [Vec3::x(), Vec3::y()];
         }
-        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
-        let center = points().sum::<Vec3>() / points().count() as f64;
-        widest_axes(points(), &center)
+        let axes = principal_axes(frame.rods.iter().flat_map(|rod| &rod.points), true);
+        match self.planes.first() {
+            Some(plane) => above(plane.normal.into(), axes),
+            None => [axes.row(0).transpose(), -axes.row(1).transpose()],
+        }
     }
 
-    /// Width and height \[L\] that show the whole frame.
-    fn extents(&self, frame: &Still, axes: &[Vec3; 2]) -> [f64; 2] {
-        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
+    /// Smallest and largest coordinates \[L\] of what a frame shows: to the right, upwards, towards the eye.
+    fn region(&self, frame: &Still, axes: &[Vec3; 2]) -> [Vec3; 2] {
+        let axes = coordinates(axes);
         let radius = (0..self.rods.len()).map(|rod| self.head(rod, frame.step).radius()).fold(0.0, f64::max);
-        let extent = |axis: usize| {
-            let (low, high) = (points().map(|point| axes[axis].dot(point)))
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            high - low + 2.0 * radius
-        };
-        // space for a colour bar on the right
-        let room = if self.choice.color_by == ColorBy::Strand { 1.06 } else { 1.3 };
-        [room * extent(0), 1.06 * extent(1)]
+        let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
+        let points = frame.rods.iter().flat_map(|rod| &rod.points).map(|point| axes * point);
+        points.fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))])
     }
 
     fn caption(&self, step: usize) -> String {
@@ -164,7 +183,8 @@ impl Record {
         links().find(|link| start(link.rod) != Some(link.excess_link)).map(|link| link.rod)
     }
 
-    fn picture(&self, frame: &Still, axes: &[Vec3; 2], range: Option<[f64; 2]>) -> TubePicture {
+    /// One of the pictures of `all` frames.
+    fn picture(&self, frame: &Still, all: &[&Still], axes: &[Vec3; 2], range: Option<[f64; 2]>) -> TubePicture {
         const COLORS: [[u8; 3]; 4] = [[62, 112, 178], [206, 112, 58], [84, 150, 96], [150, 104, 170]];
         let observation = &self.steps[frame.step];
         let tube = |(index, (head, rod)): (usize, (&RodHead, &StillRod))| {
@@ -186,7 +206,7 @@ impl Record {
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
-        let (spots, lines) = (self.spots(frame), self.grids(frame));
+        let (spots, lines) = (self.spots(frame), self.grids(frame, all));
         TubePicture { tubes, view, spots, lines, ..TubePicture::default() }
     }
 
@@ -199,9 +219,9 @@ impl Record {
         frame.spots.iter().map(spot).collect()
     }
 
-    /// The planes where they are in this state.
-    fn grids(&self, frame: &Still) -> Vec<[Vec3; 2]> {
-        let points = || frame.rods.iter().flat_map(|rod| &rod.points);
+    /// The planes where they are in this state, below the rods of all frames.
+    fn grids(&self, frame: &Still, all: &[&Still]) -> Vec<[Vec3; 2]> {
+        let points = || all.iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
         let heights = plane_heights(&self.steps[frame.step], self.planes.len());
         self.planes.iter().zip(heights).flat_map(|(plane, height)| plane.grid(points(), height)).collect()
     }
@@ -231,6 +251,26 @@ impl Record {
     }
 }
 
+/// Width and height \[L\] that show a whole region, with room for a colour bar on the right if there is one.
+fn extents([low, high]: [Vec3; 2], has_bar: bool) -> [f64; 2] {
+    let room = if has_bar { BAR } else { 1.0 } + 2.0 * MARGIN;
+    [room * (high.x - low.x), (1.0 + 2.0 * MARGIN) * (high.y - low.y)]
+}
+
+/// Point in the middle of the picture of a region. With a colour bar the region is at the left of the width shown.
+fn middle([low, high]: [Vec3; 2], axes: &[Vec3; 2], with_bar: Option<f64>) -> Vec3 {
+    let mut point = 0.5 * (low + high);
+    if let Some(width) = with_bar {
+        point.x = low.x - MARGIN * (high.x - low.x) + 0.5 * width;
+    }
+    coordinates(axes).transpose() * point
+}
+
+/// Rows to the right, upwards, towards the eye.
+fn coordinates([right, up]: &[Vec3; 2]) -> Mat3 {
+    Mat3::from_rows(&[right.transpose(), up.transpose(), right.cross(up).transpose()])
+}
+
 /// Width and height of a picture as wide as `largest` and only as high as is needed to show what is seen.
 fn canvas(extents: [f64; 2], largest: [usize; 2]) -> [usize; 2] {
     let [width, height] = largest;
@@ -243,18 +283,52 @@ fn width_shown(extents: [f64; 2], [width, height]: [usize; 2]) -> f64 {
     extents[0].max(extents[1] * width as f64 / height as f64)
 }
 
-/// The two axes along which the points spread most, widest first.
-fn widest_axes<'a>(points: impl Iterator<Item = &'a Vec3>, center: &Vec3) -> [Vec3; 2] {
-    let spread: Mat3 = points.map(|point| (point - center) * (point - center).transpose()).sum();
-    let eigen = spread.symmetric_eigen();
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    [0, 1].map(|k| eigen.eigenvectors.column(axes[k]).into_owned())
+/// Axes of a picture in which a plane's normal points upwards: to the right what is widest along it, seen from a little
+/// above it, so that its grid can be seen.
+fn above(normal: Vec3, axes: Mat3) -> [Vec3; 2] {
+    let across = |row: usize| {
+        let axis: Vec3 = axes.row(row).transpose();
+        axis - normal * normal.dot(&axis)
+    };
+    // the widest axis may be the normal itself
+    let right = if across(0).norm() > 0.5 { across(0) } else { across(1) };
+    let right = right.normalize();
+    let (sin, cos) = ELEVATION.sin_cos();
+    [right, normal * cos - right.cross(&normal) * sin]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Symptom: a colour bar covered the rod in pictures that are wider than it needs.
+    #[test]
+    fn a_colour_bar_has_its_own_place() {
+        let axes = [Vec3::y(), Vec3::z()];
+        for region in [[Vec3::zeros(), Vec3::new(1.0, 4.0, 4.0)], [Vec3::new(5.0, 2.0, 2.0), Vec3::new(9.0, 4.0, 9.0)]]
+        {
+            let needed = extents(region, true);
+            let size = canvas(needed, PICTURE);
+            let width = width_shown(needed, size);
+            let middle = coordinates(&axes) * super::middle(region, &axes, Some(width));
+            let [left, right] = region.map(|corner| corner.x - middle.x);
+            assert!(left > -0.5 * width && right < 0.3 * width, "{left} {right} {width}");
+            assert_eq!(middle.y, 0.5 * (region[0].y + region[1].y));
+        }
+    }
+
+    #[test]
+    fn planes_are_seen_from_a_little_above() {
+        let normal = Vec3::z();
+        // rods that spread most along x, y or z
+        for axes in [[0, 1, 2], [1, 0, 2], [2, 0, 1], [2, 1, 0]] {
+            let rows = axes.map(|k| Vec3::ith(k, 1.0).transpose());
+            let [right, up] = above(normal, Mat3::from_rows(&rows));
+            let eye = right.cross(&up);
+            assert!(right.dot(&up).abs() < 1e-15 && right.dot(&normal).abs() < 1e-15);
+            assert!(up.dot(&normal) > 0.9 && (eye.dot(&normal) - ELEVATION.sin()).abs() < 1e-15, "{eye}");
+        }
+    }
 
     #[test]
     fn pictures_are_as_high_as_their_rods_need() {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::Value;
 
 use crate::error::InputError;
-use crate::text::read_text;
+use crate::text::read_regular;
 
 use super::random::DrawStream;
 
@@ -85,7 +85,7 @@ type SweepAxis = Vec<Vec<String>>;
 
 impl SweepText {
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        Self::parse(&read_text(path)?, &path.display().to_string())
+        Self::parse(&read_regular(path)?, &path.display().to_string())
     }
 
     fn parse(text: &str, file: &str) -> Result<Self, InputError> {

@@ -9,7 +9,7 @@ use twox_hash::XxHash3_128;
 use crate::error::InputError;
 use crate::scene::Scene;
 use crate::scene::file::Canonical;
-use crate::text::read_text;
+use crate::text::read_regular;
 
 use super::case::check_key;
 use super::file::{Rows, SweepText};
@@ -60,7 +60,7 @@ impl Plan {
     pub fn of_file(path: &Path) -> Result<Self, InputError> {
         let sweep = SweepText::read(path)?;
         let scene = path.parent().unwrap_or(Path::new("")).join(&sweep.scene);
-        let text = read_text(&scene)?;
+        let text = read_regular(&scene)?;
         let absolute = |e: std::io::Error| InputError::File { path: scene.clone(), reason: e.to_string() };
         let scene = std::path::absolute(&scene).map_err(absolute)?;
         let head = Head { supercoil_sweep: FORMAT, scene, rows: sweep.rows, set: sweep.shared(), text };

@@ -64,7 +64,7 @@ impl Columns {
         let mut all = Self { all: Vec::new(), ramped: None };
         all.add("step", "", "accepted step, 0 the start", |step| step.step.into());
         all.add("stage", "", "stage, from 0", |step| step.stage.into());
-        all.add("fraction", "", "part of the stage done", |step| step.fraction.into());
+        all.add("fraction", "", "part of the stage done", |step| requested(step.fraction));
         all.prescribed(model, stages, &names);
         all.links(model, relaxed_links, &names);
         all.ends(model, &names);
@@ -121,7 +121,7 @@ impl Columns {
             };
             let name = quantity.name.clone();
             self.add(&name, &unit, "prescribed by the stages", move |step| {
-                quantity.at(step.stage, step.fraction).into()
+                requested(quantity.at(step.stage, step.fraction))
             });
         }
     }
@@ -133,7 +133,7 @@ impl Columns {
                     step.links.iter().find(|link| link.rod == rod).map_or(Cell::Missing, |link| number(of(link)))
                 });
             };
-            add("excess_link", "turns", "link beyond that of the relaxed rod", |link| link.excess_link);
+            add("excess_link", "turns", "link beyond that of the relaxed rod", |link| rounded(link.excess_link));
             add("link", "turns", "the whole link, natural twist included: twist + writhe", |link| link.link);
             add("twist", "turns", "of the material line about the centreline", |link| link.twist);
             add("excess_twist", "turns", "twist beyond the natural one", |link| link.excess_twist);
@@ -142,7 +142,7 @@ impl Columns {
             if let Some(relaxed) = relaxed_links.get(rod).copied().flatten() {
                 let sigma = move |step: &Observation| {
                     let link = step.links.iter().find(|link| link.rod == rod);
-                    link.map_or(Cell::Missing, |link| number(link.excess_link / relaxed))
+                    link.map_or(Cell::Missing, |link| requested(link.excess_link / relaxed))
                 };
                 self.add(&of_rod(model, rod, "sigma"), "", "supercoiling density", sigma);
             }
@@ -335,6 +335,16 @@ fn of_rod(model: &Model, rod: usize, name: &str) -> String {
     } else {
         name.to_owned()
     }
+}
+
+/// A number without the rounding of the steps that led to it: the third step of .1 is at .3, not at .30000000000000004.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.12e}").parse().unwrap_or(value)
+}
+
+/// A value that stages ask for.
+fn requested(value: f64) -> Cell {
+    number(rounded(value))
 }
 
 fn number(x: f64) -> Cell {

@@ -66,8 +66,13 @@ impl Scene {
             let (spacing, diameter) = (rod.spacing(), 2.0 * rod.section.contact_radius);
             let touches = diameter > 0.0 && self.model.contact.law.is_on();
             let by_contact = if touches {
-                let needed = if diameter / spacing < NODES_A_DIAMETER { ": too few for lines of contact" } else { "" };
-                format!(", {:.1} a contact diameter{needed}", diameter / spacing)
+                let nodes = diameter / spacing;
+                let needed = if nodes < NODES_A_DIAMETER {
+                    format!(" (lines of contact need {NODES_A_DIAMETER})")
+                } else {
+                    String::new()
+                };
+                format!(", {nodes:.1} a contact diameter{needed}")
             } else {
                 String::new()
             };
@@ -90,8 +95,9 @@ impl Scene {
             _ => format!("about {:.0} h", seconds / 3600.0),
         };
         let all = format!(
-            "{nodes} nodes take {:.0} MiB or more, {steps} steps {time} on one core, several times more where rods snap",
-            (bytes / MIB).max(1.0)
+            "{nodes} nodes take {:.0} MiB or more, {} {time} on one core, several times more where rods snap",
+            (bytes / MIB).max(1.0),
+            if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") }
         );
         self.model.rods.iter().map(mesh).chain([all]).collect()
     }

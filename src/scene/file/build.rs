@@ -56,6 +56,9 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         rods.push(rod(text, rod_text, base_dir, nodes)?);
     }
     let contact = contact(&text.contact, text.fidelity, &rods)?;
+    if contact.law.is_on() {
+        memory::check_pairs(&rods)?;
+    }
     let electrostatics = text.contact.electrostatics.map(electrostatics).transpose()?;
     let mut model = Model { rods, contact, electrostatics, planar: text.planar, ..Default::default() };
     for (i, support) in text.supports.iter().enumerate() {
