@@ -83,7 +83,11 @@ impl Workspace {
             } else {
                 (&base, self.solve_last(engine, &second_order))
             };
-            if trial.rounds == 0 && with_contact && self.localise(engine, residual, &base, &correction) {
+            let is_first = trial.rounds == 0 && with_contact;
+            let stores = |correction: &[f64]| {
+                self.energy_norm_sq(engine, correction) > (safe * safe * work).max(unseen(residual))
+            };
+            if is_first && stores(&correction) && self.localise(engine, residual, &base, &correction) {
                 correction = self.solve_last(engine, &second_order);
             }
             let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
@@ -110,8 +114,8 @@ impl Workspace {
         })
     }
 
-    /// Factorises with a larger shift if the correction of a step is not small beside it, so that another one moves less;
-    /// whether it did. Under contact the correction of least energy slides strands along each other by as much as the
+    /// Factorises with a larger shift if the correction of a step, of more energy than the step, is not small beside it, so
+    /// that another one moves less; whether it did. Under contact the correction of least energy slides strands along each other by as much as the
     /// step does, because that costs nothing, and leaves errors as large as those it mends. A correction should be a
     /// tenth of the step ([`SLIGHT`]). The shift is at most that of bends as wide as the contact distance d, B/d⁴: with
     /// more of it strands would evade each other by kinks.
