@@ -84,9 +84,7 @@ impl Workspace {
                 (&base, self.solve_last(engine, &second_order))
             };
             let is_first = trial.rounds == 0 && with_contact;
-            let stores = |correction: &[f64]| {
-                self.energy_norm_sq(engine, correction) > (safe * safe * work).max(unseen(residual))
-            };
+            let stores = |correction: &[f64]| self.energy_norm_sq(engine, correction) > safe * safe * work;
             if is_first && stores(&correction) && self.localise(engine, residual, &base, &correction) {
                 correction = self.solve_last(engine, &second_order);
             }
