@@ -7,7 +7,7 @@
 //!   & Langowski 2000, method 1a), or, for long closed polygons, signed crossings in a projection plus the twist of the
 //!   projection's own ribbon (the same number to rounding, in a time proportional to the edges and crossings).
 //! * [`ribbon_twist`] is the twist of a material direction about the same polygon.
-//! * `alexander` distinguishes knots.
+//! * [`alexander`] distinguishes knots.
 //! * [`writhe_smooth`] is the writhe of a smooth curve to near rounding from a few hundred samples.
 
 mod crossings;
@@ -18,8 +18,7 @@ use crate::math::direction::{any_normal, transport};
 use crate::math::{Vec3, parallel};
 use std::f64::consts::TAU;
 
-#[cfg(feature = "solver")]
-pub(crate) use knot::alexander;
+pub use knot::{Alexander, alexander};
 pub use smooth::writhe_smooth;
 
 /// Link, twist and writhe of a closed rod, in turns; `link = twist + writhe`.
