@@ -84,8 +84,7 @@ impl Workspace {
                 (&base, self.solve_last(engine, &second_order))
             };
             let is_first = trial.rounds == 0 && with_contact;
-            let stores = |correction: &[f64]| self.energy_norm_sq(engine, correction) > safe * safe * work;
-            if is_first && stores(&correction) && self.localise(engine, residual, &base, &correction) {
+            if is_first && self.localise(engine, residual, (&base, safe * safe * work), &correction) {
                 correction = self.solve_last(engine, &second_order);
             }
             let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
@@ -117,12 +116,22 @@ impl Workspace {
     /// step does, because that costs nothing, and leaves errors as large as those it mends. A correction should be a
     /// tenth of the step ([`SLIGHT`]). The shift is at most that of bends as wide as the contact distance d, B/d⁴: with
     /// more of it strands would evade each other by kinks.
-    fn localise(&mut self, engine: &Engine, residual: &Residual, base: &[f64], correction: &[f64]) -> bool {
+    fn localise(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        (base, work): (&[f64], f64),
+        correction: &[f64],
+    ) -> bool {
         let Some(side) = engine.contact.as_ref().filter(|_| !residual.contact_pairs.is_empty()) else { return false };
+        let energy = self.energy_norm_sq(engine, correction);
+        if energy <= work {
+            return false;
+        }
         let inertia = |x: &[f64]| self.free_dot(engine, x, |i| engine.metric[i] * x[i]);
         let [step, moved] = [base, correction].map(inertia);
         let shorter = (moved / step).sqrt() / SLIGHT;
-        let stiffness = self.energy_norm_sq(engine, correction) / moved;
+        let stiffness = energy / moved;
         let largest = (engine.scales.length / (2.0 * side.min_radius)).powi(4);
         // that of a single mode of this stiffness, shift included
         let shift = (self.shift + stiffness * (shorter - 1.0)).min(largest);
