@@ -29,7 +29,7 @@ use super::replace::fill_and_rename;
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
-pub(crate) const FORMAT: u32 = 12;
+pub(crate) const FORMAT: u32 = 13;
 const HEADER: usize = 28;
 
 /// A run between two steps: all data to resume it and to write its outputs.

@@ -1,4 +1,4 @@
-//! Snaps tell the energy that they set free: a clamped strut, pressed, in steps and at once, beyond its Euler load.
+//! Snaps tell the energy that they set free: a ring that is turned; a strut beyond its Euler load bends without one.
 
 use crate::common;
 
@@ -14,8 +14,8 @@ use supercoil::solve::{Options, Status, run};
 
 const STRETCHING: f64 = 1e4;
 
-/// The states of a strut of length and bending stiffness 1 whose end comes nearer by `by`.
-fn pressed(by: f64, steps: usize) -> Vec<Observation> {
+/// The states of a strut of length and bending stiffness 1 whose end comes nearer, by so much in so many steps each.
+fn pressed(stages: &[(f64, usize)]) -> Vec<Observation> {
     let section = Section::isotropic(1.0, 1.0, STRETCHING, STRETCHING, 0.01);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let rods = vec![Rod::new("strut", &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()];
@@ -23,9 +23,13 @@ fn pressed(by: f64, steps: usize) -> Vec<Observation> {
     let supports = [NodeRef { rod: 0, node: 0 }, end].map(Support::clamp).to_vec();
     let contact = Contact::NONE;
     let model = Model { rods, supports, contact, ..Model::default() };
-    let stage = Stage { ramps: vec![Ramp::Displacement { node: end, to: -Vec3::x() * by }], steps };
+    let stage = |&(by, steps): &(f64, usize)| Stage {
+        ramps: vec![Ramp::Displacement { node: end, to: -Vec3::x() * by }],
+        steps,
+    };
+    let stages: Vec<Stage> = stages.iter().map(stage).collect();
     let mut states = Vec::new();
-    let solution = run(model, &[stage], &Options::default(), &mut |progress| {
+    let solution = run(model, &stages, &Options::default(), &mut |progress| {
         states.push(observe(progress));
         ControlFlow::Continue(())
     })
@@ -34,21 +38,36 @@ fn pressed(by: f64, steps: usize) -> Vec<Observation> {
     states
 }
 
+/// A ring of length and bending stiffness 1 with C/B = 1.5 stays a circle up to 2/√3 turns and snaps into a figure of
+/// eight. What that sets free is the circle's energy less that of the state it comes to.
 #[test]
 fn a_snap_tells_its_energy() {
-    let by = 0.02;
-    let end = pressed(by, 1).pop().unwrap();
-    let straight = 0.5 * STRETCHING * by * by;
-    verify("strut pressed at once", "energy set free, B/L", end.energy_released, straight - end.energies.total, 1e-7);
-    assert!(end.energy_released > 1.0, "{}", end.energy_released);
-    assert!(end.notes.iter().any(|note| note.starts_with("snap")), "{:?}", end.notes);
+    let section = Section::isotropic(1.0, 1.5, STRETCHING, STRETCHING, 0.01);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rods = vec![Rod::new("ring", &shape, RodMesh::closed(16, 3), section, Natural::Straight).unwrap()];
+    let model = Model { rods, ..Model::default() };
+    let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: 1.3 }], steps: 13 };
+    let mut states = Vec::new();
+    let solution = run(model, &[stage], &Options::default(), &mut |progress| {
+        states.push(observe(progress));
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(solution.status, Status::Converged);
+    let snaps: Vec<&Observation> = states.iter().filter(|state| state.energy_released > 0.0).collect();
+    assert_eq!(snaps.iter().map(|state| state.step).collect::<Vec<_>>(), [12]);
+    // sheared or not, the circle's energy goes with the square of its link, but for stretching, of 1e-5
+    let [start, before, end] = [0, 11, 12].map(|step| &states[step].energies);
+    let circle = start.total + (before.total - start.total) * (12.0f64 / 11.0).powi(2);
+    verify("ring snaps", "energy set free, B/L", snaps[0].energy_released, circle - (end.total - end.contact), 1e-5);
+    assert!(snaps[0].notes.iter().any(|note| note.starts_with("snap")), "{:?}", snaps[0].notes);
 }
 
-/// The Euler load is 4π² B/L², at a shortening of .00395.
+/// The Euler load is 4π² B/L², at a shortening of .00395: the strut bends from there without a snap.
 #[test]
 fn a_stable_path_sets_nothing_free() {
-    let states = pressed(0.0038, 2);
-    assert!(states.iter().all(|state| state.energy_released == 0.0 && state.notes.is_empty()));
-    let released: Vec<f64> = pressed(0.02, 10).iter().map(|state| state.energy_released).collect();
-    assert_eq!(released.iter().filter(|released| **released > 0.0).count(), 1, "{released:?}");
+    for stages in [&[(0.0038, 2)][..], &[(0.02, 1)], &[(0.0038, 1), (0.02, 1)], &[(0.02, 10)]] {
+        let states = pressed(stages);
+        assert!(states.iter().all(|state| state.energy_released == 0.0 && state.notes.is_empty()), "{stages:?}");
+    }
 }

@@ -10,9 +10,11 @@
 //! | `penalty_continuation`, `multiplier_estimate` | pressures that a search begins with: of a softer law, of a start shape |
 //! | `nested_iteration`, `periodic_extension` | a start from a coarse mesh, from a short plectoneme |
 //! | `refine` | the same state on a finer mesh or under a harder law |
+//! | `energy_balance` | work done and energy kept: what a snap sets free |
 //! | `step_report` | how the step ended |
 
 mod complementarity;
+mod energy_balance;
 mod multiplier_estimate;
 pub(in crate::solve) mod multipliers;
 mod nested_iteration;

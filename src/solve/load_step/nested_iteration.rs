@@ -93,7 +93,6 @@ impl Solver {
         let settled = self.solve_from_present(report)?;
         if settled {
             report.escapes += made.escapes;
-            report.energy_released += made.energy_released;
         }
         Ok(settled)
     }

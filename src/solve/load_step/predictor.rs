@@ -53,6 +53,7 @@ impl Visited {
         all.insert((3, 0, 0), state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| ((4, rod, 0), *pressure)));
         all.extend(state.plane_heights.iter().enumerate().map(|(plane, height)| ((6, plane, 0), *height)));
+        all.extend(state.numbers.iter().map(|((rod, which), value)| ((7, *rod, *which as usize), *value)));
         all
     }
 }
@@ -101,6 +102,8 @@ impl Prediction {
 pub(crate) struct History {
     /// Oldest first.
     visited: Vec<Visited>,
+    /// Work of the last step under the forces at its start and at its end \[F·L\]; none after a snap.
+    pub(crate) work: Option<[f64; 2]>,
 }
 
 impl History {
@@ -122,9 +125,30 @@ impl History {
         self.visited.clear();
     }
 
+    /// Whether the last state is this one.
+    pub(crate) fn ends_at(&self, state: &State) -> bool {
+        self.visited.last().is_some_and(|last| last.state.positions == state.positions)
+    }
+
     /// All states kept.
     pub(crate) fn states(&self) -> impl Iterator<Item = &State> {
         self.visited.iter().map(|visited| &visited.state)
+    }
+
+    /// The state before the step to a target, with the target's controls.
+    fn target(&self, engine: &Engine, target: &Target) -> Option<Visited> {
+        let last = self.visited.last().filter(|_| self.ends_at(&engine.state))?;
+        let Lifted { state: present, spun, .. } = lifted(engine, &engine.state, &target.drive);
+        let mut moved = last.moved.clone();
+        moved.go_on(target, &spun);
+        let mut state = State { seams: present.seams, ..last.state.clone() };
+        target.load(&mut state);
+        Some(Visited { state, moved })
+    }
+
+    /// The step to a target over the last step, if it goes on in the same direction.
+    pub(crate) fn stride(&self, engine: &Engine, target: &Target) -> Option<f64> {
+        self.line(&self.target(engine, target)?).map(|(place, _)| place)
     }
 
     /// The target's place, and the states that lie on one line with it with their places, newest first. Places are
@@ -140,27 +164,19 @@ impl History {
         {
             line.push((-1.0 - ratio, first));
         }
-        // steps are doubled after a cut-back
-        (place <= FARTHEST * (1.0 + FINE)).then_some((place, line))
+        Some((place, line))
     }
 
     /// The predicted state at a target; `None` without a reliable prediction.
     pub(crate) fn predict(&self, engine: &Engine, target: &Target) -> Option<Prediction> {
-        let last = self.visited.last()?;
-        if last.state.positions != engine.state.positions {
-            return None;
-        }
-        let Lifted { state: present, drive, spun } = lifted(engine, &engine.state, &target.drive);
-        let mut moved = last.moved.clone();
-        moved.go_on(target, &spun);
-        let mut state = State { seams: present.seams.clone(), ..last.state.clone() };
-        target.load(&mut state);
+        let drive = lifted(engine, &engine.state, &target.drive).drive;
+        let target = self.target(engine, target)?;
         // forces under other stiffnesses cannot be extrapolated
-        if self.visited.iter().any(|visited| visited.state.numbers != state.numbers) {
+        if self.visited.iter().any(|visited| visited.state.numbers != target.state.numbers) {
             return None;
         }
-        let target = Visited { state, moved };
-        let (place, line) = self.line(&target)?;
+        // steps are doubled after a cut-back
+        let (place, line) = self.line(&target).filter(|(place, _)| *place <= FARTHEST * (1.0 + FINE))?;
         let turning = matches!(line[..], [(_, last), (before, middle), (first, earliest)]
             if goes_round(engine, last, -before, &[(0.0, middle), (first - before, earliest)]));
         let mut increment = extrapolated(engine, &target, place, &line, turning);

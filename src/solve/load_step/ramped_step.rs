@@ -43,10 +43,14 @@ impl Solver {
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
     pub(in crate::solve) fn attempt(&mut self, target: &Target) -> StepReport {
-        let spun = lifted(&self.engine, &self.engine.state, &target.drive).spun;
+        let Lifted { drive, spun, .. } = lifted(&self.engine, &self.engine.state, &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &spun) {
             return StepReport::refused(error);
         }
+        let changes = self.changes(target, drive, &spun);
+        // work counts from an equilibrium
+        let before = if self.history.ends_at(&self.engine.state) { self.balance(&changes) } else { None };
+        let last = self.history.work.zip(self.history.stride(&self.engine, target));
         let predicted = self.history.predict(&self.engine, target).or_else(|| self.unpredicted(target));
         target.load(&mut self.engine.state);
         if let Err(error) = self.engine.take_numbers() {
@@ -55,6 +59,9 @@ impl Solver {
         let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {
+            let balance = before.zip(self.balance(&changes));
+            report.energy_released = balance.map_or(0.0, |(before, end)| before.released(&end, last));
+            self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &spun);
         }
         report

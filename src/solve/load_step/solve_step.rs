@@ -325,7 +325,6 @@ impl Solver {
             let is_neutral = left.converged && fall.abs() <= unseen(&potential);
             if may_leave && !is_neutral {
                 report.escapes += 1;
-                report.energy_released += fall;
                 idle = if fall > PROGRESS * stored_energy(&potential) { 0 } else { idle + 1 };
                 outcome = left;
                 continue;

@@ -52,8 +52,9 @@ pub struct StepReport {
     pub augmentations: usize,
     /// Number of unstable equilibria left.
     pub escapes: usize,
-    /// Energy set free by snaps \[F·L\]: the potential of each unstable equilibrium that was left, less that of the state
-    /// that the descent from it came to under the same contact law; 0 where none was left.
+    /// Energy that the step set free by leaving its branch \[F·L\]: what its start and the work of supports, loads and
+    /// ramped numbers would have come to on it, less what is kept. 0 where the branch was followed (its energy is then met
+    /// to a tenth of the work), for a start state, and where no potential is known.
     pub energy_released: f64,
     /// Unstable directions of the final state.
     pub num_unstable: usize,
@@ -105,6 +106,6 @@ impl StepReport {
     /// Another attempt from where the last one began: iterations stay counted.
     pub(in crate::solve) fn start_again(&mut self) {
         (self.status, self.num_unstable) = (Status::Converged, 0);
-        (self.augmentations, self.escapes, self.energy_released) = (0, 0, 0.0);
+        (self.augmentations, self.escapes) = (0, 0);
     }
 }

@@ -12,7 +12,7 @@ use crate::rod::Natural;
 use crate::scene::ContactLaw;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::engine::{Engine, Reference};
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{Numbers, State};
 
 impl Engine {
     /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
@@ -61,15 +61,35 @@ impl Engine {
     /// # Errors
     /// Contact curves that cannot be made of them.
     pub(crate) fn take_numbers(&mut self) -> Result<(), InputError> {
-        let (mut changed, before) = (false, self.contact_stiffness());
-        for (&(rod, which), &value) in &self.state.numbers {
+        let before = self.contact_stiffness();
+        let numbers = self.state.numbers.clone();
+        if self.set_numbers_of_elements(&numbers) { self.contact_of_numbers(before) } else { Ok(()) }
+    }
+
+    /// Elastic energy and potential of the loads in a state with its numbers; contact is left alone.
+    pub(in crate::solve) fn potential_without_contact(&mut self, state: &State) -> f64 {
+        self.set_numbers_of_elements(&state.numbers);
+        let mut out = self.start_residual(state);
+        self.install(|| {
+            self.add_element_gradients(state, &mut out);
+            self.add_loads(state, &mut out, None);
+        });
+        let numbers = self.state.numbers.clone();
+        self.set_numbers_of_elements(&numbers);
+        out.potential.total()
+    }
+
+    /// Gives rods and their elements numbers; true if any is another.
+    fn set_numbers_of_elements(&mut self, numbers: &Numbers) -> bool {
+        let mut changed = false;
+        for (&(rod, which), &value) in numbers {
             if let Some(rod) = self.model.rods.get_mut(rod).filter(|rod| rod.number(which) != value) {
                 rod.set_number(which, value);
                 changed = true;
             }
         }
         if !changed {
-            return Ok(());
+            return false;
         }
         self.measure_again();
         for (rod, reference) in self.model.rods.iter().zip(&mut self.reference) {
@@ -80,7 +100,7 @@ impl Engine {
                 Natural::Varying(_) | Natural::AsShaped => {}
             }
         }
-        self.contact_of_numbers(before)
+        true
     }
 
     /// Contact curves and law of the present numbers, where the law had another stiffness \[F/L²\]; pressures stay.

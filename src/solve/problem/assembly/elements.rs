@@ -17,7 +17,7 @@ const TANGENT_GRAIN: usize = 8;
 
 impl Engine {
     /// Gradient and potential of all elements.
-    pub(super) fn add_element_gradients(&self, state: &State, out: &mut Residual) {
+    pub(in crate::solve) fn add_element_gradients(&self, state: &State, out: &mut Residual) {
         for first in (0..self.elements.len()).step_by(BATCH) {
             let count = BATCH.min(self.elements.len() - first);
             let results = parallel::map(count, GRAIN, &|k| self.element_output(first + k, state, None, None));
