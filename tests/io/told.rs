@@ -268,3 +268,31 @@ fn paths_are_followed_through_limit_points() {
     assert!(code == 2 && error.contains("only for the last stage"), "{error}");
     std::fs::remove_dir_all(&dir).unwrap();
 }
+
+const CHARGED: &str = r#"
+units = { length = "nm", force = "pN" }
+[[rods]]
+name = "dna"
+closed = true
+shape = { kind = "circle" }
+dna = { base_pairs = 300 }
+elements = 40
+[contact]
+electrostatics = { salt_mM = 100 }
+[[stages]]
+ramp = { excess_link = { to = -1.4 } }
+steps = 7
+"#;
+
+/// Symptom: Newton's iterations left the circle by themselves within step 6, and nothing told of a snap.
+#[test]
+fn a_snap_is_told_where_no_unstable_state_was_met() {
+    let dir = folder("snap_within_a_step");
+    let (code, printed, error) = run(&dir, CHARGED);
+    assert_eq!(code, 0, "{error}");
+    let (_, rows) = table(&dir.join("out/table.csv"));
+    let snapped: Vec<_> = rows.iter().filter(|row| number(row, "energy_released") != 0.0).collect();
+    assert_eq!(snapped.iter().map(|row| row["step"].as_str()).collect::<Vec<_>>(), ["6"]);
+    assert!(printed.contains("* step 6: snap"), "{printed}");
+    std::fs::remove_dir_all(&dir).unwrap();
+}

@@ -29,8 +29,8 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target};
 use crate::solve::problem::state::State;
 
-/// Part of a step's change of a number over which the potential is differenced, because the truncation error, of second
-/// order, and rounding are then both below 1e-9 of the energy.
+/// Part of a step's change of a number over which the potential is differenced, because its square, by which the third
+/// derivative counts, is 1e-8, and rounding is divided by no less.
 const DIFFERENCE: f64 = 1e-4;
 /// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a ring
 /// of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
