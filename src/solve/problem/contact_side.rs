@@ -60,28 +60,30 @@ impl ContactSide {
         state: &State,
         (dimensionless, bending): (f64, f64),
     ) -> Result<Option<Self>, InputError> {
-        let mut inputs = Vec::new();
-        let (mut nodes, mut touching, mut radii) = (Vec::new(), Vec::new(), Vec::new());
-        for (index, rod) in model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
-            let count = rod.num_segments();
-            let first = first_node[index];
-            let own: Vec<[usize; 2]> = (0..count).map(|k| [first + k, first + (k + 1) % rod.num_nodes()]).collect();
-            let length = rod.spacing();
-            inputs.push(CurveInput {
-                segments: own.iter().map(|&ends| contact_cubic(state, ends, length)).collect(),
-                lengths: vec![length; count],
-                closed: rod.closed,
-                radius: rod.section.contact_radius,
-            });
-            nodes.extend(own);
-            radii.extend((0..count).map(|segment| rod.contact_radius_of(segment)));
-            touching.push(index);
-        }
-        if inputs.is_empty() {
+        let touching: Vec<usize> =
+            (0..model.rods.len()).filter(|&rod| model.rods[rod].section.contact_radius > 0.0).collect();
+        if touching.is_empty() {
             return Ok(None);
         }
+        let segments = |&rod: &usize| (0..model.rods[rod].num_segments()).map(move |k| (rod, k));
+        let ends = |(rod, k): (usize, usize)| {
+            let (first, count) = (first_node[rod], model.rods[rod].num_nodes());
+            [first + k, first + (k + 1) % count]
+        };
+        let nodes: Vec<[usize; 2]> = touching.iter().flat_map(segments).map(ends).collect();
+        let radii: Vec<f64> =
+            touching.iter().flat_map(segments).map(|(rod, k)| model.rods[rod].contact_radius_of(k)).collect();
         let min_radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut set = CurveSet::new(inputs)?;
+        let input = |index: &usize| {
+            let (rod, length) = (&model.rods[*index], model.rods[*index].spacing());
+            CurveInput {
+                segments: segments(index).map(|segment| contact_cubic(state, ends(segment), length)).collect(),
+                lengths: vec![length; rod.num_segments()],
+                closed: rod.closed,
+                radius: rod.section.contact_radius,
+            }
+        };
+        let mut set = CurveSet::new(touching.iter().map(input).collect())?;
         if touching.iter().any(|&rod| model.rods[rod].contact_radii.is_some()) {
             set.set_radii(&radii)?;
         }

@@ -30,7 +30,7 @@ use crate::solve::problem::state::State;
 use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, increment_size, relative_residual};
 use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
-use corrected_step::CorrectedStep;
+use corrected_step::{CorrectedStep, StepStart};
 use progress::SearchProgress;
 use radius::{LARGEST, StepOutcome, TrustRegion};
 use step::ModelStep;
@@ -189,14 +189,14 @@ impl Workspace {
         step: &ModelStep,
         (size, longest): (f64, f64),
     ) -> Result<CorrectedStep, SolveError> {
-        let pushed = search.is_pushed();
-        let mut trial = self.trial(engine, (&search.state, residual), step, longest, pushed)?;
-        for &shorter in if pushed { [].as_slice() } else { &SHORTER } {
+        let from = StepStart { state: &search.state, residual, pushed: search.is_pushed() };
+        let mut trial = self.trial(engine, from, step, longest)?;
+        for &shorter in if from.pushed { [].as_slice() } else { &SHORTER } {
             let falls = gain(residual, &trial) >= LEAST * trial.expected - noise(residual);
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
-            trial = self.trial(engine, (&search.state, residual), step, shorter, pushed)?;
+            trial = self.trial(engine, from, step, shorter)?;
         }
         Ok(trial)
     }
