@@ -124,9 +124,9 @@ impl Workspace {
                 }
                 let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
                 let at = search.report.iterations.len();
-                let step = self.step_within(engine, &residual, &drive_now, within, at)?;
+                let step = self.step_within(engine, (&residual, &drive_now), within, at)?;
                 let size = increment_size(engine, &step.increment);
-                let trial = self.try_step(engine, &search, &residual, &step, (size, longest))?;
+                let trial = self.try_step(engine, (&search, &residual), &step, (size, longest))?;
                 let shift = self.shift;
                 let is_accepted = search.accepts(engine, &residual, &trial, size)?;
                 progress.count();
@@ -184,8 +184,7 @@ impl Workspace {
     fn try_step(
         &mut self,
         engine: &mut Engine,
-        search: &Search,
-        residual: &Residual,
+        (search, residual): (&Search, &Residual),
         step: &ModelStep,
         (size, longest): (f64, f64),
     ) -> Result<CorrectedStep, SolveError> {

@@ -141,7 +141,7 @@ impl Workspace {
         let with_contact = !(pushed || gentle);
         let (excess, mut second_order) = engine.elastic_second_order(state, &trial.state, &trial.increment);
         if with_contact {
-            engine.add_contact_second_order(state, &trial.increment, residual, &there, &mut second_order);
+            engine.add_contact_second_order((state, &trial.increment), residual, &there, &mut second_order);
         }
         let (from, mut correction) = if gentle {
             let mut unbalanced = there.gradient;
