@@ -94,7 +94,7 @@ impl ChainTree {
         }
         if self.levels.len() > level + 1 {
             let own = self.levels[level][task].union();
-            walk.partners(self.levels.len() - 1, 0, level, task, &own);
+            walk.partners(self.levels.len() - 1, 0, (level, task), &own);
         }
     }
 }
@@ -115,7 +115,7 @@ impl<F: FnMut(u32, u32)> Walk<'_, F> {
     }
 
     /// Blocks at the task's level, after the task's own, that overlap it.
-    fn partners(&mut self, level: usize, block: usize, target: usize, task: usize, own: &Box3) {
+    fn partners(&mut self, level: usize, block: usize, (target, task): (usize, usize), own: &Box3) {
         let mut mask = self.tree.levels[level][block].overlaps(own);
         while mask != 0 {
             let child = block * WIDTH + mask.trailing_zeros() as usize;
@@ -130,7 +130,7 @@ impl<F: FnMut(u32, u32)> Walk<'_, F> {
                     self.between(target, task, child);
                 }
             } else {
-                self.partners(level - 1, child, target, task, own);
+                self.partners(level - 1, child, (target, task), own);
             }
         }
     }

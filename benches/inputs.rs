@@ -123,7 +123,7 @@ fn chain(n: usize, h: f64, lp: f64, seed: u64, sphere: Option<f64>) -> Vec<Vec3>
 }
 
 /// Interior points of a smooth end loop from p0 (leaving along t0) to p1 (arriving along t1), about h apart.
-fn end_loop(p0: Vec3, t0: Vec3, p1: Vec3, t1: Vec3, c: f64, h: f64) -> Vec<Vec3> {
+fn end_loop((p0, t0): (Vec3, Vec3), (p1, t1): (Vec3, Vec3), c: f64, h: f64) -> Vec<Vec3> {
     let fine = 4000;
     let (a, b) = (p0 + t0 * c, p1 - t1 * c);
     let curve: Vec<Vec3> = (0..fine)
@@ -178,7 +178,7 @@ fn plecto(n: usize, coil: bool) -> Vec<Vec3> {
         b.push(point - off);
     }
     let (t0, t1) = ((a[m - 1] - a[m - 2]).normalize(), (b[m - 2] - b[m - 1]).normalize());
-    let bend = end_loop(a[m - 1], t0, b[m - 1], t1, 12.0, h);
+    let bend = end_loop((a[m - 1], t0), (b[m - 1], t1), 12.0, h);
     a.extend(bend);
     a.extend(b.into_iter().rev());
     // Trim the free ends symmetrically to N edges, then turn out of the axes' directions.

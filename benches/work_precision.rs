@@ -366,7 +366,7 @@ fn write(case: &str, rows: &[Row], best: &[usize]) {
 }
 
 /// Points on logarithmic axes, a line through some of them, and some with names.
-fn plot(name: &str, title: &str, axes: [&str; 2], points: Vec<(f64, f64)>, line: Vec<(f64, f64)>, named: Vec<Series>) {
+fn plot(name: &str, title: &str, axes: [&str; 2], [points, line]: [Vec<(f64, f64)>; 2], named: Vec<Series>) {
     let [x_label, y_label] = axes.map(str::to_owned);
     let settings = if line.is_empty() { "" } else { "settings" };
     let series = vec![
@@ -480,7 +480,7 @@ fn condition() {
             points.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
             Series { name: name.to_owned(), points, style: SeriesStyle::LinePoints }
         });
-        plot(name, title, [x_label, "relative size"], Vec::new(), Vec::new(), series.to_vec());
+        plot(name, title, [x_label, "relative size"], [Vec::new(), Vec::new()], series.to_vec());
     }
 }
 
@@ -622,7 +622,7 @@ fn main() {
             style: SeriesStyle::Marks,
         });
         let all = rows.iter().map(point).collect();
-        plot(case.name, case.title, ["node iterations", "worst relative error"], all, through, named.collect());
+        plot(case.name, case.title, ["node iterations", "worst relative error"], [all, through], named.collect());
     }
     if "condition".contains(&wanted) {
         condition();

@@ -68,6 +68,12 @@ pub struct PairEnergy {
     pub curvature: f64,
 }
 
+impl PairEnergy {
+    fn times(self, weight: f64) -> Self {
+        Self { energy: weight * self.energy, slope: weight * self.slope, curvature: weight * self.curvature }
+    }
+}
+
 impl Screened {
     /// The energy of points at a distance r > 0 \[L\], switched off at the end of the range.
     #[must_use]
@@ -197,7 +203,7 @@ impl Repulsion {
                 let between = x - b.point(q.u);
                 if between.norm_squared() < range * range {
                     felt = true;
-                    sum.add(&self.law, &between, weight, q, &mut here);
+                    sum.add(&between, self.law.at(between.norm()).times(weight), q, &mut here);
                 }
             }
             sum.close(p, &here);
@@ -248,20 +254,18 @@ struct PointSums {
 }
 
 impl Sum {
-    /// Adds a pair of points: `between` from the point q of j to that of i.
-    fn add(&mut self, law: &Screened, between: &Vec3, weight: f64, q: &GaussPoint, here: &mut PointSums) {
+    /// Adds the energy of a pair of points: `between` from the point q of j to that of i.
+    fn add(&mut self, between: &Vec3, pair: PairEnergy, q: &GaussPoint, here: &mut PointSums) {
         let r = between.norm();
-        let law = law.at(r);
-        self.energy += weight * law.energy;
+        self.energy += pair.energy;
         // coincident points have no direction: their energy is infinite, which a search rejects
         let normal = between / r;
-        let push = normal * (weight * law.slope);
+        let push = normal * pair.slope;
         here.push += push;
         (0..4).for_each(|n| self.gradient[4 + n] -= push * q.shape[n]);
         let Some(hessian) = &mut self.hessian else { return };
-        let sideways = weight * law.slope / r;
-        let second =
-            normal * normal.transpose() * (weight * law.curvature - sideways) + Mat3::from_diagonal_element(sideways);
+        let sideways = pair.slope / r;
+        let second = normal * normal.transpose() * (pair.curvature - sideways) + Mat3::from_diagonal_element(sideways);
         here.second += second;
         for n in 0..4 {
             let part = second * q.shape[n];

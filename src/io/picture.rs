@@ -291,10 +291,10 @@ impl Picture {
         [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
     }
 
-    /// Writes text (Latin-1, Greek, − ± ° ² ₀ ≤ ∞ and the like) with its top left corner at `column`, `row`; a capital is
+    /// Writes text (Latin-1, Greek, − ± ° ² ₀ ≤ ∞ and the like) with its top left corner at `[column, row]`; a capital is
     /// `height` pixels high. What does not fit is cut off; unknown characters are boxes. Without effect on WebAssembly.
-    pub fn write(&mut self, text: &str, column: usize, row: usize, height: usize, color: [u8; 3]) {
-        text::write(self, text, [column, row], height, color);
+    pub fn write(&mut self, text: &str, corner: [usize; 2], height: usize, color: [u8; 3]) {
+        text::write(self, text, corner, height, color);
     }
 
     /// Writes the picture as a PNG file, replacing what is there.

@@ -149,18 +149,19 @@ struct Appended(Vec<u8>);
 
 impl Appended {
     fn floats(&mut self, xml: &mut String, name: &str, attributes: &str, values: impl Iterator<Item = f64>) {
-        self.array(xml, "Float64", name, attributes, values.map(f64::to_le_bytes));
+        let attributes = format!("type=\"Float64\" Name=\"{}\"{attributes}", escaped(name));
+        self.array(xml, &attributes, values.map(f64::to_le_bytes));
     }
 
     fn integers(&mut self, xml: &mut String, name: &str, values: impl Iterator<Item = i64>) {
-        self.array(xml, "Int64", name, "", values.map(i64::to_le_bytes));
+        let attributes = format!("type=\"Int64\" Name=\"{}\"", escaped(name));
+        self.array(xml, &attributes, values.map(i64::to_le_bytes));
     }
 
-    fn array(&mut self, xml: &mut String, kind: &str, name: &str, more: &str, values: impl Iterator<Item = [u8; 8]>) {
-        let (name, start) = (escaped(name), self.0.len());
+    fn array(&mut self, xml: &mut String, attributes: &str, values: impl Iterator<Item = [u8; 8]>) {
+        let start = self.0.len();
         // Writing to a String cannot fail.
-        let _ =
-            writeln!(xml, "<DataArray type=\"{kind}\" Name=\"{name}\"{more} format=\"appended\" offset=\"{start}\"/>");
+        let _ = writeln!(xml, "<DataArray {attributes} format=\"appended\" offset=\"{start}\"/>");
         self.block(values);
     }
 

@@ -115,8 +115,9 @@ impl Layer {
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
 pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
     let zones = zones(set, terms);
-    let mut sites: Vec<SiteReport> =
-        contacts(set, &zones, layer).iter().map(|members| site(set, &zones, members, rods, layer).0).collect();
+    let contacts = contacts(set, &zones, layer);
+    let of = |members: &Vec<(usize, bool)>| site(ContactZones { set, zones: &zones, members }, rods, layer).0;
+    let mut sites: Vec<SiteReport> = contacts.iter().map(of).collect();
     sites.sort_by(by_arcs);
     sites
 }
@@ -265,46 +266,86 @@ fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2],
     }
 }
 
-/// The site of some zones, and whether its strand b is the first zone's own.
-fn site(
-    set: &CurveSet,
-    zones: &[SiteZone],
-    members: &[(usize, bool)],
-    rods: &[usize],
-    layer: &Layer,
-) -> (SiteReport, bool) {
-    let seen_from = |flipped: bool| members.iter().filter(move |m| m.1 == flipped).map(|m| zones[m.0]);
-    let first = &zones[members[0].0];
-    let (arc_a, width_a) = hull(seen_from(false).map(|z| z.arc_a), set.period(first.curve_a));
-    let period_b = set.period(first.curve_b);
-    // a contact that only strand a sees is placed on strand b by its feet
-    let (arc_b, width_b) = if members.iter().any(|m| m.1) {
-        hull(seen_from(true).map(|z| z.arc_a), period_b)
-    } else {
-        hull(seen_from(false).map(|z| z.arc_b), period_b)
-    };
-    let closest = |best: (usize, bool), m: &(usize, bool)| if zones[m.0].gap < zones[best.0].gap { *m } else { best };
-    let (nearest, flipped) = members.iter().fold(members[0], closest);
-    let nearest = &zones[nearest];
-    let [foot, other] = nearest.feet;
-    let feet = if flipped { [other, foot] } else { [foot, other] };
-    let push = seen_from(false).map(|z| z.push).sum::<Vec3>() - seen_from(true).map(|z| z.push).sum::<Vec3>();
-    let total = |flipped: bool, period: Option<f64>| {
-        seen_from(flipped).map(|z| z.load).fold(Load::default(), |sum, load| {
+/// Zones that see one contact, each with whether it sees it from the other strand than the first.
+#[derive(Clone, Copy)]
+struct ContactZones<'a> {
+    set: &'a CurveSet,
+    zones: &'a [SiteZone],
+    members: &'a [(usize, bool)],
+}
+
+impl<'a> ContactZones<'a> {
+    fn first(self) -> &'a SiteZone {
+        &self.zones[self.members[0].0]
+    }
+
+    /// Strands a and b of the first zone.
+    fn curves(self) -> [usize; 2] {
+        [self.first().curve_a, self.first().curve_b]
+    }
+
+    fn seen_from(self, strand: usize) -> impl Iterator<Item = &'a SiteZone> {
+        self.members.iter().filter(move |m| m.1 == (strand == 1)).map(move |m| &self.zones[m.0])
+    }
+
+    /// Arc and its length \[L\] on strands a and b.
+    fn arcs(self) -> [([f64; 2], f64); 2] {
+        let [a, b] = self.curves().map(|curve| self.set.period(curve));
+        // a contact that only strand a sees is placed on strand b by its feet
+        let on_b = if self.members.iter().any(|m| m.1) {
+            hull(self.seen_from(1).map(|z| z.arc_a), b)
+        } else {
+            hull(self.seen_from(0).map(|z| z.arc_b), b)
+        };
+        [hull(self.seen_from(0).map(|z| z.arc_a), a), on_b]
+    }
+
+    /// The force that a strand sees.
+    fn load(self, strand: usize) -> Load {
+        let period = self.set.period(self.curves()[strand]);
+        self.seen_from(strand).map(|z| z.load).fold(Load::default(), |sum, load| {
             let shift = if sum.force > 0.0 { near(load.center, sum.center, period) - load.center } else { 0.0 };
             sum.with(load, shift)
         })
+    }
+
+    /// The zone of the smallest gap, and the points of strands a and b there \[L\].
+    fn nearest(self) -> (&'a SiteZone, [Vec3; 2]) {
+        let zones = self.zones;
+        let closer =
+            |best: (usize, bool), m: &(usize, bool)| if zones[m.0].gap < zones[best.0].gap { *m } else { best };
+        let (nearest, flipped) = self.members.iter().fold(self.members[0], closer);
+        let [foot, other] = zones[nearest].feet;
+        (&zones[nearest], if flipped { [other, foot] } else { [foot, other] })
+    }
+
+    /// Force on strand a \[F\].
+    fn push(self) -> Vec3 {
+        self.seen_from(0).map(|z| z.push).sum::<Vec3>() - self.seen_from(1).map(|z| z.push).sum::<Vec3>()
+    }
+
+    /// Whether it is long enough for a line.
+    fn kind(self, layer: &Layer, length: f64) -> SiteKind {
+        let [a, b] = self.curves();
+        let in_fragments = [0, 1].into_iter().any(|strand| self.seen_from(strand).count() > 1);
+        let element = if in_fragments { layer.elements[a].max(layer.elements[b]) } else { 0.0 };
+        if length > layer.shortest_line(a, b).max(element) { SiteKind::Line } else { SiteKind::Point }
+    }
+}
+
+/// The site of a contact, and whether its strand b is the first zone's own.
+fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bool) {
+    let (curves, first) = (contact.curves(), contact.first());
+    let [(arc_a, width_a), (arc_b, width_b)] = contact.arcs();
+    let loads = [0, 1].map(|strand| contact.load(strand));
+    let center = |strand: usize, feet: [f64; 2]| {
+        let center = if loads[strand].force > 0.0 { loads[strand].center } else { 0.5 * (feet[0] + feet[1]) };
+        contact.set.period(curves[strand]).map_or(center, |p| center.rem_euclid(p))
     };
-    let (load_a, load_b) = (total(false, set.period(first.curve_a)), total(true, period_b));
-    let in_fragments = [false, true].into_iter().any(|flipped| seen_from(flipped).count() > 1);
-    let element = if in_fragments { layer.elements[first.curve_a].max(layer.elements[first.curve_b]) } else { 0.0 };
-    let is_line = 0.5 * (width_a + width_b) > layer.shortest_line(first.curve_a, first.curve_b).max(element);
-    let center = |load: &Load, feet: [f64; 2], period: Option<f64>| {
-        let center = if load.force > 0.0 { load.center } else { 0.5 * (feet[0] + feet[1]) };
-        period.map_or(center, |p| center.rem_euclid(p))
-    };
-    let a = (rods[first.curve_a], arc_a, center(&load_a, first.arc_a, set.period(first.curve_a)), load_a.spread());
-    let b = (rods[first.curve_b], arc_b, center(&load_b, first.arc_b, period_b), load_b.spread());
+    let (nearest, feet) = contact.nearest();
+    let push = contact.push();
+    let a = (rods[curves[0]], arc_a, center(0, first.arc_a), loads[0].spread());
+    let b = (rods[curves[1]], arc_b, center(1, first.arc_b), loads[1].spread());
     let swapped = (b.0, b.1[0]) < (a.0, a.1[0]);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let (push, feet) = if swapped { (-push, [feet[1], feet[0]]) } else { (push, feet) };
@@ -313,9 +354,9 @@ fn site(
         arc_a: a.1,
         rod_b: b.0,
         arc_b: b.1,
-        kind: if is_line { SiteKind::Line } else { SiteKind::Point },
+        kind: contact.kind(layer, 0.5 * (width_a + width_b)),
         gap: nearest.gap,
-        force: load_a.force + load_b.force,
+        force: loads[0].force + loads[1].force,
         center: [a.2, b.2],
         spread: [a.3, b.3],
         angle: nearest.angle,

@@ -64,7 +64,7 @@ impl Rod {
         let node = |k: usize| {
             let at = k as f64 * self.num_segments() as f64 / num_segments as f64;
             let segment = (at as usize).min(last);
-            self.between(&self.positions, &self.frames, seam, segment, at - segment as f64)
+            self.between((&self.positions, &self.frames), seam, segment, at - segment as f64)
         };
         Ok((0..num_segments + usize::from(!self.closed)).map(node).unzip())
     }
@@ -96,7 +96,7 @@ impl Rod {
             r.push(positions[segment]);
             q.push(frames[segment]);
             for part in 1..factor {
-                let (point, frame) = self.between(positions, frames, seam, segment, part as f64 / factor as f64);
+                let (point, frame) = self.between((positions, frames), seam, segment, part as f64 / factor as f64);
                 r.push(point);
                 q.push(frame);
             }
@@ -109,7 +109,7 @@ impl Rod {
     }
 
     /// Position and frame at a fraction of a segment.
-    fn between(&self, positions: &[Vec3], frames: &[Quat], seam: f64, segment: usize, part: f64) -> (Vec3, Quat) {
+    fn between(&self, (positions, frames): (&[Vec3], &[Quat]), seam: f64, segment: usize, part: f64) -> (Vec3, Quat) {
         let count = positions.len();
         let stencil = STENCIL.min(count);
         // the first of the nodes interpolated from; beyond the seam on closed rods

@@ -276,7 +276,7 @@ pub fn play_watched(family: &str, case: &str, scene: Scene, limit: Limit, watch:
         Ok(Err(error)) => return Played { row: row.refused("numbers broke down", error.to_string()), seen: None },
         Ok(Ok(solution)) => solution,
     };
-    judge(row, &solution, &mut counter, before.as_ref(), (law, &targets), interrupt.is_raised())
+    judge(row, &solution, &mut counter, (before.as_ref(), law, &targets), interrupt.is_raised())
 }
 
 /// Excess link that each closed rod must have in the end, where the scene prescribes it.
@@ -289,8 +289,7 @@ fn judge(
     mut row: Row,
     solution: &Solution,
     counter: &mut Counter,
-    before: Option<&Topology>,
-    (law, targets): (ContactLaw, &BTreeMap<usize, f64>),
+    (before, law, targets): (Option<&Topology>, ContactLaw, &BTreeMap<usize, f64>),
     out_of_time: bool,
 ) -> Played {
     row.iterations = solution.iterations;

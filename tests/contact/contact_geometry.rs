@@ -25,7 +25,7 @@ fn exclusion(set: &CurveSet) -> Exclusion {
 }
 
 /// Smooth random curve (sum of three harmonics plus a drift for open ones), in units of `unit` about `centre`.
-fn wiggle(rng: &mut Random, n: usize, closed: bool, radius: f64, unit: f64, centre: Vec3) -> CurveInput {
+fn wiggle(rng: &mut Random, n: usize, closed: bool, radius: f64, (unit, centre): (f64, Vec3)) -> CurveInput {
     let waves: Vec<(Vec3, Vec3)> =
         (0..3).map(|k| (rng.vector() / f64::from(k + 1), rng.vector() / f64::from(k + 1))).collect();
     let drift = if closed { Vec3::zeros() } else { rng.vector() * 0.3 };
@@ -224,7 +224,7 @@ fn feet_over_a_curve_match_sampling() {
     let mut feet = Feet::new();
     for case in 0..200 {
         let closed = case % 2 == 0;
-        let set = CurveSet::new(vec![wiggle(&mut rng, 24, closed, 0.1, 1.0, Vec3::zeros())]).unwrap();
+        let set = CurveSet::new(vec![wiggle(&mut rng, 24, closed, 0.1, (1.0, Vec3::zeros()))]).unwrap();
         let x = if case % 4 < 2 {
             rng.vector() * 2.0
         } else {
@@ -322,7 +322,7 @@ fn some_curves(rng: &mut Random, unit: f64, centre: Vec3) -> CurveSet {
     let curves = (0..count)
         .map(|_| {
             let (n, closed, radius) = (60 + rng.below(60) as usize, rng.below(2) == 0, 0.02 + 0.05 * rng.unit().abs());
-            wiggle(rng, n, closed, radius, unit, centre)
+            wiggle(rng, n, closed, radius, (unit, centre))
         })
         .collect();
     CurveSet::new(curves).expect("legal curves")
@@ -546,7 +546,7 @@ fn clearance_brackets_dense_sampling() {
     for case in 0..40 {
         let unit = [1.0, 1e-12, 1e12, 1e-60][case % 4];
         let curves =
-            (0..1 + case % 3).map(|k| wiggle(&mut rng, 40, (case + k) % 2 == 0, 0.02, unit, Vec3::zeros())).collect();
+            (0..1 + case % 3).map(|k| wiggle(&mut rng, 40, (case + k) % 2 == 0, 0.02, (unit, Vec3::zeros()))).collect();
         let set = CurveSet::new(curves).unwrap();
         let mut e = Exclusion::new();
         if e.update(&set).is_err() {

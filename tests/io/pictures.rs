@@ -250,7 +250,7 @@ fn draw_gallery() {
     .iter()
     .enumerate()
     {
-        text.write(line, 10, 10 + 50 * row, 22, [30, 30, 40]);
+        text.write(line, [10, 10 + 50 * row], 22, [30, 30, 40]);
     }
     text.save_png(&folder.join("font.png")).unwrap();
     draw_plots(&folder);

@@ -67,7 +67,7 @@ fn rate(law: Law, force: Vec3, omega: f64) -> impl Fn(&State) -> State {
 }
 
 /// The state at the end of a rod that starts at the origin with the given frame.
-fn end(law: Law, (length, steps): (f64, usize), start: Quat, force: Vec3, moment: Vec3, omega: f64) -> State {
+fn end(law: Law, (length, steps): (f64, usize), start: Quat, [force, moment]: [Vec3; 2], omega: f64) -> State {
     let mut y = [0.0; 14];
     [y[4], y[5], y[6], y[7]] = [start.w, start.i, start.j, start.k];
     y[8..11].copy_from_slice(moment.as_slice());
@@ -111,7 +111,7 @@ fn cantilever_with_everything_varying() {
     let (force, clamp) = (Vec3::new(0.5, -0.7, 1.0), Vec3::new(0.6, 0.4, -0.5));
     let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let start = line.place(false, 1).unwrap().frames[0];
-    let exact = end(CANTILEVER, (1.0, 4000), start, force, clamp, 0.0);
+    let exact = end(CANTILEVER, (1.0, 4000), start, [force, clamp], 0.0);
     let moment = Vec3::new(exact[8], exact[9], exact[10]);
     let exact_tip = [exact[1], exact[2], exact[3]];
     verify_point("varying cantilever, end", &tip(&bent(24, 3, force, moment)), exact_tip, 5e-9);
@@ -147,7 +147,7 @@ fn shot_ring() -> (f64, f64) {
     let omega = TAU * LINK / LENGTH;
     let shoot = |x: &Vector6<f64>| {
         let (force, moment) = (Vec3::new(x[0], x[1], x[2]), Vec3::new(x[3], x[4], x[5]));
-        end(DNA, (LENGTH, 8000), Quat::identity(), force, moment, omega)
+        end(DNA, (LENGTH, 8000), Quat::identity(), [force, moment], omega)
     };
     // closed if the end is the start: position, and the vector part of the rotation
     let missed = |x: &Vector6<f64>| -> SVector<f64, 6> {

@@ -3,7 +3,7 @@
 use super::Detector;
 use crate::contact::curves::input::{Curve, CurveShape, Strands};
 use crate::contact::law::Law;
-use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairTerm, Pressures, Want};
+use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairSearch, PairTerm, Pressures, Want};
 use crate::contact::measures::DEAR;
 use crate::error::InputError;
 use crate::math::{Vec3, parallel};
@@ -89,11 +89,11 @@ impl Detector {
         for block in this.broad.pairs().chunks(BLOCK) {
             found.resize(block.len(), PairForce::NONE);
             parallel::each_part(&mut found, DEAR, &|first, part| {
-                let mut pieces = Vec::new();
+                let mut search = PairSearch::new(&pressures, true);
                 for (force, pair) in part.iter_mut().zip(&block[first..]) {
                     let pair = pair.map(|k| k as usize);
                     *force = if potential::wanted(&strands, &this.exclusion, pair) {
-                        geometry.force(pair, &pressures, &mut pieces)
+                        geometry.force(pair, &mut search)
                     } else {
                         PairForce::NONE
                     };

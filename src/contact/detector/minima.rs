@@ -39,7 +39,7 @@ impl Detector {
             return;
         }
         let first = out.len();
-        self.minima_within(strands, i, j, reach, out);
+        self.minima_within(strands, [i, j], reach, out);
         if strands.varied() {
             keep_from(out, first, |m| self.in_range(strands, m));
         }
@@ -53,7 +53,7 @@ impl Detector {
     }
 
     /// All minima of a pair i < j with distance at most `reach`.
-    fn minima_within(&self, strands: &Strands, i: usize, j: usize, reach: f64, out: &mut Vec<Minimum>) {
+    fn minima_within(&self, strands: &Strands, [i, j]: [usize; 2], reach: f64, out: &mut Vec<Minimum>) {
         if strands.is_straight(i) && strands.is_straight(j) {
             // Adjacent straight segments are nearest at their joint.
             if !strands.adjacent(i, j) {
@@ -82,10 +82,11 @@ impl Detector {
         }
         let same_joint = (strands.next(i) == Some(j) && m.u > 1.0 - 1e-6 && m.v < 1e-6)
             || (strands.next(j) == Some(i) && m.v > 1.0 - 1e-6 && m.u < 1e-6);
-        let turning = |i, u, j, v| self.exclusion.turning_between_pieces(strands, i, u, j, v);
+        let turning = |from, to| self.exclusion.turning_between_pieces(strands, from, to);
+        let (own, other) = ((i, m.u), (j, m.v));
         same_joint
             || (self.options.neighbours == Neighbours::Turning
-                && turning(i, m.u, j, m.v).min(turning(j, m.v, i, m.u)) < std::f64::consts::FRAC_PI_2)
+                && turning(own, other).min(turning(other, own)) < std::f64::consts::FRAC_PI_2)
     }
 }
 

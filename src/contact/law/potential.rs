@@ -98,9 +98,10 @@ pub(crate) fn evaluate_within(
     pressures: &Pressures,
     want: Want,
 ) -> Vec<PairTerm> {
-    let add =
-        |pair, pieces: &mut _, out: &mut Vec<_>| geometry.terms(pair, pressures, want, pieces, |term| out.push(term));
-    in_chunks(candidates, add).into_iter().flatten().collect()
+    let chunks = in_chunks(candidates, PairSearch::new(pressures, true), |pair, search, out| {
+        geometry.each(pair, search, |found| out.push(found.pair_term(want)));
+    });
+    chunks.into_iter().flatten().collect()
 }
 
 /// The terms of [`evaluate_within`] with respect to the segments' ends, chunk by chunk: they are large, and this moves
@@ -111,46 +112,44 @@ pub(crate) fn evaluate_ends(
     pressures: &Pressures,
     request: Request,
 ) -> Vec<Vec<EndTerm>> {
-    in_chunks(candidates, |pair, pieces, out| {
-        geometry.each(pair, pressures, request.zones, pieces, |found| out.push(geometry.end_term(found, request)));
+    in_chunks(candidates, PairSearch::new(pressures, request.zones), |pair, search, out| {
+        geometry.each(pair, search, |found| out.push(geometry.end_term(found, request)));
     })
 }
 
-/// Calls `add(pair, scratch, out)` for every pair; returns its output chunk by chunk, in the order of the pairs.
+/// A search for the contacts of pairs, one after the other.
+#[derive(Clone)]
+pub(crate) struct PairSearch<'a> {
+    pressures: &'a Pressures<'a>,
+    /// Whether pieces are given their nearest points.
+    nearest: bool,
+    /// Scratch.
+    pieces: Vec<BranchPiece>,
+}
+
+impl<'a> PairSearch<'a> {
+    pub(crate) fn new(pressures: &'a Pressures<'a>, nearest: bool) -> Self {
+        Self { pressures, nearest, pieces: Vec::new() }
+    }
+}
+
+/// Calls `add(pair, search, out)` for every pair; returns its output chunk by chunk, in the order of the pairs.
 fn in_chunks<T: Send>(
     candidates: &[[u32; 2]],
-    add: impl Fn([usize; 2], &mut Vec<BranchPiece>, &mut Vec<T>) + Sync,
+    search: PairSearch,
+    add: impl Fn([usize; 2], &mut PairSearch, &mut Vec<T>) + Sync,
 ) -> Vec<Vec<T>> {
     parallel::map_ranges(candidates.len(), DEAR, &|range| {
-        let (mut found, mut pieces) = (Vec::new(), Vec::new());
-        candidates[range].iter().for_each(|pair| add(pair.map(|k| k as usize), &mut pieces, &mut found));
+        let (mut found, mut search) = (Vec::new(), search.clone());
+        candidates[range].iter().for_each(|pair| add(pair.map(|k| k as usize), &mut search, &mut found));
         found
     })
 }
 
 impl ContactGeometry<'_> {
-    /// The terms of one candidate pair, with either segment as the slave. `pieces` is scratch.
-    fn terms(
-        &self,
-        pair: [usize; 2],
-        pressures: &Pressures,
-        want: Want,
-        pieces: &mut Vec<BranchPiece>,
-        mut found: impl FnMut(PairTerm),
-    ) {
-        self.each(pair, pressures, true, pieces, |place| found(place.pair_term(want)));
-    }
-
-    /// The contacts of one candidate pair, with either segment as the slave. `pieces` is scratch; it holds nearest
-    /// points only on request.
-    fn each(
-        &self,
-        [i, j]: [usize; 2],
-        pressures: &Pressures,
-        nearest: bool,
-        pieces: &mut Vec<BranchPiece>,
-        mut found: impl FnMut(&PairIntegral),
-    ) {
+    /// The contacts of one candidate pair, with either segment as the slave.
+    fn each(&self, [i, j]: [usize; 2], search: &mut PairSearch, mut found: impl FnMut(&PairIntegral)) {
+        let PairSearch { pressures, nearest, pieces } = search;
         let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         let distance = self.nearest(i, j);
         for (slave, master) in [(i, j), (j, i)] {
@@ -158,7 +157,7 @@ impl ContactGeometry<'_> {
             if distance >= reach[0].max(reach[1]) {
                 continue;
             }
-            let pair_law = self.pair_law(slave, master, reach, contact_distance, pressures);
+            let pair_law = self.pair_law([slave, master], reach, pressures);
             pieces.clear();
             let mut collect = |project: &Projector, pieces: &mut Vec<BranchPiece>| {
                 self.keep_rings([slave, master], &pair_law, project, pieces);
@@ -172,7 +171,7 @@ impl ContactGeometry<'_> {
                 continue;
             }
             self.with_pair(slave, master, pair_law.reach, |pair, facing| match facing {
-                Some(facing) if facing.pieces(pair, nearest, pieces) => {
+                Some(facing) if facing.pieces(pair, *nearest, pieces) => {
                     collect(&|u, guess, _| (facing.project(pair, u, guess), 1.0), pieces);
                 }
                 _ => {
@@ -205,22 +204,23 @@ impl ContactGeometry<'_> {
         }
     }
 
-    /// The sum of [`ContactGeometry::terms`] without the terms.
-    pub(crate) fn force(&self, [i, j]: [usize; 2], pressures: &Pressures, pieces: &mut Vec<BranchPiece>) -> PairForce {
+    /// The sum of the terms of one candidate pair, without the terms.
+    pub(crate) fn force(&self, [i, j]: [usize; 2], search: &mut PairSearch) -> PairForce {
         let mut sum = PairForce::NONE;
         if !(self.strands.is_straight(i) && self.strands.is_straight(j)) {
-            self.terms([i, j], pressures, Want::Gradient, pieces, |term| {
-                sum.add_term(&self.strands, &term, term.slave != i)
+            self.each([i, j], search, |found| {
+                sum.add_term(&self.strands, &found.pair_term(Want::Gradient), found.slave != i);
             });
             return sum;
         }
+        let PairSearch { pressures, pieces, .. } = search;
         let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         for (slave, master) in [(i, j), (j, i)] {
             let reach = pressures.reach(slave, master, contact_distance);
             if reach[0].max(reach[1]) <= 0.0 {
                 continue;
             }
-            let pair_law = self.pair_law(slave, master, reach, contact_distance, pressures);
+            let pair_law = self.pair_law([slave, master], reach, pressures);
             let Some(lines) = self.lines(slave, master, &pair_law) else { continue };
             if !self.may_be_ring(slave, master) {
                 lines.pieces(|piece| sum.add_lines(&lines, &piece, &pair_law, slave != i));
@@ -240,14 +240,8 @@ impl ContactGeometry<'_> {
     }
 
     /// The law along the slave.
-    fn pair_law<'a>(
-        &self,
-        slave: usize,
-        master: usize,
-        reach: [f64; 2],
-        contact_distance: f64,
-        pressures: &'a Pressures<'a>,
-    ) -> PairLaw<'a> {
+    fn pair_law<'a>(&self, [slave, master]: [usize; 2], reach: [f64; 2], pressures: &'a Pressures<'a>) -> PairLaw<'a> {
+        let contact_distance = self.strands.radius_of(slave) + self.strands.radius_of(master);
         let (length, offset) = (self.lengths[slave], (pressures.offset)(slave, master));
         let straight = self.strands.is_straight(slave) && self.strands.is_straight(master);
         let span = if straight {

@@ -240,7 +240,7 @@ impl ClearanceSearch<'_> {
                 local_minima(curve, &x, self.upper + radii, &mut feet);
                 let ends = [0.0, 1.0].into_iter().filter(|&v| end_is_local_min(curve, &x, v == 1.0));
                 for v in feet.as_slice().iter().map(|f| f.u).chain(ends) {
-                    if !self.exclusion.excluded_points(self.set, end, u, other, v) {
+                    if !self.exclusion.excluded_points(self.set, (end, u), (other, v)) {
                         let relative = Cubic { b: curve.b.map(|p| p - x) };
                         self.offer(relative.point(v).norm() - radii, (end, u, other, v));
                     }
@@ -348,11 +348,11 @@ impl ClearanceSearch<'_> {
         if self.exclusion.turns_between_at_least(self.set, i, j, PI) {
             return ExcludedPart::No;
         }
-        let turning = |a, u, b, v| self.exclusion.turning_between(self.set, a, u, b, v);
+        let turning = |from, to| self.exclusion.turning_between(self.set, from, to);
         let (u, v) = (piece.u, piece.v);
-        if turning(i, u[0], j, v[1]) < PI || turning(j, v[0], i, u[1]) < PI {
+        if turning((i, u[0]), (j, v[1])) < PI || turning((j, v[0]), (i, u[1])) < PI {
             ExcludedPart::Yes
-        } else if turning(i, u[1], j, v[0]) < PI || turning(j, v[1], i, u[0]) < PI {
+        } else if turning((i, u[1]), (j, v[0])) < PI || turning((j, v[1]), (i, u[0])) < PI {
             ExcludedPart::Partly
         } else {
             ExcludedPart::No

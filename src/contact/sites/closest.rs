@@ -99,6 +99,15 @@ enum CellVerdict {
     Two([CellParallelogram; 2]),
 }
 
+/// A cell with the bounds of D's derivatives over it, enlarged.
+struct BoundedCell<'a> {
+    cell: &'a CellParallelogram,
+    wide: &'a CellParallelogram,
+    bounds: &'a Bounds,
+    /// Ranges of D_tt, D_ut, D_uu.
+    curvatures: &'a [[f64; 2]; 3],
+}
+
 impl MinimumSearch {
     fn run(&self, max_cells: usize) -> Vec<Closest> {
         let mut found = Vec::new();
@@ -146,9 +155,10 @@ impl MinimumSearch {
             return CellVerdict::Dropped;
         }
         let curvatures = bounds.curvatures();
+        let bounded = BoundedCell { cell, wide: &wide, bounds: &bounds, curvatures: &curvatures };
         let [tt, _, uu] = curvatures;
         if level && tt[0] > 0.0 {
-            return self.cut(cell, &wide, &bounds, &curvatures, true);
+            return self.cut(&bounded, true);
         }
         // At a corner of the square D may fall into another pair of segments.
         let corner = (cell.u[0] <= 0.0 || cell.u[1] >= 1.0) && (low <= 0.0 || high >= 1.0);
@@ -163,18 +173,12 @@ impl MinimumSearch {
                 Newton::Unsure => {}
             }
         }
-        self.cut(cell, &wide, &bounds, &curvatures, false)
+        self.cut(&bounded, false)
     }
 
     /// The cell clipped, sheared along a valley, or cut in two; a level cell is only cut across.
-    fn cut(
-        &self,
-        cell: &CellParallelogram,
-        wide: &CellParallelogram,
-        bounds: &Bounds,
-        curvatures: &[[f64; 2]; 3],
-        level: bool,
-    ) -> CellVerdict {
+    fn cut(&self, bounded: &BoundedCell, level: bool) -> CellVerdict {
+        let BoundedCell { cell, wide, bounds, curvatures } = *bounded;
         let [part_u, part_t] = bounds.clipped();
         let part_u = if level { Some([0.0, 1.0]) } else { part_u };
         let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return CellVerdict::Dropped };

@@ -162,20 +162,20 @@ impl Exclusion {
         self.reach.len() == built.len() && self.reach.iter().zip(built).all(|(now, then)| now >= then)
     }
 
-    /// Upper bound of the turning, rad, of the forward arc from parameter `u` of segment `i` to parameter `v` of
-    /// segment `j` of the same curve (through the closing joint if need be; open curves need i < j, or i = j and u ≤
-    /// v). Sharper than whole segments, because the end pieces are cut. Infinite if there is no such arc.
+    /// Upper bound of the turning, rad, of the forward arc from one point to another of the same curve, each a segment and
+    /// its parameter (through the closing joint if need be; on open curves `from` must come before `to`). Sharper than
+    /// whole segments, because the end pieces are cut. Infinite if there is no such arc.
     #[must_use]
-    pub fn turning_between(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        self.turning_of_arc([i, j], [u, v], |k| set.segments[k])
+    pub fn turning_between(&self, set: &CurveSet, from: (usize, f64), to: (usize, f64)) -> f64 {
+        self.turning_of_arc(from, to, |k| set.segments[k])
     }
 
     /// As [`Exclusion::turning_between`], for borrowed curves.
-    pub(crate) fn turning_between_pieces(&self, strands: &Strands, i: usize, u: f64, j: usize, v: f64) -> f64 {
-        self.turning_of_arc([i, j], [u, v], |k| strands.cubic(k))
+    pub(crate) fn turning_between_pieces(&self, strands: &Strands, from: (usize, f64), to: (usize, f64)) -> f64 {
+        self.turning_of_arc(from, to, |k| strands.cubic(k))
     }
 
-    fn turning_of_arc(&self, [i, j]: [usize; 2], [u, v]: [f64; 2], cubic: impl Fn(usize) -> Cubic) -> f64 {
+    fn turning_of_arc(&self, (i, u): (usize, f64), (j, v): (usize, f64), cubic: impl Fn(usize) -> Cubic) -> f64 {
         let (first, count, closed) = self.place[i];
         if first != self.place[j].0 {
             return f64::INFINITY;
@@ -199,8 +199,8 @@ impl Exclusion {
     /// them in either direction. For pairs of *neighbouring* segments that are not excluded as a whole, where the
     /// trivial foot (the point itself) and its surroundings must be distinguished from contact.
     #[must_use]
-    pub fn excluded_points(&self, set: &CurveSet, i: usize, u: f64, j: usize, v: f64) -> bool {
-        self.turning_between(set, i, u, j, v) < FRAC_PI_2 || self.turning_between(set, j, v, i, u) < FRAC_PI_2
+    pub fn excluded_points(&self, set: &CurveSet, a: (usize, f64), b: (usize, f64)) -> bool {
+        self.turning_between(set, a, b) < FRAC_PI_2 || self.turning_between(set, b, a) < FRAC_PI_2
     }
 
     /// Turning accumulated from the start of its curve to the start and to the end of a segment, rad (bounds).
@@ -347,9 +347,9 @@ mod tests {
                 assert!(!e.excluded_reduced(i, j) || e.excluded(i, j));
             }
         }
-        let between = e.turning_between(&set, 39, 0.5, 1, 0.5);
+        let between = e.turning_between(&set, (39, 0.5), (1, 0.5));
         assert!((between - 2.0 * 2.0 * PI / 40.0).abs() < 1e-3, "{between}");
-        assert!(e.excluded_points(&set, 1, 0.5, 39, 0.5) && !e.excluded_points(&set, 0, 0.5, 20, 0.5));
+        assert!(e.excluded_points(&set, (1, 0.5), (39, 0.5)) && !e.excluded_points(&set, (0, 0.5), (20, 0.5)));
     }
 
     #[test]

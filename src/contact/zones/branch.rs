@@ -98,8 +98,8 @@ impl SegmentPair<'_> {
         falling_root(branch.within, f)
     }
 
-    /// Pieces of a branch over parameters [start, end], from a guess of the other parameter in the middle.
-    pub(super) fn branch(&self, start: f64, end: f64, guess: f64, branch: Branch, out: &mut Vec<BranchPiece>) {
+    /// Pieces of a branch over a range of parameters, from a guess of the other parameter in the middle.
+    pub(super) fn branch(&self, [start, end]: [f64; 2], guess: f64, branch: Branch, out: &mut Vec<BranchPiece>) {
         let none = Sample { u: 0.0, v: 0.0, distance: 0.0, t: 0.0, rate: 0.0, slope: 0.0, curvature: 0.0 };
         let mut samples = [none; NUM_SAMPLES];
         let half = NUM_SAMPLES / 2;
@@ -137,14 +137,14 @@ impl SegmentPair<'_> {
         for crossing in crossings.iter().take(count).flatten() {
             open = match open {
                 Some(first) => {
-                    self.finish(&first, crossing, &samples, branch, out);
+                    self.finish([&first, crossing], &samples, branch, out);
                     None
                 }
                 None => Some(*crossing),
             };
         }
         if let Some(first) = open {
-            self.finish(&first, &samples[NUM_SAMPLES - 1], &samples, branch, out);
+            self.finish([&first, &samples[NUM_SAMPLES - 1]], &samples, branch, out);
         }
     }
 
@@ -194,7 +194,8 @@ impl SegmentPair<'_> {
         sample
     }
 
-    fn finish(&self, first: &Sample, last: &Sample, samples: &[Sample], branch: Branch, out: &mut Vec<BranchPiece>) {
+    /// The piece between two ends, with its nearest point.
+    fn finish(&self, [first, last]: [&Sample; 2], samples: &[Sample], branch: Branch, out: &mut Vec<BranchPiece>) {
         if last.t - first.t <= 0.0 {
             return;
         }

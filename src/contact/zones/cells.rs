@@ -36,6 +36,13 @@ struct ParameterCell {
     v: [f64; 2],
 }
 
+impl ParameterCell {
+    /// A branch along the slave in this cell.
+    fn branch(&self, kind: FootKind, sign: f64) -> Branch {
+        Branch { kind, sign, within: self.v }
+    }
+}
+
 enum BranchVerdict {
     Empty,
     /// One branch of this sign along the slave.
@@ -134,11 +141,13 @@ impl SegmentPair<'_> {
             let [du, dv] = [cell.u, cell.v].map(|r| r[1] - r[0]);
             match judge(&a, &b, joined, reach) {
                 BranchVerdict::Empty => {}
-                BranchVerdict::Along(sign) => self.follow_in(&cell, sides, FootKind::Orthogonal, sign, out),
+                BranchVerdict::Along(sign) => {
+                    self.follow_in(&cell, sides, cell.branch(FootKind::Orthogonal, sign), out)
+                }
                 BranchVerdict::Across(sign) => self.fold(&cell, &b, sign, out),
                 BranchVerdict::Unclear => {
                     if seen + queue.len() >= MAX_CELLS || du.max(dv) <= SMALLEST {
-                        self.follow_in(&cell, sides, FootKind::Held, 1.0, out);
+                        self.follow_in(&cell, sides, cell.branch(FootKind::Held, 1.0), out);
                         continue;
                     }
                     // The longer side, but no side much smaller than the other.
@@ -155,21 +164,14 @@ impl SegmentPair<'_> {
     }
 
     /// Traces the branch of one cell along the slave. Cells that meet at a v use the same function there.
-    fn follow_in(
-        &self,
-        cell: &ParameterCell,
-        sides: &[FootSide; 2],
-        kind: FootKind,
-        sign: f64,
-        out: &mut Vec<BranchPiece>,
-    ) {
+    fn follow_in(&self, cell: &ParameterCell, sides: &[FootSide; 2], branch: Branch, out: &mut Vec<BranchPiece>) {
         let border = |v: f64| {
             let (point, tangent, _) = self.master.derivatives(v);
             FootSide::new(self.slave, &point, &tangent, true)
         };
         let inner = cell.v.map(|v| (v > 0.0 && v < 1.0).then(|| border(v)));
         let sides = [inner[0].as_ref().unwrap_or(&sides[0]), inner[1].as_ref().unwrap_or(&sides[1])];
-        self.follow(sides, cell.u, Branch { kind, sign, within: cell.v }, out);
+        self.follow(sides, cell.u, branch, out);
     }
 
     /// Traces the branch of one cell along the master, whose part there is `part`.
@@ -190,7 +192,7 @@ impl SegmentPair<'_> {
             let [f0, f1] = cell.u.map(|u| self.f(u, middle) * sign);
             // f rises with u times the sign
             if f0 < 0.0 && f1 >= 0.0 {
-                self.branch(start, end, 0.5 * (cell.u[0] + cell.u[1]), branch, out);
+                self.branch([start, end], 0.5 * (cell.u[0] + cell.u[1]), branch, out);
             }
         }
     }

@@ -129,7 +129,7 @@ impl Facing {
                 None => {}
             }
         }
-        pair.branch(start, end, foot.v, Branch::ONLY, out);
+        pair.branch([start, end], foot.v, Branch::ONLY, out);
         true
     }
 

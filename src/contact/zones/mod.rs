@@ -173,7 +173,7 @@ impl SegmentPair<'_> {
             let held = branch.kind == FootKind::Held;
             if sign == branch.sign || held && sign != 0.0 {
                 let guess = 0.5 * (branch.within[0] + branch.within[1]);
-                self.branch(start, end, guess, Branch { sign, ..branch }, out);
+                self.branch([start, end], guess, Branch { sign, ..branch }, out);
             }
         }
     }
@@ -204,7 +204,7 @@ impl SegmentPair<'_> {
                     None => f64::from(i8::from(if k == 0 { own <= 0.0 } else { own >= 0.0 })),
                 };
                 if sign != 0.0 {
-                    self.branch(start, end, k as f64, Branch::of(kind, sign), out);
+                    self.branch([start, end], k as f64, Branch::of(kind, sign), out);
                 }
             }
         }

@@ -32,7 +32,7 @@ pub fn film_strip(frames: &[(Picture, String)], columns: usize, background: [u8;
         let corner = [left + (width - picture.width) / 2, top + (height - picture.height) / 2];
         paste(&mut sheet, picture, corner);
         let wide = text_width(text, letter);
-        sheet.write(text, left + width.saturating_sub(wide) / 2, top + height + letter / 4, letter, ink);
+        sheet.write(text, [left + width.saturating_sub(wide) / 2, top + height + letter / 4], letter, ink);
     }
     Ok(sheet)
 }

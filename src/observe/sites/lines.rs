@@ -10,7 +10,7 @@ use crate::contact::curve::CurveSet;
 use crate::contact::potential::ContactPair;
 use crate::observe::report::{LineSample, SiteKind};
 
-use super::{Layer, SiteZone, contacts, order, piece, site, zone};
+use super::{ContactZones, Layer, SiteZone, contacts, order, piece, site, zone};
 
 /// Samples per width of the smoothing.
 const A_WIDTH: f64 = 2.0;
@@ -40,7 +40,7 @@ pub(in crate::observe) fn lines(
     let zones: Vec<SiteZone> = zoned.iter().map(|(zone, _)| *zone).collect();
     let mut found: Vec<_> = contacts(set, &zones, layer)
         .into_iter()
-        .map(|members| (site(set, &zones, &members, rods, layer), members))
+        .map(|members| (site(ContactZones { set, zones: &zones, members: &members }, rods, layer), members))
         .collect();
     found.sort_by(|(x, _), (y, _)| super::by_arcs(&x.0, &y.0));
     let mut samples = Vec::new();

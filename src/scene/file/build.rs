@@ -8,7 +8,7 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, Natural, Rod, RodMesh, RodNumber, Stiffness};
+use crate::rod::{Along, Natural, Rod, RodMesh, RodNumber, Section, Stiffness};
 use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
@@ -269,31 +269,18 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
     let natural = natural(&path, text, helix, base_dir)?;
-    let check_memory = |elements: usize| {
-        let nodes = nodes.saturating_add(elements.saturating_mul(text.order));
-        memory::check(format!("{path}.elements"), elements, nodes, scene.planar)
-    };
-    let mut rod = if let ShapeText::State { file, rod } = &text.shape {
-        text.elements.map_or(Ok(()), check_memory)?;
-        state::rod(text, &base_dir.join(file), *rod, section, natural)?
-    } else if let ShapeText::Frames { file } = &text.shape {
-        text.elements.map_or(Ok(()), check_memory)?;
-        let length = helix_length.or(dna.map(|dna| dna.length));
-        frames::rod(text, &base_dir.join(file), (length, turns_left_out), section, natural)?
-    } else {
-        let wound = Wound { section: &section, excess_link, closed: text.closed, length: dna.map(|dna| dna.length) };
-        let shape = shape(&text.shape, base_dir, &wound).map_err(inside)?;
-        let unmeshed =
-            Unmeshed { scene, rod: text, shape: &shape, section: &section, natural: &natural, dna: dna.as_ref() };
-        let elements = elements(&path, &unmeshed)?;
-        check_memory(elements).map_err(|error| by_fidelity(error, scene, text))?;
-        Rod::new(
-            &text.name,
-            &shape,
-            RodMesh { closed: text.closed, num_elements: elements, order: text.order },
-            section,
-            natural,
-        )?
+    let given = GivenRod { scene, text, base_dir, nodes_before: nodes, dna: dna.as_ref(), excess_link };
+    let mut rod = match &text.shape {
+        ShapeText::State { file, rod } => {
+            given.check_memory(text.elements)?;
+            state::rod(text, &base_dir.join(file), *rod, section, natural)?
+        }
+        ShapeText::Frames { file } => {
+            given.check_memory(text.elements)?;
+            let length = helix_length.or(dna.as_ref().map(|dna| dna.length));
+            frames::rod(text, &base_dir.join(file), (length, turns_left_out), section, natural)?
+        }
+        _ => given.of_shape(section, natural)?,
     };
     if let Some(stiffness) = stiffness {
         rod = rod.with_stiffness(stiffness)?;
@@ -310,6 +297,44 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         roll(&mut rod, text);
     }
     Ok(rod)
+}
+
+/// What a rod is meshed from.
+struct GivenRod<'a> {
+    scene: &'a SceneText,
+    text: &'a RodText,
+    base_dir: &'a Path,
+    /// Nodes of the rods before it.
+    nodes_before: usize,
+    dna: Option<&'a Dna>,
+    excess_link: Option<f64>,
+}
+
+impl GivenRod<'_> {
+    fn path(&self) -> String {
+        format!("rods.{}", self.text.name)
+    }
+
+    /// Refuses more elements than there is memory for; without a number the file decides.
+    fn check_memory(&self, elements: Option<usize>) -> Result<(), InputError> {
+        let Some(elements) = elements else { return Ok(()) };
+        let nodes = self.nodes_before.saturating_add(elements.saturating_mul(self.text.order));
+        memory::check(format!("{}.elements", self.path()), elements, nodes, self.scene.planar)
+    }
+
+    /// The rod of a shape that is given by its form.
+    fn of_shape(&self, section: Section, natural: Natural) -> Result<Rod, InputError> {
+        let (scene, text, path) = (self.scene, self.text, self.path());
+        let length = self.dna.map(|dna| dna.length);
+        let wound = Wound { section: &section, excess_link: self.excess_link, closed: text.closed, length };
+        let shape = shape(&text.shape, self.base_dir, &wound).map_err(|error| within(&path, error))?;
+        let unmeshed =
+            Unmeshed { scene, rod: text, shape: &shape, section: &section, natural: &natural, dna: self.dna };
+        let elements = elements(&path, &unmeshed)?;
+        self.check_memory(Some(elements)).map_err(|error| by_fidelity(error, scene, text))?;
+        let mesh = RodMesh { closed: text.closed, num_elements: elements, order: text.order };
+        Rod::new(&text.name, &shape, mesh, section, natural)
+    }
 }
 
 /// Number of elements: as given, or as many as the fidelity asks for.

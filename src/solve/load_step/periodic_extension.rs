@@ -102,9 +102,34 @@ impl Screw {
 /// there.
 type Made = (usize, f64, f64);
 
+/// Where elements are cut out of a long plectoneme, and how many.
+struct Cut {
+    /// Order of the elements.
+    order: usize,
+    /// Node after which they are taken from one strand, and before whose counterpart from the other.
+    at: usize,
+    /// Elements taken from each strand.
+    elements: usize,
+    /// Elements of the short rod.
+    left: usize,
+    /// Elements on either side of the cut over which the screw motion is measured.
+    window: usize,
+}
+
+impl Cut {
+    fn screw(&self, state: &State) -> Option<Screw> {
+        Screw::measure(state, self.order, self.at, self.window)
+    }
+
+    /// Nodes of a state's rod with elements put in at the cut (taken out, if negative).
+    fn plan(&self, state: &State, elements: isize, screw: &Screw) -> Vec<Made> {
+        plan(state.positions.len(), [self.order, self.at], elements, screw.spins)
+    }
+}
+
 /// Nodes of a rod of `nodes` with `elements` of order `p` put in (taken out, if negative) after node `at` and as many
 /// before the node opposite.
-fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> Vec<Made> {
+fn plan(nodes: usize, [p, at]: [usize; 2], elements: isize, spins: [f64; 2]) -> Vec<Made> {
     let k = elements as f64;
     let opposite = nodes - at;
     let (cut, put) = (elements.min(0).unsigned_abs() * p, elements.max(0) as usize);
@@ -118,16 +143,15 @@ fn plan(nodes: usize, p: usize, at: usize, elements: isize, spins: [f64; 2]) -> 
     list
 }
 
-/// A state with elements put in or taken out.
-fn changed(state: &State, p: usize, at: usize, elements: isize, screw: &Screw) -> State {
-    let made = plan(state.positions.len(), p, at, elements, screw.spins);
+/// A state with elements put in (taken out, if negative) by a plan.
+fn changed(state: &State, made: &[Made], elements: isize, screw: &Screw) -> State {
     let mut out = State {
         positions: Vec::with_capacity(made.len()),
         remainders: vec![Vec3::zeros(); made.len()],
         frames: Vec::with_capacity(made.len()),
         ..state.clone()
     };
-    for (from, power, angle) in made {
+    for &(from, power, angle) in made {
         let (motion, turn) = screw.power(power);
         out.positions.push(motion(&state.positions[from]));
         out.frames.push(turn * state.frames[from] * spin(angle));
@@ -176,69 +200,27 @@ impl Solver {
     }
 
     fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
-        let engine = &self.engine;
-        let side = engine.contact.as_ref()?;
-        let [rod] = &engine.model.rods[..] else { return None };
-        let free = engine.model.supports.is_empty() && engine.state.pressures[0] == 0.0 && !engine.model.planar;
-        let unloaded = engine.model.loads.is_empty() && engine.model.line_loads.is_empty();
-        let unloaded = unloaded && engine.model.planes.is_empty();
-        let uniform =
-            rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
-        if !(free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)) {
-            return None;
-        }
-        let (p, elements) = (rod.order, rod.num_elements);
-        let pitch = Screw::measure(&engine.state, p, elements / 4 * p, 1)?;
-        let per_turn = TAU / pitch.angle;
-        let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
-        let shorter = (2.0 * turns * per_turn + loops).ceil() as usize;
-        let shorter = shorter + (elements - shorter.min(elements)) % 2;
-        let cut = elements.saturating_sub(shorter) / 2;
-        // worth it where at least half of the rod is cut out
-        if 2 * cut < shorter {
-            return None;
-        }
-        let at = shorter / 4 * p;
-        // over a quarter of the turns kept ripples of elements average out
-        let window = (0.125 * turns * per_turn).ceil() as usize;
-        let screw = Screw::measure(&engine.state, p, at, window)?;
-        let start = changed(&engine.state, p, at, -(cut as isize), &screw);
-        if !is_same(&changed(&start, p, at, cut as isize, &screw), &engine.state, rod.spacing()) {
-            return None;
-        }
-        let wanted = engine.state.seams[0] / TAU;
-        let mut short = self.solver_of(&start, rod).ok()?;
+        let rod = self.free_uniform_ring()?;
+        let cut = self.cut(rod, turns)?;
+        let mut short = self.shortened(rod, &cut)?;
         let still = Prediction::still(&short.engine);
-        let mut slope = 1.0 + 2.0 * cut as f64 / shorter as f64;
-        let mut before: Option<[f64; 2]> = None;
         let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), None)?;
         for _ in 0..FEW {
             short.smooth_pressures();
             iterations += short.comes_to_rest(&PrescribedMotion::default(), Some(still.clone()))?;
         }
+        let wanted = self.engine.state.seams[0] / TAU;
+        // links of the long rod per link of the short one, a secant's slope from the second round on
+        let mut slope = 1.0 + 2.0 * cut.elements as f64 / cut.left as f64;
+        let mut before: Option<[f64; 2]> = None;
         for _ in 0..MAX_ROUNDS {
             let state = &short.engine.state;
-            let screw = Screw::measure(state, p, at, window)?;
+            let screw = cut.screw(state)?;
             let link = state.seams[0] / TAU;
-            let longer = |by: usize| -> Option<State> {
-                let mut longer = changed(state, p, at, by as isize, &screw);
-                let whole = self.rod_of_state(&longer, rod).ok()?.start_link();
-                longer.seams[0] += TAU * (whole - longer.seams[0] / TAU).round();
-                Some(longer)
-            };
-            let long = longer(cut)?;
+            let long = self.extended(rod, state, &cut, &screw)?;
             let missing = wanted - long.seams[0] / TAU;
             if missing.abs() <= SAME {
-                let mut long = moved(long, &centre(&engine.state));
-                let nodes = 0..long.positions.len();
-                long.twist(0, nodes, TAU * wanted - long.seams[0]);
-                let side = short.engine.contact.as_ref()?;
-                let made = plan(state.positions.len(), p, at, cut as isize, screw.spins);
-                let offsets = side.offsets.per_node(f64::max);
-                let offsets: Vec<f64> = made.iter().map(|(node, ..)| offsets[*node]).collect();
-                let offsets = ContactField::of_nodes(&offsets, 0);
-                let (law, timings) = (side.law, short.workspace.timings);
-                return Some(Lengthened { state: long, law, offsets, iterations, timings });
+                return self.in_contact_as(&short, long, cut.plan(state, cut.elements as isize, &screw), iterations);
             }
             if let Some([link_before, missing_before]) = before {
                 slope = (missing_before - missing) / (link - link_before);
@@ -250,7 +232,66 @@ impl Solver {
         None
     }
 
-    /// Newton iterations that [`Solver::settle_along`] takes; `None` where it does not converge.
+    /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are known.
+    fn free_uniform_ring(&self) -> Option<&Rod> {
+        let (model, state) = (&self.engine.model, &self.engine.state);
+        let side = self.engine.contact.as_ref()?;
+        let [rod] = &model.rods[..] else { return None };
+        let free = model.supports.is_empty() && state.pressures[0] == 0.0 && !model.planar;
+        let unloaded = model.loads.is_empty() && model.line_loads.is_empty() && model.planes.is_empty();
+        let uniform =
+            rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
+        (free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)).then_some(rod)
+    }
+
+    /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because less
+    /// is not worth it.
+    fn cut(&self, rod: &Rod, turns: f64) -> Option<Cut> {
+        let side = self.engine.contact.as_ref()?;
+        let (order, elements) = (rod.order, rod.num_elements);
+        let pitch = Screw::measure(&self.engine.state, order, elements / 4 * order, 1)?;
+        let per_turn = TAU / pitch.angle;
+        let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
+        let left = (2.0 * turns * per_turn + loops).ceil() as usize;
+        let left = left + (elements - left.min(elements)) % 2;
+        let cut = elements.saturating_sub(left) / 2;
+        // over a quarter of the turns kept ripples of elements average out
+        let window = (0.125 * turns * per_turn).ceil() as usize;
+        (2 * cut >= left).then_some(Cut { order, at: left / 4 * order, elements: cut, left, window })
+    }
+
+    /// The short rod; `None` where the long one is not the short one with elements put in: it is not uniform.
+    fn shortened(&self, rod: &Rod, cut: &Cut) -> Option<Self> {
+        let (state, by) = (&self.engine.state, cut.elements as isize);
+        let screw = cut.screw(state)?;
+        let start = changed(state, &cut.plan(state, -by, &screw), -by, &screw);
+        let again = changed(&start, &cut.plan(&start, by, &screw), by, &screw);
+        is_same(&again, state, rod.spacing()).then(|| self.solver_of(&start, rod).ok())?
+    }
+
+    /// The long rod made of a state of the short one, with the link of its own shape.
+    fn extended(&self, rod: &Rod, short: &State, cut: &Cut, screw: &Screw) -> Option<State> {
+        let by = cut.elements as isize;
+        let mut long = changed(short, &cut.plan(short, by, screw), by, screw);
+        let whole = self.rod_of_state(&long, rod).ok()?.start_link();
+        long.seams[0] += TAU * (whole - long.seams[0] / TAU).round();
+        Some(long)
+    }
+
+    /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's contact.
+    fn in_contact_as(&self, short: &Self, long: State, made: Vec<Made>, iterations: usize) -> Option<Lengthened> {
+        let before = &self.engine.state;
+        let mut long = moved(long, &centre(before));
+        let nodes = 0..long.positions.len();
+        long.twist(0, nodes, before.seams[0] - long.seams[0]);
+        let side = short.engine.contact.as_ref()?;
+        let offsets = side.offsets.per_node(f64::max);
+        let offsets: Vec<f64> = made.iter().map(|(node, ..)| offsets[*node]).collect();
+        let offsets = ContactField::of_nodes(&offsets, 0);
+        Some(Lengthened { state: long, law: side.law, offsets, iterations, timings: short.workspace.timings })
+    }
+
+    /// Newton iterations that [`Solver::solve_step_along`] takes; `None` where it does not converge.
     fn comes_to_rest(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> Option<usize> {
         let report = self.solve_step_along(drive, predicted);
         (report.status == Status::Converged).then_some(report.iterations)
@@ -306,7 +347,8 @@ mod tests {
             let at = elements.min(other) / 4 * 3;
             let screw = Screw::measure(state, 3, at, 10).unwrap();
             let by = (other as isize - elements as isize) / 2;
-            let mut made = changed(state, 3, at, by, &screw);
+            let plan = plan(state.positions.len(), [3, at], by, screw.spins);
+            let mut made = changed(state, &plan, by, &screw);
             let exact = &to.engine.state;
             assert_eq!(made.positions.len(), exact.positions.len());
             // the same up to where they lie

@@ -89,6 +89,17 @@ impl Solver {
         to - self.moved.turned.get(&node).copied().unwrap_or(0.0)
     }
 
+    /// Displacement \[L\] of a node by ramps so far.
+    fn displaced(&self, node: usize) -> Vec3 {
+        self.moved.displaced.get(&node).copied().unwrap_or_default()
+    }
+
+    /// A node relative to a point of the axis it is turned about \[L\]; the axis moves with the node's displacements.
+    fn arm(&self, node: usize, through: &Vec3) -> Vec3 {
+        let state = &self.engine.state;
+        (state.positions[node] - through - self.displaced(node)) + state.remainders[node]
+    }
+
     /// The way from where a node is to a pose.
     fn remaining_path(&self, node: usize, pose: &Pose) -> RemainingPath {
         let state = &self.engine.state;
@@ -114,6 +125,8 @@ impl Solver {
     /// The target when every ramp takes the fraction `take` of its remaining change.
     pub(in crate::solve) fn target(&self, ramps: &[Ramp], take: f64) -> Target {
         let mut target = Target::default();
+        let state = &self.engine.state;
+        let between = |now: f64, to: f64| now + (to - now) * take;
         let node_of = |n: &NodeRef| self.engine.first_node[n.rod] + n.node;
         for ramp in ramps {
             match ramp {
@@ -121,65 +134,53 @@ impl Solver {
                     let seams = &mut target.drive.seams;
                     seams.resize(self.engine.model.rods.len(), 0.0);
                     let link = to + self.engine.model.rods[*rod].natural_link();
-                    seams[*rod] = (link * TAU - self.engine.state.seams[*rod]) * take;
+                    seams[*rod] = (link * TAU - state.seams[*rod]) * take;
                 }
                 Ramp::Rotation { node, axis, to } => {
                     let node = node_of(node);
                     let change = self.turns_left(node, *to) * take;
-                    let vector = unit(axis) * (change * TAU);
-                    target.drive.nodes.push((node, Vec3::zeros(), vector));
-                    target.turned.push((node, change));
+                    target.rotate(node, change, Vec3::zeros(), unit(axis) * (change * TAU));
                 }
                 Ramp::RotationAbout { node, axis, through, to } => {
                     let node = node_of(node);
                     let change = self.turns_left(node, *to) * take;
-                    let vector = unit(axis) * (change * TAU);
-                    let state = &self.engine.state;
-                    let displaced = self.moved.displaced.get(&node).copied().unwrap_or_default();
-                    let arm = (state.positions[node] - through - displaced) + state.remainders[node];
-                    target.drive.nodes.push((node, exp(&vector) * arm - arm, vector));
-                    target.turned.push((node, change));
+                    let (vector, arm) = (unit(axis) * (change * TAU), self.arm(node, through));
+                    target.rotate(node, change, exp(&vector) * arm - arm, vector);
                 }
                 Ramp::Displacement { node, to } => {
                     let node = node_of(node);
-                    let change = (to - self.moved.displaced.get(&node).copied().unwrap_or_default()) * take;
+                    let change = (to - self.displaced(node)) * take;
                     target.drive.nodes.push((node, change, Vec3::zeros()));
                     target.displaced.push((node, change));
                 }
-                Ramp::Pose { node, pose } => {
-                    let node = node_of(node);
-                    let (position, way) = (self.engine.state.positions[node], self.remaining_path(node, pose));
-                    target.drive.nodes.push((node, way.displacement(take), way.rotation * take));
-                    if way.turns != 0.0 {
-                        // a second motion of the node: the rod takes it by itself, being about its tangent
-                        let angle = way.turns * take * TAU;
-                        let tangent = self.engine.state.frames[node] * Vec3::z();
-                        target.drive.nodes.push((node, Vec3::zeros(), tangent * angle));
-                        target.turned.push((node, way.turns * take));
-                    }
-                    target.posed.push((node, way.controls(&position).map(|v| v * take)));
-                }
-                Ramp::Load { to } => {
-                    let now = self.engine.state.load_factor;
-                    target.load_factor = Some(now + (to - now) * take);
-                }
-                Ramp::Pressure { rod, to } => {
-                    let now = self.engine.state.pressures[*rod];
-                    target.pressures.push((*rod, now + (to - now) * take));
-                }
+                Ramp::Pose { node, pose } => self.add_pose(node_of(node), pose, take, &mut target),
+                Ramp::Load { to } => target.load_factor = Some(between(state.load_factor, *to)),
+                Ramp::Pressure { rod, to } => target.pressures.push((*rod, between(state.pressures[*rod], *to))),
                 Ramp::Plane { plane, to } => {
-                    let now = self.engine.state.plane_heights[*plane];
-                    target.plane_heights.push((*plane, now + (to - now) * take));
+                    target.plane_heights.push((*plane, between(state.plane_heights[*plane], *to)));
                 }
                 Ramp::Number { rod, which, to } => {
                     let now = self.engine.model.rods[*rod].number(*which);
-                    target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { now + (to - now) * take });
+                    target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { between(now, *to) });
                 }
                 // done before the stage's first step
                 Ramp::Hold(_) | Ramp::Release(_) => {}
             }
         }
         target
+    }
+
+    /// Adds the motion of a node over a part of its way to a pose.
+    fn add_pose(&self, node: usize, pose: &Pose, take: f64, target: &mut Target) {
+        let state = &self.engine.state;
+        let way = self.remaining_path(node, pose);
+        target.drive.nodes.push((node, way.displacement(take), way.rotation * take));
+        if way.turns != 0.0 {
+            // a second motion of the node: the rod takes it by itself, being about its tangent
+            let (change, tangent) = (way.turns * take, state.frames[node] * Vec3::z());
+            target.rotate(node, change, Vec3::zeros(), tangent * (change * TAU));
+        }
+        target.posed.push((node, way.controls(&state.positions[node]).map(|v| v * take)));
     }
 
     /// Notes the present values of numbers that ramps are about to move, so that a step that fails goes back to them.

@@ -26,6 +26,7 @@ use crate::scene::{Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
 use crate::solve::measures::{ARC, ROUGH};
+use crate::solve::path::continuation::corner::Corner;
 use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
 use crate::solve::path::continuation::parameter::Parameter;
@@ -216,6 +217,49 @@ impl Reporter<'_> {
         self.started = Instant::now();
         Ok(go_on)
     }
+
+    /// Reports the events of a step and its end; whether to go on. `arc` is the arc length up to its start, then to its
+    /// end.
+    fn tell_stride(
+        &mut self,
+        tracer: &mut Tracer,
+        stride: &Stride,
+        arc: &mut f64,
+        report: &mut FollowReport,
+    ) -> Result<bool, SolveError> {
+        for event in &stride.events {
+            report.value = event.point.value;
+            if !self.tell(tracer, &event.point, event.kind, *arc + event.distance)? {
+                return Ok(false);
+            }
+        }
+        *arc += stride.distance;
+        self.count(&stride.next, report);
+        let kind = if stride.arrives { PointKind::Target } else { PointKind::Regular };
+        self.tell(tracer, &stride.next, kind, *arc)
+    }
+
+    /// Reports a corner and the first point beyond it; whether to go on.
+    fn tell_corner(
+        &mut self,
+        tracer: &mut Tracer,
+        found: &Corner,
+        arc: &mut f64,
+        report: &mut FollowReport,
+    ) -> Result<bool, SolveError> {
+        report.value = found.corner.value;
+        if !self.tell(tracer, &found.corner, PointKind::Corner, *arc + found.before)? {
+            return Ok(false);
+        }
+        *arc += found.before + found.after;
+        self.count(&found.next, report);
+        self.tell(tracer, &found.next, PointKind::Regular, *arc)
+    }
+
+    fn count(&mut self, next: &Point, report: &mut FollowReport) {
+        self.points += 1;
+        (report.num_points, report.value) = (self.points, next.value);
+    }
 }
 
 impl Solver {
@@ -278,56 +322,36 @@ fn trace(
             last_error = Some(error);
             None
         });
-        let Some(Stride { next, distance, events, turned, arrives }) = stride else {
-            if step < ROUGH * options.step
-                && let Some(found) =
-                    tracer.round_corner(&here, CORNER_REACH * step, ROUGH * options.step).unwrap_or(None)
-            {
-                report.value = found.corner.value;
-                if !reporter.tell(tracer, &found.corner, PointKind::Corner, arc + found.before)? {
-                    return Ok(PathEnd::Stopped);
-                }
-                arc += found.before + found.after;
-                reporter.points += 1;
-                (report.num_points, report.value) = (reporter.points, found.next.value);
-                if !reporter.tell(tracer, &found.next, PointKind::Regular, arc)? {
-                    return Ok(PathEnd::Stopped);
-                }
-                (here, step) = (found.next, found.after);
-                continue;
+        if let Some(stride) = stride {
+            let next_step = (step * stride.lengthening()).min(options.max_step);
+            if !reporter.tell_stride(tracer, &stride, &mut arc, report)? {
+                return Ok(PathEnd::Stopped);
             }
+            if stride.arrives {
+                return Ok(PathEnd::Target);
+            }
+            (here, step) = (stride.next, next_step);
+        } else if let Some(found) = corner(tracer, &here, step, options) {
+            if !reporter.tell_corner(tracer, &found, &mut arc, report)? {
+                return Ok(PathEnd::Stopped);
+            }
+            (here, step) = (found.next, found.after);
+        } else {
             step *= 0.5;
             if step < options.min_step {
                 tracer.enter(&here)?;
                 report.error = last_error;
                 return Ok(PathEnd::StepTooSmall);
             }
-            continue;
-        };
-        for event in events {
-            report.value = event.point.value;
-            if !reporter.tell(tracer, &event.point, event.kind, arc + event.distance)? {
-                return Ok(PathEnd::Stopped);
-            }
         }
-        arc += distance;
-        reporter.points += 1;
-        report.num_points = reporter.points;
-        report.value = next.value;
-        let kind = if arrives { PointKind::Target } else { PointKind::Regular };
-        if !reporter.tell(tracer, &next, kind, arc)? {
-            return Ok(PathEnd::Stopped);
-        }
-        if arrives {
-            return Ok(PathEnd::Target);
-        }
-        // iterations of one search; each augmentation of contact offsets asks for another
-        let iterations = next.iterations.max(1) as f64 / (1 + next.augmentations) as f64;
-        let pace = (AIM / iterations).sqrt().min(0.5 * ARC / turned.max(1e-3));
-        step = (step * pace.clamp(0.5, 2.0)).min(options.max_step);
-        here = next;
     }
     Ok(PathEnd::MaxPoints)
+}
+
+/// A corner within reach of a step that failed, if it has become short.
+fn corner(tracer: &mut Tracer, here: &Point, step: f64, options: &FollowOptions) -> Option<Corner> {
+    let short = ROUGH * options.step;
+    if step < short { tracer.round_corner(here, CORNER_REACH * step, short).unwrap_or(None) } else { None }
 }
 
 /// A step along the path.
@@ -339,6 +363,16 @@ struct Stride {
     turned: f64,
     /// It ends where the parameter comes to its target.
     arrives: bool,
+}
+
+impl Stride {
+    /// Length of the next step over that of this one.
+    fn lengthening(&self) -> f64 {
+        // iterations of one search; each augmentation of contact offsets asks for another
+        let iterations = self.next.iterations.max(1) as f64 / (1 + self.next.augmentations) as f64;
+        let ratio = (AIM / iterations).sqrt().min(0.5 * ARC / self.turned.max(1e-3));
+        ratio.clamp(0.5, 2.0)
+    }
 }
 
 /// The step of length `step` from `here`, or to the target if that comes first; `None` where Newton finds no point, or
@@ -354,7 +388,7 @@ fn stride(tracer: &mut Tracer, here: &Point, step: f64, tol: f64) -> Result<Opti
     let (mut distance, target) = (step, tracer.parameter.target);
     let arrives = (here.value - target) * (next.value - target) < 0.0 || next.value == target;
     if arrives {
-        (next, distance) = tracer.target_point(here, &next, step, target, tol);
+        (next, distance) = tracer.target_point(here, &next, step, tol);
         if let Some(exact) = tracer.at_value(&next, target)? {
             next = exact;
         }

@@ -153,8 +153,7 @@ impl Engine {
         state: &State,
         predicted: Option<&[[Strain; 3]]>,
         drive: &PrescribedMotion,
-        pattern: &Pattern,
-        tangent: &mut Tangent,
+        (pattern, tangent): (&Pattern, &mut Tangent),
     ) -> Residual {
         let mut out = self.start_residual(state);
         let mut sink = Sink::new(self, out.bases.clone(), drive, pattern, tangent);

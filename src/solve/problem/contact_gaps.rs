@@ -2,7 +2,7 @@
 
 use crate::contact::arc::ascending;
 use crate::contact::curve::CurveSet;
-use crate::contact::potential::ZonePiece;
+use crate::contact::potential::{ContactPair, ZonePiece};
 use crate::math::Vec3;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::{ContactField, Entry};
@@ -43,12 +43,8 @@ impl Seen<'_> {
 }
 
 /// All zones, with the window that `window(slave, master)` gives them.
-fn seen<'a>(
-    side: &'a ContactSide,
-    residual: &'a Residual,
-    window: &'a impl Fn(usize, usize) -> f64,
-) -> impl Iterator<Item = Seen<'a>> {
-    residual.contact_pairs.iter().flat_map(move |term| {
+fn seen<'a>(side: &ContactSide, residual: &'a Residual, window: impl Fn(usize, usize) -> f64) -> Vec<Seen<'a>> {
+    let of_pair = |term: &'a ContactPair| {
         let (slave, master) = (term.slave, term.master);
         let window = window(slave, master);
         let apart = (2.0 * window).max(side.set.radius_of(slave) + side.set.radius_of(master));
@@ -57,7 +53,8 @@ fn seen<'a>(
             let place = Entry { node: 0, curve: side.set.curve_of(master) as u32, arc };
             Seen { slave, master, zone, window, apart, place }
         })
-    })
+    };
+    residual.contact_pairs.iter().flat_map(of_pair).collect()
 }
 
 /// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches; `window(slave, master)`,
@@ -70,14 +67,58 @@ pub(crate) fn smallest_gaps(
     positions: &[Vec3],
     window: impl Fn(usize, Option<usize>) -> f64,
 ) -> ContactField {
-    let (num_nodes, num_planes) = (positions.len(), side.planes.len());
+    let seen = seen(side, residual, |slave, master| window(slave, Some(master)));
+    let entries = entries(side, &seen, positions);
+    let mut gaps = ContactField::uniform_with(positions.len(), side.planes.len(), entries, f64::INFINITY);
+    for seen in &seen {
+        let gap = seen.zone.min_gap;
+        seen.by_nodes(side, |node| {
+            let index = gaps.index(&side.set, node, seen.master);
+            gaps.values[index] = gaps.values[index].min(gap);
+        });
+    }
+    for contact in &residual.plane_contacts {
+        let (window, gap) = (window(contact.segment, None), contact.min_gap());
+        for forward in [true, false] {
+            side.spread(contact.segment, window, forward, |node| {
+                let index = gaps.index_of_plane(node, contact.plane);
+                gaps.values[index] = gaps.values[index].min(gap);
+            });
+        }
+    }
+    gaps
+}
+
+/// Entries of the contacts of nodes that touch several strands, now or when the offsets were found; sorted by node.
+fn entries(side: &ContactSide, seen: &[Seen], positions: &[Vec3]) -> Vec<Entry> {
+    let counted = || seen.iter().filter(|seen| !seen.zone.piece.branch.is_subtracted());
+    let partners = partners(side, counted(), positions.len());
+    let touches_several = |node: usize| matches!(partners[node], Partner::Several);
+    if !(0..positions.len()).any(touches_several) {
+        return Vec::new();
+    }
+    let (mut places, mut apart): (Vec<(Entry, f64)>, f64) = (Vec::new(), 0.0);
+    for seen in counted() {
+        seen.by_nodes(side, |node| {
+            if touches_several(node) {
+                apart = apart.max(seen.apart);
+                places.push((Entry { node: node as u32, ..seen.place }, seen.apart));
+            }
+        });
+    }
+    let mut entries = joined(&side.set, places);
+    remember(side, positions, apart, &mut entries);
+    entries
+}
+
+/// Partner of each node. With several curves every node counts as one that touches several strands, because an entry
+/// names the curve.
+fn partners<'a>(side: &ContactSide, seen: impl Iterator<Item = &'a Seen<'a>>, num_nodes: usize) -> Vec<Partner> {
     let set = &side.set;
-    let of_pair = |slave, master| window(slave, Some(master));
     let alone = set.curves.len() == 1;
     let mut partners = vec![if alone { Partner::None } else { Partner::Several }; num_nodes];
     side.offsets.entries.iter().for_each(|e| partners[e.node as usize] = Partner::Several);
-    let counted = |seen: &Seen| !seen.zone.piece.branch.is_subtracted();
-    for seen in seen(side, residual, &of_pair).filter(counted) {
+    for seen in seen {
         seen.by_nodes(side, |node| {
             let partner = &mut partners[node];
             match partner {
@@ -93,39 +134,7 @@ pub(crate) fn smallest_gaps(
             }
         });
     }
-    let several = |node: usize| matches!(partners[node], Partner::Several);
-    let mut entries = Vec::new();
-    if (0..num_nodes).any(several) {
-        let (mut places, mut apart): (Vec<(Entry, f64)>, f64) = (Vec::new(), 0.0);
-        for seen in seen(side, residual, &of_pair).filter(counted) {
-            seen.by_nodes(side, |node| {
-                if several(node) {
-                    apart = apart.max(seen.apart);
-                    places.push((Entry { node: node as u32, ..seen.place }, seen.apart));
-                }
-            });
-        }
-        entries = joined(set, places);
-        remember(side, positions, apart, &mut entries);
-    }
-    let mut gaps = ContactField::uniform_with(num_nodes, num_planes, entries, f64::INFINITY);
-    for seen in seen(side, residual, &of_pair) {
-        let gap = seen.zone.min_gap;
-        seen.by_nodes(side, |node| {
-            let index = gaps.index(set, node, seen.master);
-            gaps.values[index] = gaps.values[index].min(gap);
-        });
-    }
-    for contact in &residual.plane_contacts {
-        let (window, gap) = (window(contact.segment, None), contact.min_gap());
-        for forward in [true, false] {
-            side.spread(contact.segment, window, forward, |node| {
-                let index = gaps.index_of_plane(node, contact.plane);
-                gaps.values[index] = gaps.values[index].min(gap);
-            });
-        }
-    }
-    gaps
+    partners
 }
 
 /// Places of a node that are no farther apart than one contact may be, joined; sorted by node.

@@ -60,32 +60,13 @@ impl ContactSide {
         state: &State,
         (dimensionless, bending): (f64, f64),
     ) -> Result<Option<Self>, InputError> {
-        let mut inputs = Vec::new();
-        let (mut nodes, mut touching, mut radii) = (Vec::new(), Vec::new(), Vec::new());
-        for (index, rod) in model.rods.iter().enumerate().filter(|(_, r)| r.section.contact_radius > 0.0) {
-            let count = rod.num_segments();
-            let first = first_node[index];
-            let own: Vec<[usize; 2]> = (0..count).map(|k| [first + k, first + (k + 1) % rod.num_nodes()]).collect();
-            let length = rod.spacing();
-            inputs.push(CurveInput {
-                segments: own.iter().map(|&ends| contact_cubic(state, ends, length)).collect(),
-                lengths: vec![length; count],
-                closed: rod.closed,
-                radius: rod.section.contact_radius,
-            });
-            nodes.extend(own);
-            radii.extend((0..count).map(|segment| rod.contact_radius_of(segment)));
-            touching.push(index);
-        }
-        if inputs.is_empty() {
+        let touching: Vec<usize> =
+            (0..model.rods.len()).filter(|&rod| model.rods[rod].section.contact_radius > 0.0).collect();
+        if touching.is_empty() {
             return Ok(None);
         }
-        let min_radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut set = CurveSet::new(inputs)?;
-        if touching.iter().any(|&rod| model.rods[rod].contact_radii.is_some()) {
-            set.set_radii(&radii)?;
-        }
-        set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
+        let (set, nodes) = curves(model, first_node, state, &touching)?;
+        let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
         let planes: Vec<HalfSpace> = half_spaces(model, state).collect();
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| Repulsion::new(screened(charges), &set));
@@ -211,6 +192,36 @@ impl ContactSide {
         let (s, m) = (self.nodes[pair.slave], self.nodes[pair.master]);
         [s[0], s[1], m[0], m[1]]
     }
+}
+
+/// Contact curves of some rods, and the two global nodes that each segment joins.
+fn curves(
+    model: &Model,
+    first_node: &[usize],
+    state: &State,
+    touching: &[usize],
+) -> Result<(CurveSet, Vec<[usize; 2]>), InputError> {
+    let segments = |&rod: &usize| (0..model.rods[rod].num_segments()).map(move |k| (rod, k));
+    let ends = |(rod, k): (usize, usize)| {
+        let (first, count) = (first_node[rod], model.rods[rod].num_nodes());
+        [first + k, first + (k + 1) % count]
+    };
+    let input = |index: &usize| {
+        let (rod, length) = (&model.rods[*index], model.rods[*index].spacing());
+        CurveInput {
+            segments: segments(index).map(|segment| contact_cubic(state, ends(segment), length)).collect(),
+            lengths: vec![length; rod.num_segments()],
+            closed: rod.closed,
+            radius: rod.section.contact_radius,
+        }
+    };
+    let mut set = CurveSet::new(touching.iter().map(input).collect())?;
+    if touching.iter().any(|&rod| model.rods[rod].contact_radii.is_some()) {
+        let radius = |(rod, k): (usize, usize)| model.rods[rod].contact_radius_of(k);
+        set.set_radii(&touching.iter().flat_map(segments).map(radius).collect::<Vec<f64>>())?;
+    }
+    set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
+    Ok((set, touching.iter().flat_map(segments).map(ends).collect()))
 }
 
 /// The planes of a model where a state has them.

@@ -40,6 +40,12 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    /// Adds a motion of a node: a displacement \[L\], a rotation vector, rad, and the turns that these count as.
+    pub(crate) fn rotate(&mut self, node: usize, turns: f64, displacement: Vec3, vector: Vec3) {
+        self.drive.nodes.push((node, displacement, vector));
+        self.turned.push((node, turns));
+    }
+
     /// Puts loads, pressures, planes and numbers of rods in force.
     pub(crate) fn load(&self, state: &mut State) {
         if let Some(factor) = self.load_factor {

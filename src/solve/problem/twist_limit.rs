@@ -21,7 +21,7 @@ impl Engine {
                 let frame = if closing { self.state.seam_frame(rod, next) } else { self.state.frames[next] };
                 let turns = self.state.frames[here].angle_to(&frame) / TAU;
                 if turns.is_nan() || turns > MAX_TURN {
-                    return Err(self.too_twisted(rod, here, next, turns, MAX_TURN));
+                    return Err(self.too_twisted(rod, here, next, turns));
                 }
             }
         }
@@ -49,7 +49,7 @@ impl Engine {
                 .fold((0.0, nodes.start), |most, this| if this.0 > most.0 { this } else { most });
             let turns = turns + added;
             if turns > MAX_TURN {
-                return Err(self.too_twisted(rod, most, most + 1, turns, MAX_TURN));
+                return Err(self.too_twisted(rod, most, most + 1, turns));
             }
         }
         Ok(())
@@ -63,8 +63,8 @@ impl Engine {
         nearest.unwrap_or(self.model.rods[rod].num_segments())
     }
 
-    fn too_twisted(&self, rod: usize, node: usize, next: usize, turns: f64, limit: f64) -> SolveError {
+    fn too_twisted(&self, rod: usize, node: usize, next: usize, turns: f64) -> SolveError {
         let first = self.first_node[rod];
-        SolveError::TooTwisted { rod, node: node - first, next: next - first, turns, limit }
+        SolveError::TooTwisted { rod, node: node - first, next: next - first, turns, limit: MAX_TURN }
     }
 }

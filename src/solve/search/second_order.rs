@@ -21,8 +21,7 @@ impl Engine {
     /// that were nowhere in contact push with the forces they have `there`.
     pub(crate) fn add_contact_second_order(
         &self,
-        state: &State,
-        increment: &[f64],
+        (state, increment): (&State, &[f64]),
         residual: &Residual,
         there: &Residual,
         forces: &mut [f64],
@@ -30,7 +29,6 @@ impl Engine {
         let Some(side) = &self.contact else { return };
         let mut known = vec![false; side.nodes.len()];
         self.add_terms(
-            side,
             &residual.contact_pairs,
             forces,
             |term| {
@@ -41,7 +39,7 @@ impl Engine {
         );
         self.add_new(there, &known, forces);
         self.add_new_at_planes(residual, there, forces);
-        self.add_planes_of(residual, state, increment, forces, |now, linear| now - linear);
+        self.add_planes_of(residual, (state, increment), forces, |now, linear| now - linear);
     }
 
     /// Adds to `forces` Σ k e ∂gap/∂x of the contacts of `residual` with planes, e made of the change of gap at each
@@ -49,8 +47,7 @@ impl Engine {
     fn add_planes_of(
         &self,
         residual: &Residual,
-        state: &State,
-        increment: &[f64],
+        (state, increment): (&State, &[f64]),
         forces: &mut [f64],
         e: impl Fn(f64, f64) -> f64,
     ) {
@@ -114,20 +111,20 @@ impl Engine {
             let (cubics, change) = side.motion_of(term, state, increment);
             (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
         };
-        self.add_terms(side, &residual.contact_pairs, &mut forces, gradient, |_, ()| {});
-        self.add_planes_of(residual, state, increment, &mut forces, |_, linear| linear);
+        self.add_terms(&residual.contact_pairs, &mut forces, gradient, |_, ()| {});
+        self.add_planes_of(residual, (state, increment), &mut forces, |_, linear| linear);
         forces
     }
 
     /// Adds the gradients of contacts to nodal forces; their other results go to `told`, in order.
     fn add_terms<R: Send>(
         &self,
-        side: &ContactSide,
         terms: &[ContactPair],
         forces: &mut [f64],
         gradient: impl Fn(&ContactPair) -> ([f64; 24], R) + Sync,
         mut told: impl FnMut(&ContactPair, R),
     ) {
+        let Some(side) = &self.contact else { return };
         for batch in terms.chunks(BATCH) {
             let found = self.install(|| parallel::map(batch.len(), 64, &|k| gradient(&batch[k])));
             for (term, (gradient, rest)) in batch.iter().zip(found) {
@@ -197,7 +194,8 @@ mod tests {
         let state = engine.state.clone();
         engine.update_contact(&state).unwrap();
         let pattern = engine.build_pattern();
-        let residual = engine.linearise(&state, None, &PrescribedMotion::default(), &pattern, &mut Tangent::default());
+        let residual =
+            engine.linearise(&state, None, &PrescribedMotion::default(), (&pattern, &mut Tangent::default()));
         assert!(!residual.contact_pairs.is_empty());
         let mut increment = vec![0.0; 6 * engine.num_nodes()];
         for node in engine.first_node[1]..engine.first_node[2] {
@@ -207,7 +205,7 @@ mod tests {
         engine.update_contact(&there).unwrap();
         let after = engine.residual_of_trial(&there);
         let mut forces = vec![0.0; 6 * engine.num_nodes()];
-        engine.add_contact_second_order(&state, &increment, &residual, &after, &mut forces);
+        engine.add_contact_second_order((&state, &increment), &residual, &after, &mut forces);
         [0, 1].map(|rod| {
             let nodes = engine.nodes(rod);
             let sum: Vec3 = nodes.map(|n| Vec3::new(forces[6 * n], forces[6 * n + 1], forces[6 * n + 2])).sum();

@@ -30,7 +30,7 @@ use crate::solve::problem::state::State;
 use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, increment_size, relative_residual};
 use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
-use corrected_step::CorrectedStep;
+use corrected_step::{CorrectedStep, StepStart};
 use progress::SearchProgress;
 use radius::{LARGEST, StepOutcome, TrustRegion};
 use step::ModelStep;
@@ -124,9 +124,9 @@ impl Workspace {
                 }
                 let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
                 let at = search.report.iterations.len();
-                let step = self.step_within(engine, &residual, &drive_now, within, at)?;
+                let step = self.step_within(engine, (&residual, &drive_now), within, at)?;
                 let size = increment_size(engine, &step.increment);
-                let trial = self.try_step(engine, &search, &residual, &step, (size, longest))?;
+                let trial = self.try_step(engine, (&search, &residual), &step, (size, longest))?;
                 let shift = self.shift;
                 let is_accepted = search.accepts(engine, &residual, &trial, size)?;
                 progress.count();
@@ -184,19 +184,18 @@ impl Workspace {
     fn try_step(
         &mut self,
         engine: &mut Engine,
-        search: &Search,
-        residual: &Residual,
+        (search, residual): (&Search, &Residual),
         step: &ModelStep,
         (size, longest): (f64, f64),
     ) -> Result<CorrectedStep, SolveError> {
-        let pushed = search.is_pushed();
-        let mut trial = self.trial(engine, (&search.state, residual), step, longest, pushed)?;
-        for &shorter in if pushed { [].as_slice() } else { &SHORTER } {
+        let from = StepStart { state: &search.state, residual, pushed: search.is_pushed() };
+        let mut trial = self.trial(engine, from, step, longest)?;
+        for &shorter in if from.pushed { [].as_slice() } else { &SHORTER } {
             let falls = gain(residual, &trial) >= LEAST * trial.expected - noise(residual);
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
-            trial = self.trial(engine, (&search.state, residual), step, shorter, pushed)?;
+            trial = self.trial(engine, from, step, shorter)?;
         }
         Ok(trial)
     }

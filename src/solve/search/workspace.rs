@@ -92,7 +92,7 @@ impl Workspace {
         let Some(pattern) = &self.pattern else { return Residual::default() };
         let tangent = &mut self.tangent;
         let mut residual =
-            timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, pattern, tangent));
+            timed(&mut self.timings.assembly, || engine.linearise(state, Some(stress), drive, (pattern, tangent)));
         self.zero_energy = ZeroEnergyModes::at(engine, state, &residual);
         self.bases.clone_from(&residual.bases);
         self.zero_energy.add_pins(engine, state, (pattern, &self.bases), &mut self.tangent.values);

@@ -43,7 +43,7 @@ fn ring(draft: &mut Draft, random: &mut Random, steps: usize) {
     let material = Material::isotropic(random, radius);
     draft.mesh(Mesh::random(random));
     let shape = ring_shape(draft, random);
-    draft.rod("ring", &shape, 1.0, &material, &["closed = true", "excess_link = 0.0"]);
+    draft.rod("ring", (&shape, 1.0), &material, &["closed = true", "excess_link = 0.0"]);
     let link = random.between(-1.0, 1.0) * MOST_LINK / material.diameter();
     draft.stage(&excess_link(link), steps);
 }
@@ -75,17 +75,17 @@ pub fn anisotropic(draft: &mut Draft, random: &mut Random) {
             let elements = format!("elements = {}", (3.4 * turns).ceil().max(48.0));
             draft.mesh(Mesh::Spacing(0.5));
             let from = "excess_link = 0.0";
-            draft.rod("ring", shape, 1.0, &material, &["closed = true", &natural, from, &elements]);
+            draft.rod("ring", (shape, 1.0), &material, &["closed = true", &natural, from, &elements]);
             draft.stage(&excess_link(link.clamp(-0.2 * turns, 0.2 * turns)), steps);
         }
         1 => {
             draft.mesh(mesh);
-            draft.rod("ring", shape, 1.0, &material, &["closed = true", "natural = \"as-shaped\"", &roll]);
+            draft.rod("ring", (shape, 1.0), &material, &["closed = true", "natural = \"as-shaped\"", &roll]);
             draft.stage(&excess_link(link), steps);
         }
         _ => {
             draft.mesh(mesh);
-            draft.rod("ring", shape, 1.0, &material, &["closed = true", &roll]);
+            draft.rod("ring", (shape, 1.0), &material, &["closed = true", &roll]);
             draft.stage(&excess_link(link), steps);
         }
     }
@@ -118,7 +118,7 @@ pub fn torus_knots(draft: &mut Draft, random: &mut Random) {
         "kind = \"torus_knot\", length = 1.0, windings = [{p}, {}], aspect = {aspect:?}",
         f64::from(q) * mirror
     );
-    draft.rod("knot", &shape, 1.0, &material, &["closed = true"]);
+    draft.rod("knot", (&shape, 1.0), &material, &["closed = true"]);
     let steps = 1 + random.below(20) as usize;
     // without a link of its own a rod starts without twist
     draft.stage(&excess_link(writhe(&points, true) + link), steps);

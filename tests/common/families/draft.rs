@@ -67,8 +67,8 @@ impl Draft {
         self.text.push('\n');
     }
 
-    /// A rod; `more` are further lines of its table.
-    pub fn rod(&mut self, name: &str, shape: &str, length: f64, material: &Material, more: &[&str]) {
+    /// A rod of a shape and its length; `more` are further lines of its table.
+    pub fn rod(&mut self, name: &str, (shape, length): (&str, f64), material: &Material, more: &[&str]) {
         self.line("[[rods]]");
         self.line(&format!("name = \"{name}\""));
         self.line(&format!("shape = {{ {shape} }}"));

@@ -63,7 +63,7 @@ fn turned_and_shortened(draft: &mut Draft, random: &mut Random, material: &Mater
     let link = random.between(0.1, 1.0) * (0.02 + 0.12 * by);
     let turns = random.sign() * (link / material.diameter()).min(MOST_TURNS);
     draft.mesh(Mesh::random(random));
-    draft.rod("rod", &line(&axis, 1.0), 1.0, material, more);
+    draft.rod("rod", (&line(&axis, 1.0), 1.0), material, more);
     draft.clamp(ONLY, "\"start\"");
     draft.clamp(ONLY, "\"end\"");
     let shorter = displacement("end", &(axis.normalize() * -by));
@@ -98,14 +98,14 @@ pub fn paths(draft: &mut Draft, random: &mut Random) {
     // the tangent at the end
     let mut tangent = Vec3::x();
     if random.chance(0.5) {
-        draft.rod("rod", &line(&Vec3::x(), 1.0), 1.0, &material, &[]);
+        draft.rod("rod", (&line(&Vec3::x(), 1.0), 1.0), &material, &[]);
     } else {
         let turns = short(random.between(0.1, 0.6));
         let bend = 1.0 / (TAU * turns);
         let shape = format!(
             "kind = \"arc\", radius = {bend:?}, turns = {turns:?}, start = [0, 0, 0], tangent = [1, 0, 0], towards = [0, 1, 0]"
         );
-        draft.rod("rod", &shape, 1.0, &material, &[]);
+        draft.rod("rod", (&shape, 1.0), &material, &[]);
         let angle = TAU * turns;
         between = Vec3::new(angle.sin(), 1.0 - angle.cos(), 0.0) * bend;
         tangent = Vec3::new(angle.cos(), angle.sin(), 0.0);
@@ -192,7 +192,7 @@ pub fn tweezers(draft: &mut Draft, random: &mut Random) {
     let turns = random.sign() * turns_under(random, force, length, &material);
     draft.line("units = { length = \"nm\", force = \"pN\" }");
     draft.mesh(Mesh::random(random));
-    draft.rod("rod", &line(&Vec3::x(), length), length, &material, &[]);
+    draft.rod("rod", (&line(&Vec3::x(), length), length), &material, &[]);
     draft.clamp(ONLY, "\"start\"");
     draft.support(ONLY, "\"end\"", "[\"y\", \"z\"]", "true");
     draft.load(ONLY, "\"end\"", &(Vec3::x() * force));
@@ -215,7 +215,7 @@ pub fn sliding(draft: &mut Draft, random: &mut Random) {
     // without pull a hinged rod folds up until its ends meet
     let held = if pull.is_some() && random.chance(0.5) { "[\"x\"]" } else { "true" };
     draft.mesh(Mesh::random(random));
-    draft.rod("rod", &line(&Vec3::x(), 1.0), 1.0, &material, &[]);
+    draft.rod("rod", (&line(&Vec3::x(), 1.0), 1.0), &material, &[]);
     draft.support(ONLY, "\"start\"", "true", held);
     draft.support(ONLY, "\"end\"", "[\"y\", \"z\"]", "true");
     if let Some(force) = pull {
@@ -237,7 +237,7 @@ pub fn curls(draft: &mut Draft, random: &mut Random) {
     let twist = short(random.between(-12.0, 12.0));
     let natural = format!("natural = {{ curvature = {curvature:?}, twist = {twist:?} }}");
     draft.mesh(Mesh::random(random));
-    draft.rod("rod", &line(&Vec3::x(), 1.0), 1.0, &material, &[&natural]);
+    draft.rod("rod", (&line(&Vec3::x(), 1.0), 1.0), &material, &[&natural]);
     draft.clamp(ONLY, "\"start\"");
     let steps = 1 + random.below(20) as usize;
     let weight = random.direction() * random.between(0.0, 15.0);

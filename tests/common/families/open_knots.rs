@@ -63,7 +63,7 @@ pub fn open_knots(draft: &mut Draft, random: &mut Random) {
     };
     draft.mesh(mesh);
     let shape = draft.shape_through(&points);
-    draft.rod("rod", &shape, 1.0, &material, &[]);
+    draft.rod("rod", (&shape, 1.0), &material, &[]);
     // turning about the line of the ends is held at least at one of them
     let (start, end) = match random.below(4) {
         0 => ("[\"x\"]", "[\"x\"]"),

@@ -30,7 +30,7 @@ pub fn linked_rings(draft: &mut Draft, random: &mut Random) {
         let normal = Vec3::new(0.0, angle.sin(), angle.cos());
         let center = Vec3::x() * (apart * k as f64);
         let shape = format!("kind = \"circle\", length = 1.0, center = {}, normal = {}", list(&center), list(&normal));
-        draft.rod(name, &shape, 1.0, &material, &["closed = true"]);
+        draft.rod(name, (&shape, 1.0), &material, &["closed = true"]);
         diameters.push(material.diameter());
     }
     let steps = 4 + random.below(16) as usize;
@@ -107,7 +107,7 @@ pub fn beams(draft: &mut Draft, random: &mut Random) {
     draft.mesh(Mesh::random(random));
     let normal = if random.chance(0.5) { Vec3::z() } else { Vec3::new(random.between(-0.1, 0.1), 0.0, 1.0) };
     let shape = format!("kind = \"circle\", length = 1.0, normal = {}", list(&normal));
-    draft.rod("ring", &shape, 1.0, &ring, &["closed = true"]);
+    draft.rod("ring", (&shape, 1.0), &ring, &["closed = true"]);
     let count = 1 + random.below(2) as usize;
     let azimuth = random.between(0.0, TAU);
     let (along, across) = (Vec3::new(azimuth.cos(), azimuth.sin(), 0.0), Vec3::new(-azimuth.sin(), azimuth.cos(), 0.0));
@@ -127,7 +127,7 @@ pub fn beams(draft: &mut Draft, random: &mut Random) {
             list(&along),
             2.0 * half
         );
-        draft.rod(&name, &shape, 2.0 * half, &beam, &[]);
+        draft.rod(&name, (&shape, 2.0 * half), &beam, &[]);
         let beam = quoted(&name);
         // where the beam crosses the ring, and how far that is from the ring's clamp at +x
         let reach = (bend * bend - offset * offset).sqrt();

@@ -43,8 +43,8 @@ impl PairIntegral<'_> {
     }
 
     /// The integral over the pieces, its second derivative in `stiffness`; with the tangent, the points in contact.
-    pub(super) fn sum(&self, request: Request, mut stiffness: Option<&mut PairStiffness>) -> PairTerm {
-        let mut term = PairTerm {
+    pub(super) fn sum(&self, request: Request, stiffness: Option<&mut PairStiffness>) -> PairTerm {
+        let term = PairTerm {
             slave: self.slave,
             master: self.master,
             energy: 0.0,
@@ -53,6 +53,7 @@ impl PairIntegral<'_> {
             zones: Vec::new(),
             points: Vec::new(),
         };
+        let mut sums = PairSums { term, stiffness };
         for piece in self.pieces {
             // ½∫p uᵏ ds
             let mut moments = [0.0; 3];
@@ -61,15 +62,14 @@ impl PairIntegral<'_> {
             self.pair_law.integrate(piece, |t, guess, weight| {
                 let (projection, rate) = (self.project)(t, guess, &piece.branch);
                 let weight = weight * rate;
-                let force =
-                    weight * self.pair_law.add_point(&mut term, stiffness.as_deref_mut(), kind, &projection, weight);
+                let force = weight * self.pair_law.add_point(&mut sums, kind, &projection, weight);
                 // farthest points, which are subtracted, are not needed later
                 if request.tangent && weight > 0.0 {
                     let (law, carried) = self.pair_law.response(projection.u, projection.distance);
                     let known = carried > 0.0 && law.stiffness.is_finite();
                     let point =
                         QuadraturePoint { u: projection.u, v: projection.v, kind, stiffness: weight * law.stiffness };
-                    term.points.extend(known.then_some(point));
+                    sums.term.points.extend(known.then_some(point));
                 }
                 moments[0] += force;
                 moments[1] += force * projection.u;
@@ -83,11 +83,24 @@ impl PairIntegral<'_> {
                 let [half_force, first, second] = moments;
                 let min_gap = piece.nearest.distance - self.pair_law.contact_distance;
                 let piece = piece.ascending();
-                term.zones.push(ZonePiece { piece, min_gap, half_force, half_moments: [first, second], half_push });
+                sums.term.zones.push(ZonePiece {
+                    piece,
+                    min_gap,
+                    half_force,
+                    half_moments: [first, second],
+                    half_push,
+                });
             }
         }
-        term
+        sums.term
     }
+}
+
+/// Energy and derivatives of a pair, summed over the points of its quadrature.
+struct PairSums<'a> {
+    term: PairTerm,
+    /// Second derivatives, if wanted.
+    stiffness: Option<&'a mut PairStiffness>,
 }
 
 impl PairLaw<'_> {
@@ -116,15 +129,9 @@ impl PairLaw<'_> {
         }
     }
 
-    /// Adds weight × the law at one point, its second derivative to `stiffness`; returns the pressure.
-    fn add_point(
-        &self,
-        term: &mut PairTerm,
-        stiffness: Option<&mut PairStiffness>,
-        kind: FootKind,
-        projection: &Projection,
-        weight: f64,
-    ) -> f64 {
+    /// Adds weight × the law at one point; returns the pressure.
+    fn add_point(&self, sums: &mut PairSums, kind: FootKind, projection: &Projection, weight: f64) -> f64 {
+        let PairSums { term, stiffness } = sums;
         let Projection { u, v, distance, normal, tangent: db, curvature: ddb } = *projection;
         let (law, carried) = self.response(u, distance);
         if carried == 0.0 || without_limit(&law, weight) {

@@ -123,8 +123,7 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
         let pressures = penalty(3.0);
         for (own, foreign) in [(3, 0), (3, 1), (3, 2), (1, 3)] {
             let distance = geometry.strands.radius_of(own) + geometry.strands.radius_of(foreign);
-            let pair_law =
-                geometry.pair_law(own, foreign, pressures.reach(own, foreign, distance), distance, &pressures);
+            let pair_law = geometry.pair_law([own, foreign], pressures.reach(own, foreign, distance), &pressures);
             let (mut ours, mut general) = (Vec::new(), Vec::new());
             let lines = geometry.lines(own, foreign, &pair_law).unwrap();
             lines.pieces(|piece| ours.push(piece));
@@ -206,7 +205,7 @@ fn force(points: &[Vec<Vec3>; 2]) -> (f64, Vec<Vec3>, f64) {
     let mut sum = (0.0, vec![Vec3::zeros(); count + 3], f64::INFINITY);
     with_ground(points, |geometry| {
         for k in 0..count {
-            let found = geometry.force([k, count], &penalty(3.0), &mut Vec::new());
+            let found = geometry.force([k, count], &mut PairSearch::new(&penalty(3.0), true));
             sum.0 += found.energy;
             sum.2 = sum.2.min(found.min_gap);
             for (side, node) in [k, count + 1].into_iter().enumerate() {
@@ -236,7 +235,9 @@ fn tangent(points: &[Vec<Vec3>; 2]) -> (f64, Vec<Vec3>, Vec<Vec<Mat3>>) {
     let mut add = add;
     with_ground(points, |geometry| {
         for k in 0..count {
-            geometry.terms([k, count], &penalty(3.0), Want::Hessian, &mut Vec::new(), &mut add);
+            geometry.each([k, count], &mut PairSearch::new(&penalty(3.0), true), |found| {
+                add(found.pair_term(Want::Hessian));
+            });
         }
     });
     (energy, force, hessian)
@@ -365,7 +366,8 @@ fn a_slave_over_a_straight_joint_is_covered_once() {
         let geometry = ContactGeometry::new(Strands::view(&curves), &[1.3, 0.7, 2.0], None);
         let mut covered = 0.0;
         for pair in [[0, 2], [1, 2]] {
-            geometry.terms(pair, &penalty(1.0), Want::Gradient, &mut Vec::new(), |term| {
+            geometry.each(pair, &mut PairSearch::new(&penalty(1.0), true), |found| {
+                let term = found.pair_term(Want::Gradient);
                 let length = |zone: &ZonePiece| 2.0 * (zone.piece.u[1] - zone.piece.u[0]);
                 covered += if term.slave == 2 { term.zones.iter().map(length).sum() } else { 0.0 };
             });

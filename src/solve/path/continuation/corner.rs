@@ -38,6 +38,9 @@ struct Change {
 struct Beyond {
     tangent: PathMotion,
     force_rate: f64,
+    /// Force of the contacts that begin or end, of unit size.
+    pattern: Vec<f64>,
+    change: Change,
     /// A motion that presses the strands together: positive work against the pattern.
     press: PathMotion,
 }
@@ -72,13 +75,13 @@ impl Tracer<'_> {
         };
         // contact out of the way
         let free = self.moved(here, &at(if begins { 0.0 } else { clear }));
-        let Some(beyond) = self.beyond(&free, &pattern, begins)? else { return Ok(None) };
+        let Some(beyond) = self.beyond(&free, pattern, change)? else { return Ok(None) };
         let mut corner = self.moved(here, &at(before));
         corner.tangent = here.tangent.clone();
         (corner.num_unstable, corner.num_contacts) = (here.num_unstable, here.num_contacts);
         let mut after = longest;
         while after > before {
-            let next = self.first_beyond(here, &at(before), &beyond, (&pattern, &change), after);
+            let next = self.first_beyond(here, &at(before), &beyond, after);
             if let Some(next) = next.unwrap_or(None) {
                 return Ok(Some(Corner { corner, before, next, after }));
             }
@@ -145,8 +148,8 @@ impl Tracer<'_> {
         Ok(there.gradient(engine, &chosen))
     }
 
-    /// The path beyond a corner near a point without contact; the contact there `begins` or has ended.
-    fn beyond(&mut self, free: &Point, pattern: &[f64], begins: bool) -> Result<Option<Beyond>, SolveError> {
+    /// The path beyond a corner near a point without the contact that begins or has ended.
+    fn beyond(&mut self, free: &Point, pattern: Vec<f64>, change: Change) -> Result<Option<Beyond>, SolveError> {
         self.enter(free)?;
         self.linearise_there(&free.state)?;
         let stress = self.solver.engine.actual_stress(&free.state);
@@ -154,11 +157,11 @@ impl Tracer<'_> {
         let force: Vec<f64> = pattern.iter().map(|f| -f).collect();
         let solver = &mut *self.solver;
         let apart = PathMotion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
-        let work = |motion: &PathMotion| motion.field.iter().zip(pattern).map(|(x, f)| x * f).sum::<f64>();
+        let work = |motion: &PathMotion| motion.field.iter().zip(&pattern).map(|(x, f)| x * f).sum::<f64>();
         let mut force_rate = 0.0;
         // the force rises, or the gap opens
         let mut sense = -work(&along);
-        if begins {
+        if change.begins {
             force_rate = -work(&along) / work(&apart);
             along.subtract(&apart, -force_rate);
             sense = force_rate;
@@ -166,7 +169,7 @@ impl Tracer<'_> {
         let scale = sense.signum() / self.dot(&along, &along).sqrt();
         let (tangent, press) = (along.scaled(scale), apart.scaled(work(&apart).signum()));
         let finite = scale.is_finite() && force_rate.is_finite();
-        Ok(finite.then(|| Beyond { tangent, force_rate: (force_rate * scale).abs(), press }))
+        Ok(finite.then(|| Beyond { tangent, force_rate: (force_rate * scale).abs(), pattern, change, press }))
     }
 
     /// The point of the path at the arc length `after` beyond the corner.
@@ -175,15 +178,13 @@ impl Tracer<'_> {
         here: &Point,
         to_corner: &PathMotion,
         beyond: &Beyond,
-        (pattern, change): (&[f64], &Change),
         after: f64,
     ) -> Result<Option<Point>, SolveError> {
         self.enter(here)?;
         let mut first = to_corner.clone();
         first.subtract(&beyond.tangent, -after);
         if beyond.force_rate > 0.0 {
-            let Some(pressed) = self.pressed(here, &first, beyond, (pattern, change), beyond.force_rate * after)?
-            else {
+            let Some(pressed) = self.pressed(here, &first, beyond, beyond.force_rate * after)? else {
                 return Ok(None);
             };
             first = pressed;
@@ -195,13 +196,18 @@ impl Tracer<'_> {
             .filter(|point| along(point) && point.chord <= MAX_CHORD * (after + self.dot(to_corner, to_corner).sqrt())))
     }
 
+    /// The part along the pattern of the force of the contacts that begin or end, at a point moved from another.
+    fn exerted(&mut self, here: &Point, motion: &PathMotion, beyond: &Beyond) -> Result<f64, SolveError> {
+        let there = self.changing_force(here, motion, &beyond.change)?;
+        Ok(there.iter().zip(&beyond.pattern).map(|(g, f)| g * f).sum())
+    }
+
     /// The motion with as much pressing added, or taken away, as the contact law needs for a `force` of the pattern.
     fn pressed(
         &mut self,
         here: &Point,
         motion: &PathMotion,
         beyond: &Beyond,
-        (pattern, change): (&[f64], &Change),
         force: f64,
     ) -> Result<Option<PathMotion>, SolveError> {
         let radius = self.solver.engine.contact.as_ref().map_or(0.0, |side| side.min_radius);
@@ -213,16 +219,13 @@ impl Tracer<'_> {
         };
         let (mut low, mut high) = (-0.1 * radius / largest, 0.1 * radius / largest);
         for end in [low, high] {
-            let there = self.changing_force(here, &with(end), change)?;
-            let exerted: f64 = there.iter().zip(pattern).map(|(g, f)| g * f).sum();
-            if (exerted > force) != (end == high) {
+            if (self.exerted(here, &with(end), beyond)? > force) != (end == high) {
                 return Ok(None);
             }
         }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            let there = self.changing_force(here, &with(middle), change)?;
-            let exerted: f64 = there.iter().zip(pattern).map(|(g, f)| g * f).sum();
+            let exerted = self.exerted(here, &with(middle), beyond)?;
             *(if exerted > force { &mut high } else { &mut low }) = middle;
         }
         Ok(Some(with(0.5 * (low + high))))

@@ -220,30 +220,30 @@ impl Tracer<'_> {
             if solver.workspace.factorise(&solver.engine, 0.0).is_none() {
                 return Ok(false);
             }
-            step = self.bordered_step(&point.state, &stress, &residual, moved, plane);
+            let along = self.response_to_parameter(&point.state, &stress);
+            step = self.bordered_step(&along, &residual, moved, plane);
         }
         Ok(false)
     }
 
+    /// The step to the plane; `along` is the motion per unit of the parameter.
     fn bordered_step(
         &mut self,
-        state: &State,
-        stress: &[[Stress; 3]],
+        along: &PathMotion,
         residual: &Residual,
         moved: &PathMotion,
         plane: &Hyperplane,
     ) -> PathMotion {
-        let along = self.response_to_parameter(state, stress);
         let solver = &mut *self.solver;
         let force: Vec<f64> = residual.gradient.iter().map(|g| -g).collect();
         let mut step = PathMotion { field: solver.workspace.respond(&solver.engine, &force), parameter: 0.0 };
         let missing = plane.distance - self.dot(plane.normal, moved) - self.dot(plane.normal, &step);
-        let part = missing / self.dot(plane.normal, &along);
-        step.subtract(&along, -part);
+        let part = missing / self.dot(plane.normal, along);
+        step.subtract(along, -part);
         step
     }
 
-    /// PathMotion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
+    /// Motion per unit of the parameter by the last linearisation and factorisation: −K⁻¹c, supports moved along.
     pub(super) fn response_to_parameter(&mut self, state: &State, stress: &[[Stress; 3]]) -> PathMotion {
         let solver = &mut *self.solver;
         let driven = &solver.workspace.tangent.drive;

@@ -111,7 +111,7 @@ impl Tracer<'_> {
         let inertia_tells = self.solver.engine.is_conservative();
         if first.point.tangent.parameter * last.point.tangent.parameter >= 0.0 {
             if inertia_tells {
-                self.crossings(base, first, last, tol, events);
+                self.crossings(base, [first, last], tol, events);
             }
             return;
         }
@@ -120,8 +120,8 @@ impl Tracer<'_> {
         let at = found.distance;
         let mut here = Vec::new();
         if inertia_tells {
-            self.crossings(base, first, before, tol, &mut here);
-            self.crossings(base, after, last, tol, &mut here);
+            self.crossings(base, [first, before], tol, &mut here);
+            self.crossings(base, [after, last], tol, &mut here);
             // where the eigenvalue only touches zero rounding makes it cross there and back
             let near = (ROUGH * distance).max(100.0 * tol);
             here.retain(|event| (event.distance - at).abs() > near);
@@ -135,15 +135,9 @@ impl Tracer<'_> {
         events.append(&mut here);
     }
 
-    /// Where the parameter passes `target` between `base` and the point `distance` ahead.
-    pub(super) fn target_point(
-        &mut self,
-        base: &Point,
-        next: &Point,
-        distance: f64,
-        target: f64,
-        tol: f64,
-    ) -> (Point, f64) {
+    /// Where the parameter passes its target between `base` and the point `distance` ahead.
+    pub(super) fn target_point(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> (Point, f64) {
+        let target = self.parameter.target;
         let first = End { distance: 0.0, value: Some(base.value - target), point: base.clone() };
         let last = End { distance, value: Some(next.value - target), point: next.clone() };
         let found = self.root(base, Test::Target(target), [first, last], tol).best;
@@ -151,7 +145,7 @@ impl Tracer<'_> {
     }
 
     /// Branch points: changes of the number of unstable directions.
-    fn crossings(&mut self, base: &Point, mut from: End, to: End, tol: f64, events: &mut Vec<Event>) {
+    fn crossings(&mut self, base: &Point, [mut from, to]: [End; 2], tol: f64, events: &mut Vec<Event>) {
         for _ in 0..MAX_ROUNDS {
             if from.point.num_unstable == to.point.num_unstable {
                 return;
@@ -171,22 +165,11 @@ impl Tracer<'_> {
     /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function
     /// is not yet known. Ends early at what is known if a trial does not converge.
     fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> Found {
-        let [mut low, mut high] = ends;
-        if matches!(test, Test::Slope) {
-            low.value = Some(low.point.tangent.parameter);
-            high.value = Some(high.point.tangent.parameter);
-        }
+        let mut bracket = Bracket::new(test, ends);
+        let [low, high] = &bracket.ends;
         let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
-        let (mut last_side, mut seen) = (0, false);
-        let mut counts = [low.point.num_unstable, high.point.num_unstable];
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (low.distance + high.distance);
-            let distance = match (low.value, high.value) {
-                (Some(a), Some(b)) if a * b < 0.0 => {
-                    low.distance + (high.distance - low.distance) * (a / (a - b)).clamp(1e-3, 1.0 - 1e-3)
-                }
-                _ => middle,
-            };
+            let distance = bracket.next();
             let moved = (distance - best.distance).abs();
             let Ok(Some(point)) = self.ahead(base, distance) else { break };
             let value = match test {
@@ -194,40 +177,77 @@ impl Tracer<'_> {
                 Test::Target(target) => point.value - target,
                 Test::Critical => self.critical_eigenvalue(),
             };
-            // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to
-            // pass, its sign decides
-            let clear = |value: Option<f64>| value.is_some_and(|v| v.abs() > 10.0 * self.eigenvalue_noise);
-            let passes =
-                clear(low.value) && clear(high.value) && low.value.zip(high.value).is_some_and(|(a, b)| a * b < 0.0);
-            let belongs_low = match test {
-                Test::Critical if !(seen || passes) => point.num_unstable == low.point.num_unstable,
-                _ => low.value.is_some_and(|v| v * value > 0.0),
-            };
-            seen |= passes;
             best = End { distance, value: Some(value), point };
-            if belongs_low {
-                low = best.clone();
-                if !seen {
-                    counts[0] = low.point.num_unstable;
-                }
-                if last_side == -1 {
-                    high.value = high.value.map(|v| 0.5 * v);
-                }
-                last_side = -1;
-            } else {
-                high = best.clone();
-                if !seen {
-                    counts[1] = high.point.num_unstable;
-                }
-                if last_side == 1 {
-                    low.value = low.value.map(|v| 0.5 * v);
-                }
-                last_side = 1;
-            }
-            if moved <= tol || high.distance - low.distance <= tol {
+            bracket.narrow(&best, 10.0 * self.eigenvalue_noise);
+            if moved <= tol || bracket.width() <= tol {
                 break;
             }
         }
-        Found { before: low, best, after: high, counts }
+        let Bracket { ends: [before, after], counts, .. } = bracket;
+        Found { before, best, after, counts }
+    }
+}
+
+/// The interval that contains a zero.
+struct Bracket {
+    test: Test,
+    ends: [End; 2],
+    /// Numbers of unstable directions on either side of the zero.
+    counts: [usize; 2],
+    /// The end that was moved last.
+    last_side: Option<usize>,
+    /// The critical eigenvalue has been seen to pass zero.
+    seen: bool,
+}
+
+impl Bracket {
+    fn new(test: Test, mut ends: [End; 2]) -> Self {
+        if matches!(test, Test::Slope) {
+            ends.iter_mut().for_each(|end| end.value = Some(end.point.tangent.parameter));
+        }
+        let counts = [0, 1].map(|side| ends[side].point.num_unstable);
+        Self { test, ends, counts, last_side: None, seen: false }
+    }
+
+    fn width(&self) -> f64 {
+        self.ends[1].distance - self.ends[0].distance
+    }
+
+    /// Whether the tested function has opposite signs at the ends.
+    fn changes_sign(&self) -> bool {
+        self.ends[0].value.zip(self.ends[1].value).is_some_and(|(a, b)| a * b < 0.0)
+    }
+
+    /// Distance of the next trial.
+    fn next(&self) -> f64 {
+        let [low, high] = &self.ends;
+        match (low.value, high.value) {
+            (Some(a), Some(b)) if a * b < 0.0 => low.distance + self.width() * (a / (a - b)).clamp(1e-3, 1.0 - 1e-3),
+            _ => 0.5 * (low.distance + high.distance),
+        }
+    }
+
+    /// Takes a trial for the end on its side of the zero; eigenvalues below `noise` have no sign.
+    fn narrow(&mut self, trial: &End, noise: f64) {
+        // inertia counts neutral motions as stable and is late by that much: once the eigenvalue itself is seen to
+        // pass, its sign decides
+        let clear = |end: &End| end.value.is_some_and(|v| v.abs() > noise);
+        let passes = self.ends.iter().all(clear) && self.changes_sign();
+        let [low, _] = &self.ends;
+        let is_low = match self.test {
+            Test::Critical if !(self.seen || passes) => trial.point.num_unstable == low.point.num_unstable,
+            _ => low.value.zip(trial.value).is_some_and(|(low, value)| low * value > 0.0),
+        };
+        self.seen |= passes;
+        let side = usize::from(!is_low);
+        self.ends[side] = trial.clone();
+        if !self.seen {
+            self.counts[side] = trial.point.num_unstable;
+        }
+        if self.last_side == Some(side) {
+            let other = &mut self.ends[1 - side].value;
+            *other = other.map(|v| 0.5 * v);
+        }
+        self.last_side = Some(side);
     }
 }

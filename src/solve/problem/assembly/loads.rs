@@ -22,8 +22,8 @@ impl Engine {
         for load in &self.model.line_loads {
             self.add_line_load(load, factor, state, out);
         }
-        for (rod, &pressure) in state.pressures.iter().enumerate().filter(|(_, p)| **p != 0.0) {
-            self.add_pressure(rod, pressure, state, out, sink.as_deref_mut());
+        for rod in (0..state.pressures.len()).filter(|&rod| state.pressures[rod] != 0.0) {
+            self.add_pressure(rod, state, out, sink.as_deref_mut());
         }
     }
 
@@ -47,7 +47,8 @@ impl Engine {
     }
 
     /// Pressure p on a closed planar rod has the potential p × enclosed area ½∮(x dy − y dx).
-    fn add_pressure(&self, rod: usize, pressure: f64, state: &State, out: &mut Residual, mut sink: Option<&mut Sink>) {
+    fn add_pressure(&self, rod: usize, state: &State, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        let pressure = state.pressures[rod];
         let order = self.model.rods[rod].order;
         let skew = integrals(order).1;
         for element in self.elements.iter().filter(|e| e.rod == rod) {

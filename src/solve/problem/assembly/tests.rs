@@ -133,7 +133,7 @@ fn planes_are_surprised_by_turning_handles_only() {
     engine.update_contact(&state).unwrap();
     let pattern = engine.build_pattern();
     let still = PrescribedMotion::default();
-    let residual = engine.linearise(&state, None, &still, &pattern, &mut Tangent::default());
+    let residual = engine.linearise(&state, None, &still, (&pattern, &mut Tangent::default()));
     let mut missed = |increment: &[f64]| {
         let there = state.retract(increment, 1.0);
         engine.update_contact(&there).unwrap();
@@ -143,7 +143,7 @@ fn planes_are_surprised_by_turning_handles_only() {
         let mut after = engine.residual_of_trial(&there);
         after.contact_pairs.clear();
         let mut forces = vec![0.0; increment.len()];
-        engine.add_contact_second_order(&state, increment, &here, &after, &mut forces);
+        engine.add_contact_second_order((&state, increment), &here, &after, &mut forces);
         forces.iter().map(|f| f * f).sum::<f64>().sqrt()
     };
     let count = state.positions.len();
@@ -161,7 +161,7 @@ fn check_derivatives(mut engine: Engine) {
     engine.update_contact(&state).unwrap();
     let pattern = engine.build_pattern();
     let mut tangent = Tangent::default();
-    engine.linearise(&state, None, &PrescribedMotion::default(), &pattern, &mut tangent);
+    engine.linearise(&state, None, &PrescribedMotion::default(), (&pattern, &mut tangent));
     let v = direction(engine.num_nodes(), 0.5);
     let w = direction(engine.num_nodes(), 8.1);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();

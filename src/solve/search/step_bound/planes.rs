@@ -15,11 +15,17 @@ use crate::solve::measures::MAX_ROUNDS;
 /// Largest t ≤ 1 for which no point of a strand comes nearer to a plane than is to be kept. Strands that are beyond one
 /// already are pushed back, and may move.
 pub(super) fn fraction(set: &CurveSet, planes: &[HalfSpace], motions: &[SegmentMotion], keep: Keep) -> f64 {
-    planes.iter().fold(1.0, |t, plane| (0..set.len()).fold(t, |t, k| of_segment(set, plane, k, &motions[k], keep, t)))
+    planes.iter().fold(1.0, |t, plane| (0..set.len()).fold(t, |t, k| of_segment((set, k), plane, &motions[k], keep, t)))
 }
 
 /// The fraction t, or less if this segment needs it.
-fn of_segment(set: &CurveSet, plane: &HalfSpace, segment: usize, motion: &SegmentMotion, keep: Keep, t: f64) -> f64 {
+fn of_segment(
+    (set, segment): (&CurveSet, usize),
+    plane: &HalfSpace,
+    motion: &SegmentMotion,
+    keep: Keep,
+    t: f64,
+) -> f64 {
     let distances = plane.distances(set, segment);
     let rates: [f64; 4] = std::array::from_fn(|m| plane.normal.dot(&motion.linear[m]) - motion.second_order);
     if rates.iter().all(|rate| *rate >= 0.0) {

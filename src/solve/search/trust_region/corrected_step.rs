@@ -4,7 +4,7 @@
 use super::step::ModelStep;
 use super::{gain, noise};
 use crate::error::SolveError;
-use crate::rod::element::{Strain, Stress};
+use crate::rod::element::Stress;
 use crate::solve::measures::{CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
@@ -30,67 +30,69 @@ pub(super) struct CorrectedStep {
     pub(super) excess: Option<Vec<[Stress; 3]>>,
 }
 
-impl Workspace {
-    /// Corrects at most the fraction `longest` of a step for the errors of its linear prediction and evaluates the
-    /// potential there. While supports are `pushed`, contact is not corrected: the potential may rise, because the
-    /// supports do work.
-    pub(super) fn trial(
-        &mut self,
-        engine: &mut Engine,
-        (state, residual): (&State, &Residual),
-        step: &ModelStep,
-        longest: f64,
-        pushed: bool,
-    ) -> Result<CorrectedStep, SolveError> {
-        let safe = timed(&mut self.timings.detection, || engine.step_fraction(state, &step.increment))?.min(longest);
-        let work = step.curvature + self.shift * step.inertia;
-        let base: Vec<f64> = step.increment.iter().map(|x| x * safe).collect();
-        let mut trial = CorrectedStep {
-            state: state.retract(&base, 1.0),
-            increment: base.clone(),
+/// The state from which a step is taken.
+#[derive(Clone, Copy)]
+pub(super) struct StepStart<'a> {
+    pub(super) state: &'a State,
+    pub(super) residual: &'a Residual,
+    /// Supports move in the step. Contact is not corrected then: the potential may rise, because the supports do work.
+    pub(super) pushed: bool,
+}
+
+/// The part of a step that is taken, as predicted.
+struct LinearStep<'a> {
+    from: StepStart<'a>,
+    increment: Vec<f64>,
+    /// This part over the step.
+    fraction: f64,
+    /// Δᵀ(K + τM)Δ of it.
+    energy: f64,
+}
+
+impl LinearStep<'_> {
+    /// Its state before any correction; the potential is not known yet.
+    fn uncorrected(&self, step: &ModelStep) -> CorrectedStep {
+        let fraction = self.fraction;
+        CorrectedStep {
+            state: self.from.state.retract(&self.increment, 1.0),
+            increment: self.increment.clone(),
             potential: f64::NAN,
-            expected: -safe * step.slope - 0.5 * safe * safe * step.curvature,
-            fraction: safe,
+            expected: -fraction * step.slope - 0.5 * fraction * fraction * step.curvature,
+            fraction,
             rounds: 0,
             contact_change: 0.0,
             settled: false,
             excess: None,
-        };
+        }
+    }
+}
+
+impl Workspace {
+    /// Corrects at most the fraction `longest` of a step for the errors of its linear prediction and evaluates the
+    /// potential there.
+    pub(super) fn trial(
+        &mut self,
+        engine: &mut Engine,
+        from: StepStart,
+        step: &ModelStep,
+        longest: f64,
+    ) -> Result<CorrectedStep, SolveError> {
+        let StepStart { state, residual, .. } = from;
+        let safe = timed(&mut self.timings.detection, || engine.step_fraction(state, &step.increment))?.min(longest);
+        let work = step.curvature + self.shift * step.inertia;
+        let increment = step.increment.iter().map(|x| x * safe).collect();
+        let linear = LinearStep { from, increment, fraction: safe, energy: safe * safe * work };
+        let mut trial = linear.uncorrected(step);
         let mut last = f64::INFINITY;
         let mut best: Option<CorrectedStep> = None;
-        loop {
-            // contact that cannot be resolved there means that the step is too long
-            if timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).is_err() {
-                break;
-            }
-            let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
-            trial.potential = there.potential.total();
-            trial.contact_change = relative_change(&residual.contact_gradient, &there.contact_gradient);
-            // below the rounding of the potential corrections are rounding, unless the potential rises by more
-            let noise = noise(residual);
-            trial.settled |= trial.expected.abs() < noise && gain(residual, &trial) >= -noise;
+        while let Some(there) = self.evaluate(engine, residual, &mut trial) {
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
                 break;
             }
-            // near equilibrium the whole residual is corrected (a chord step)
-            let gentle = self.shift == 0.0 && safe == 1.0 && !pushed && trial.contact_change <= SLIGHT;
-            let with_contact = !(pushed || gentle);
-            let (excess, second_order) = self.second_order(engine, (state, residual), &there, &trial, with_contact);
-            let (from, mut correction) = if gentle {
-                let mut unbalanced = there.gradient;
-                self.zero_energy.remove_sliding_force(&mut unbalanced);
-                (&trial.increment, self.solve_last(engine, &unbalanced))
-            } else {
-                (&base, self.solve_last(engine, &second_order))
-            };
-            let is_first = trial.rounds == 0 && with_contact;
-            if is_first && self.localise(engine, residual, (&base, safe * safe * work), &correction) {
-                correction = self.solve_last(engine, &second_order);
-            }
-            let wanted: Vec<f64> = from.iter().zip(&correction).map(|(b, c)| b - c).collect();
+            let (wanted, excess) = self.corrected(engine, &linear, &trial, there);
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
-            let size = self.energy_norm_sq(engine, &change) / (safe * safe * work);
-            if best.as_ref().is_none_or(|b: &CorrectedStep| trial.potential < b.potential) {
+            let size = self.energy_norm_sq(engine, &change) / linear.energy;
+            if best.as_ref().is_none_or(|b| trial.potential < b.potential) {
                 best = Some(trial.clone());
             }
             if size.is_nan() || size >= CONTRACTION * last {
@@ -111,25 +113,64 @@ impl Workspace {
         })
     }
 
+    /// Residual of a trial, and its potential and change of contact. `None` where contact cannot be resolved: the step is
+    /// too long.
+    fn evaluate(&mut self, engine: &mut Engine, before: &Residual, trial: &mut CorrectedStep) -> Option<Residual> {
+        timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).ok()?;
+        let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
+        trial.potential = there.potential.total();
+        trial.contact_change = relative_change(&before.contact_gradient, &there.contact_gradient);
+        // below the rounding of the potential corrections are rounding, unless the potential rises by more
+        let noise = noise(before);
+        trial.settled |= trial.expected.abs() < noise && gain(before, trial) >= -noise;
+        Some(there)
+    }
+
+    /// The increment after the next correction, and C e of it: K⁻¹ times the second-order forces, BᵀC e of the rods and
+    /// Σ k e ∂gap/∂x of contact, is taken from the linear step. `there` is the residual at the trial.
+    fn corrected(
+        &mut self,
+        engine: &Engine,
+        linear: &LinearStep,
+        trial: &CorrectedStep,
+        there: Residual,
+    ) -> (Vec<f64>, Vec<[Stress; 3]>) {
+        let StepStart { state, residual, pushed } = linear.from;
+        // near equilibrium the whole residual is corrected (a chord step)
+        let gentle = self.shift == 0.0 && linear.fraction == 1.0 && !pushed && trial.contact_change <= SLIGHT;
+        let with_contact = !(pushed || gentle);
+        let (excess, mut second_order) = engine.elastic_second_order(state, &trial.state, &trial.increment);
+        if with_contact {
+            engine.add_contact_second_order((state, &trial.increment), residual, &there, &mut second_order);
+        }
+        let (from, mut correction) = if gentle {
+            let mut unbalanced = there.gradient;
+            self.zero_energy.remove_sliding_force(&mut unbalanced);
+            (&trial.increment, self.solve_last(engine, &unbalanced))
+        } else {
+            (&linear.increment, self.solve_last(engine, &second_order))
+        };
+        let is_first = trial.rounds == 0 && with_contact;
+        if is_first && self.localise(engine, linear, &correction) {
+            correction = self.solve_last(engine, &second_order);
+        }
+        (from.iter().zip(&correction).map(|(b, c)| b - c).collect(), excess)
+    }
+
     /// Factorises with a larger shift if the correction of a step, of more energy than the step, is not small beside it, so
     /// that another one moves less; whether it did. Under contact the correction of least energy slides strands along each other by as much as the
     /// step does, because that costs nothing, and leaves errors as large as those it mends. A correction should be a
     /// tenth of the step ([`SLIGHT`]). The shift is at most that of bends as wide as the contact distance d, B/d⁴: with
     /// more of it strands would evade each other by kinks.
-    fn localise(
-        &mut self,
-        engine: &Engine,
-        residual: &Residual,
-        (base, work): (&[f64], f64),
-        correction: &[f64],
-    ) -> bool {
-        let Some(side) = engine.contact.as_ref().filter(|_| !residual.contact_pairs.is_empty()) else { return false };
+    fn localise(&mut self, engine: &Engine, linear: &LinearStep, correction: &[f64]) -> bool {
+        let is_in_contact = !linear.from.residual.contact_pairs.is_empty();
+        let Some(side) = engine.contact.as_ref().filter(|_| is_in_contact) else { return false };
         let energy = self.energy_norm_sq(engine, correction);
-        if energy <= work {
+        if energy <= linear.energy {
             return false;
         }
         let inertia = |x: &[f64]| self.free_dot(engine, x, |i| engine.metric[i] * x[i]);
-        let [step, moved] = [base, correction].map(inertia);
+        let [step, moved] = [&linear.increment, correction].map(inertia);
         let shorter = (moved / step).sqrt() / SLIGHT;
         let stiffness = energy / moved;
         let largest = (engine.scales.length / (2.0 * side.min_radius)).powi(4);
@@ -146,22 +187,6 @@ impl Workspace {
     fn energy_norm_sq(&self, engine: &Engine, change: &[f64]) -> f64 {
         let product = self.multiply(engine, &self.tangent.values, change);
         self.free_dot(engine, change, |i| product[i] + self.shift * engine.metric[i] * change[i])
-    }
-
-    /// Second-order forces: BᵀC e of the rods, and Σ k e ∂gap/∂x of contact.
-    fn second_order(
-        &self,
-        engine: &Engine,
-        (state, residual): (&State, &Residual),
-        there: &Residual,
-        trial: &CorrectedStep,
-        contact: bool,
-    ) -> (Vec<[Strain; 3]>, Vec<f64>) {
-        let (excess, mut out) = engine.elastic_second_order(state, &trial.state, &trial.increment);
-        if contact {
-            engine.add_contact_second_order(state, &trial.increment, residual, there, &mut out);
-        }
-        (excess, out)
     }
 }
 

@@ -102,8 +102,7 @@ impl Workspace {
     pub(super) fn step_within(
         &mut self,
         engine: &Engine,
-        residual: &Residual,
-        drive: &PrescribedMotion,
+        (residual, drive): (&Residual, &PrescribedMotion),
         radius: f64,
         at: usize,
     ) -> Result<ModelStep, SolveError> {
