@@ -278,6 +278,37 @@ fn a_circle_is_seen() {
     assert!(circles(&house("#[cfg(test)]\nmod tests {\n    use crate::solve::Solver;"), "solve").is_empty());
 }
 
+/// Names of the types that a source defines, tests included; associated types are no new names.
+fn types_defined(text: &str) -> Vec<&str> {
+    let visible = |line: &str| line.starts_with("pub") || !line.starts_with(char::is_whitespace);
+    let name = |line: &'_ str| -> Option<(usize, usize)> {
+        let (start, word) = ["struct ", "enum ", "trait ", "type "]
+            .iter()
+            .filter_map(|word| line.find(word).map(|at| (at, *word)))
+            .find(|(at, _)| line[..*at].trim().is_empty() || line[..*at].trim_start().starts_with("pub"))?;
+        let start = start + word.len();
+        let length = line[start..].find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(line.len() - start);
+        (word != "type " || visible(line)).then_some((start, start + length))
+    };
+    text.lines().filter_map(|line| name(line).map(|(start, end)| &line[start..end])).collect()
+}
+
+/// Who reads a type's name knows what it is, wherever it is used.
+#[test]
+fn a_type_name_stands_for_one_thing() {
+    let mut homes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (file, text) in sources() {
+        types_defined(&text).into_iter().for_each(|name| homes.entry(name.to_owned()).or_default().push(file.clone()));
+    }
+    assert!(homes.len() > 300, "{}", homes.len());
+    homes.retain(|_, files| files.len() > 1);
+    assert!(homes.is_empty(), "{homes:#?}");
+    let text =
+        "pub struct A;\npub(super) enum B<T> { C }\nmod m {\n    trait D {}\n}\nimpl E for A {\n    type F = u8;\n}\n";
+    assert_eq!(types_defined(text), ["A", "B", "D"]);
+    assert_eq!(types_defined("type G = u8;\nlet structure = 1; // no struct\nstruct H"), ["G", "H"]);
+}
+
 #[test]
 fn foreign_crates_are_named_in_one_place() {
     for (name, home) in NAMED_ONCE {

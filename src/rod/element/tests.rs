@@ -2,7 +2,7 @@ use super::*;
 use crate::math::quaternion::{exp, to_array};
 use crate::math::{Quat, Vec3};
 
-struct Case {
+struct ElementCase {
     r: Vec<Vec3>,
     q: Vec<Quat>,
     length: f64,
@@ -13,7 +13,7 @@ struct Case {
 }
 
 /// A strongly bent, twisted, stretched element; fixed numbers, no randomness.
-fn case(order: usize) -> Case {
+fn case(order: usize) -> ElementCase {
     let r = (0..=order)
         .map(|a| {
             let s = a as f64 / order as f64;
@@ -29,28 +29,28 @@ fn case(order: usize) -> Case {
     let material = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9];
     let reference =
         [[0.01, -0.02, 1.0, 0.2, 0.1, -0.3], [0.0, 0.05, 1.0, 0.1, 0.0, 0.3], [0.0, 0.0, 1.0, 0.0, 0.3, 0.0]];
-    Case { r, q, length: 0.8, material, full: None, reference }
+    ElementCase { r, q, length: 0.8, material, full: None, reference }
 }
 
 /// The same for a material that varies from point to point and couples all strains.
-fn coupled(order: usize) -> Case {
+fn coupled(order: usize) -> ElementCase {
     let factor =
         |g: usize, i: usize, j: usize| if i == j { 2.0 } else { 0.3 * (1.0 + (i * j + i + j + g) as f64).sin() };
     let scale = [3.0, 4.0, 50.0, 1.5, 2.5, 0.9].map(f64::sqrt);
     let entry = |g: usize, i: usize, j: usize| scale[i] * scale[j] * factor(g, i.min(j), i.max(j));
     let full = std::array::from_fn(|g| std::array::from_fn(|i| std::array::from_fn(|j| entry(g, i, j))));
-    Case { full: Some(full), ..case(order) }
+    ElementCase { full: Some(full), ..case(order) }
 }
 
-fn material(case: &Case) -> Material<'_> {
+fn material(case: &ElementCase) -> Material<'_> {
     case.full.as_ref().map_or(Material::Diagonal(&case.material), Material::Full)
 }
 
-fn cases() -> impl Iterator<Item = (usize, Case)> {
+fn cases() -> impl Iterator<Item = (usize, ElementCase)> {
     (1..=3).flat_map(|order| [(order, case(order)), (order, coupled(order))])
 }
 
-fn nodes_of(case: &Case) -> ElementNodes {
+fn nodes_of(case: &ElementCase) -> ElementNodes {
     let mut nodes = ElementNodes::default();
     for a in 0..case.r.len() {
         nodes.r[a] = case.r[a].into();
@@ -66,11 +66,11 @@ struct Run {
     tangent: ElementTangent,
 }
 
-fn run(order: usize, case: &Case) -> Run {
+fn run(order: usize, case: &ElementCase) -> Run {
     run_in(order, case, None, &case.reference)
 }
 
-fn run_in(order: usize, case: &Case, plane: Option<&RodPlane>, reference: &[Strain; 3]) -> Run {
+fn run_in(order: usize, case: &ElementCase, plane: Option<&RodPlane>, reference: &[Strain; 3]) -> Run {
     let body =
         ElementProperties { table: &ShapeTable::new(order), length: case.length, material: material(case), plane };
     let mut tangent = [[0.0; MAX_DOF]; MAX_DOF];
@@ -78,7 +78,7 @@ fn run_in(order: usize, case: &Case, plane: Option<&RodPlane>, reference: &[Stra
     Run { energy: out.energy.iter().sum(), residual: out.residual, tangent }
 }
 
-fn moved(case: &Case, dof: usize, step: f64) -> Case {
+fn moved(case: &ElementCase, dof: usize, step: f64) -> ElementCase {
     let (mut r, mut q) = (case.r.clone(), case.q.clone());
     let (a, k) = (dof / 6, dof % 6);
     if k < 3 {
@@ -88,7 +88,7 @@ fn moved(case: &Case, dof: usize, step: f64) -> Case {
         theta[k - 3] = step;
         q[a] = exp(&theta) * q[a];
     }
-    Case { r, q, ..*case }
+    ElementCase { r, q, ..*case }
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn tangent_at_predicted_stress_and_predicted_stress_follow_from_differences_of_s
             std::array::from_fn(|g| std::array::from_fn(|i| 2.0 * (1.0 + 3.0 * g as f64 + 1.7 * i as f64).sin()));
         // strains after a turn of every node by its part of `by`
         let strains = |by: &[f64; MAX_DOF]| {
-            let mut case = Case { r: case.r.clone(), q: case.q.clone(), ..case };
+            let mut case = ElementCase { r: case.r.clone(), q: case.q.clone(), ..case };
             for a in 0..=order {
                 case.r[a] += Vec3::from_column_slice(&by[6 * a..6 * a + 3]);
                 case.q[a] = exp(&Vec3::from_column_slice(&by[6 * a + 3..6 * a + 6])) * case.q[a];
@@ -254,12 +254,12 @@ fn all_kernels_see_the_same_strains_to_the_last_bit() {
 #[test]
 fn strains_do_not_change_under_rigid_motion() {
     let case = case(3);
-    let strains = |case: &Case| raw_strains(&ShapeTable::new(3), &nodes_of(case), case.length);
+    let strains = |case: &ElementCase| raw_strains(&ShapeTable::new(3), &nodes_of(case), case.length);
     let (before, strain) = (run(3, &case), strains(&case));
     for angle in [0.4, 2.9, 3.3, 6.0] {
         let rotation = exp(&(Vec3::new(1.0, -2.0, 0.5).normalize() * angle));
         let shift = Vec3::new(3.0, -1.0, 2.0);
-        let turned = Case {
+        let turned = ElementCase {
             r: case.r.iter().map(|r| rotation * r + shift).collect(),
             q: case.q.iter().map(|q| rotation * q).collect(),
             ..case
@@ -274,7 +274,7 @@ fn strains_do_not_change_under_rigid_motion() {
 }
 
 /// Elements strongly bent, stretched and sheared in the plane, of a rod whose d1 (or d2, or neither) is normal to it.
-fn flat_case(order: usize, spin: f64, isotropic: bool) -> Case {
+fn flat_case(order: usize, spin: f64, isotropic: bool) -> ElementCase {
     let along = |a: usize| a as f64 / order as f64;
     let r = (0..=order).map(along).map(|s| Vec3::new(0.9 * s + 0.1 * (3.0 * s).sin(), 0.4 * s * s - 0.05 * s, 0.7));
     // d3 from z into the plane, then spun about itself, then turned in the plane
@@ -284,7 +284,7 @@ fn flat_case(order: usize, spin: f64, isotropic: bool) -> Case {
     // stretched, sheared and bent in the plane by nature
     let plane = RodPlane::new(&to_array(&(lie * exp(&(Vec3::z() * spin)))));
     let reference = [[1.02, 0.03, 0.2], [0.98, 0.0, -0.1], [1.0, 0.01, 0.3]].map(|three| plane.six(&three));
-    Case { r: r.collect(), q: q.collect(), length: 0.8, material, full: None, reference }
+    ElementCase { r: r.collect(), q: q.collect(), length: 0.8, material, full: None, reference }
 }
 
 fn planes() -> [(f64, bool); 3] {
@@ -318,7 +318,7 @@ fn what_a_step_predicts_and_misses_is_the_same_in_a_plane() {
     for (order, (spin, isotropic)) in (1..=3).flat_map(|order| planes().map(|p| (order, p))) {
         let case = flat_case(order, spin, isotropic);
         let mut increment = [0.0; MAX_DOF];
-        let mut after = Case { r: case.r.clone(), q: case.q.clone(), reference: case.reference, ..case };
+        let mut after = ElementCase { r: case.r.clone(), q: case.q.clone(), reference: case.reference, ..case };
         for a in 0..=order {
             let (x, y, turn) = (0.05 * (1.0 + a as f64).sin(), 0.03 * (2.0 * a as f64).cos(), 0.2 - 0.1 * a as f64);
             (increment[6 * a], increment[6 * a + 1], increment[6 * a + 5]) = (x, y, turn);
@@ -354,7 +354,7 @@ fn frames_that_leave_the_plane_are_seen() {
     let plane = RodPlane::new(&to_array(&case.q[0]));
     assert!(plane.nodes(&nodes_of(&case), 4).is_some());
     for out in [Vec3::x() * 1e-6, Vec3::y() * 1e-6, case.q[2] * Vec3::z() * 0.3] {
-        let mut tilted = Case { r: case.r.clone(), q: case.q.clone(), ..case };
+        let mut tilted = ElementCase { r: case.r.clone(), q: case.q.clone(), ..case };
         tilted.q[2] = exp(&out) * tilted.q[2];
         assert!(plane.nodes(&nodes_of(&tilted), 4).is_none(), "{out:?}");
         // and computed in space
