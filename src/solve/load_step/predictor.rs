@@ -167,6 +167,12 @@ impl History {
         Some((place, line))
     }
 
+    /// [`History::line`], unless the target is too far to be predicted.
+    fn line_to_extrapolate(&self, target: &Visited) -> Option<(f64, Vec<(f64, &Visited)>)> {
+        // steps are doubled after a cut-back
+        self.line(target).filter(|(place, _)| *place <= FARTHEST * (1.0 + FINE))
+    }
+
     /// The predicted state at a target; `None` without a reliable prediction.
     pub(crate) fn predict(&self, engine: &Engine, target: &Target) -> Option<Prediction> {
         let drive = lifted(engine, &engine.state, &target.drive).drive;
@@ -175,8 +181,7 @@ impl History {
         if self.visited.iter().any(|visited| visited.state.numbers != target.state.numbers) {
             return None;
         }
-        // steps are doubled after a cut-back
-        let (place, line) = self.line(&target).filter(|(place, _)| *place <= FARTHEST * (1.0 + FINE))?;
+        let (place, line) = self.line_to_extrapolate(&target)?;
         let turning = matches!(line[..], [(_, last), (before, middle), (first, earliest)]
             if goes_round(engine, last, -before, &[(0.0, middle), (first - before, earliest)]));
         let mut increment = extrapolated(engine, &target, place, &line, turning);
@@ -359,7 +364,9 @@ mod tests {
             let Visited { state, moved } = at(seam, 0.0);
             history.push(&state, &moved);
         }
-        let place = |seam: f64, load: f64| history.line(&at(seam, load)).map(|(place, line)| (place, line.len()));
+        let place = |seam: f64, load: f64| {
+            history.line_to_extrapolate(&at(seam, load)).map(|(place, line)| (place, line.len()))
+        };
         let (ahead, count) = place(0.8, 0.0).unwrap();
         assert!((ahead - 1.0).abs() < 1e-12 && count == 3);
         assert_eq!(place(0.8, 0.1), None);
