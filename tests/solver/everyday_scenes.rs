@@ -77,3 +77,16 @@ fn curl_from_straight() {
 fn open_knot() {
     end_of("open_knot", |_| ());
 }
+
+/// Before two beams of steel touch, their reactions of 1e-8 N are rounding: their work is no energy set free.
+#[test]
+fn rounding_of_reactions_sets_nothing_free() {
+    let scene = Scene::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/crossed_beams.toml")).unwrap();
+    let solution = run(scene.model.clone(), &scene.stages, &options(&scene), &mut |progress| {
+        let state = observe(progress);
+        assert_eq!(state.energy_released, 0.0, "step {}", state.step);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(solution.status, Status::Converged);
+}
