@@ -26,7 +26,7 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::measures::{ROUNDING, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target};
+use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
 use crate::solve::problem::state::State;
 
 /// Part of a step's change of a number over which the potential is differenced, because its square, by which the third
@@ -58,6 +58,13 @@ pub(in crate::solve) struct Balance {
     rounding: f64,
 }
 
+impl Changes {
+    /// Numbers of rods that change, with their values after it.
+    fn numbers(&self) -> impl Iterator<Item = (&(usize, RodNumber), &f64)> {
+        self.to.numbers.iter().filter(|(key, value)| self.from.numbers.get(key) != Some(value))
+    }
+}
+
 impl Balance {
     /// Energy that a step between two equilibria has set free \[F·L\]; 0 on a branch. `last` is the work of the step before
     /// under the forces at both of its ends, and how many times as long this step is.
@@ -74,23 +81,23 @@ impl Balance {
 }
 
 impl Solver {
-    /// The changes of a target from the present state, of which some nodes are lifted by spins about their tangents.
-    pub(in crate::solve) fn changes(&self, target: &Target, drive: PrescribedMotion, spun: &[(usize, f64)]) -> Changes {
+    /// The changes of a target, whose drive is `lifted`, from the present state.
+    pub(in crate::solve) fn changes(&self, target: &Target, lifted: &Lifted) -> Changes {
         let from = self.engine.state.clone();
         let mut to = from.clone();
         target.load(&mut to);
-        let seams = target.drive.seams.clone();
-        Changes { drive: PrescribedMotion { seams, ..drive }, spun: spun.to_vec(), from, to }
+        let drive = PrescribedMotion { seams: target.drive.seams.clone(), nodes: lifted.drive.nodes.clone() };
+        Changes { drive, spun: lifted.spun.clone(), from, to }
     }
 
     /// The balance at the present equilibrium; `None` where the energy or a force has no closed form: fixed-axis moments,
     /// a penalty's stiffness that follows ramped numbers, charges on a rod that grows.
     pub(in crate::solve) fn balance(&mut self, changes: &Changes) -> Option<Balance> {
         let engine = &mut self.engine;
-        let numbers = || changes.to.numbers.iter().filter(|(key, value)| changes.from.numbers.get(key) != Some(value));
         let is_penalty = matches!(engine.model.contact.law, ContactLaw::Penalty { .. });
-        let grows = numbers().any(|((_, which), _)| *which == RodNumber::Length);
-        let unclear = is_penalty && numbers().next().is_some() || grows && engine.model.electrostatics.is_some();
+        let grows = changes.numbers().any(|((_, which), _)| *which == RodNumber::Length);
+        let unclear =
+            is_penalty && changes.numbers().next().is_some() || grows && engine.model.electrostatics.is_some();
         if unclear || !engine.is_conservative() {
             return None;
         }
@@ -157,8 +164,8 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
 /// Of load factors, pressures and numbers of rods: central difference of the potential at a fixed configuration.
 fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64 {
     let Changes { from, to, .. } = changes;
-    let keys: Vec<_> = to.numbers.iter().filter(|(key, value)| from.numbers.get(key) != Some(value)).collect();
-    if from.load_factor == to.load_factor && from.pressures == to.pressures && keys.is_empty() {
+    let numbers: Vec<_> = changes.numbers().collect();
+    if from.load_factor == to.load_factor && from.pressures == to.pressures && numbers.is_empty() {
         return 0.0;
     }
     let mut at = |part: f64| {
@@ -168,7 +175,7 @@ fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64
         for (pressure, (from, to)) in moved.pressures.iter_mut().zip(from.pressures.iter().zip(&to.pressures)) {
             *pressure += along(*from, *to);
         }
-        for (key, to) in &keys {
+        for (key, to) in &numbers {
             let change = from.numbers.get(key).map_or(0.0, |from| along(*from, **to));
             moved.numbers.entry(**key).and_modify(|value| *value += change);
         }

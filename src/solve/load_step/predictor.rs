@@ -21,7 +21,7 @@ use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Quat, Vec3};
 use crate::solve::measures::{FARTHEST, FINE};
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::prescribed_motion::{Lifted, Moved, Target, lifted, spin_shares};
+use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, spin_shares};
 use crate::solve::problem::state::{State, seam_shares};
 
 /// Largest difference, rad, between a prediction and the one from a state less, which is of the order of its error. When
@@ -32,7 +32,7 @@ const UNCERTAIN: f64 = 0.1;
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Visited {
+pub(crate) struct Visited {
     state: State,
     moved: Moved,
 }
@@ -135,20 +135,19 @@ impl History {
         self.visited.iter().map(|visited| &visited.state)
     }
 
-    /// The state before the step to a target, with the target's controls.
-    fn target(&self, engine: &Engine, target: &Target) -> Option<Visited> {
+    /// The state before the step to a target, with the controls of the target, whose drive is `lifted`.
+    pub(crate) fn target(&self, engine: &Engine, target: &Target, lifted: &Lifted) -> Option<Visited> {
         let last = self.visited.last().filter(|_| self.ends_at(&engine.state))?;
-        let Lifted { state: present, spun, .. } = lifted(engine, &engine.state, &target.drive);
         let mut moved = last.moved.clone();
-        moved.go_on(target, &spun);
-        let mut state = State { seams: present.seams, ..last.state.clone() };
+        moved.go_on(target, &lifted.spun);
+        let mut state = State { seams: lifted.state.seams.clone(), ..last.state.clone() };
         target.load(&mut state);
         Some(Visited { state, moved })
     }
 
     /// The step to a target over the last step, if it goes on in the same direction.
-    pub(crate) fn stride(&self, engine: &Engine, target: &Target) -> Option<f64> {
-        self.line(&self.target(engine, target)?).map(|(place, _)| place)
+    pub(crate) fn stride(&self, target: &Visited) -> Option<f64> {
+        self.line(target).map(|(place, _)| place)
     }
 
     /// The target's place, and the states that lie on one line with it with their places, newest first. Places are
@@ -173,20 +172,19 @@ impl History {
         self.line(target).filter(|(place, _)| *place <= FARTHEST * (1.0 + FINE))
     }
 
-    /// The predicted state at a target; `None` without a reliable prediction.
-    pub(crate) fn predict(&self, engine: &Engine, target: &Target) -> Option<Prediction> {
-        let drive = lifted(engine, &engine.state, &target.drive).drive;
-        let target = self.target(engine, target)?;
+    /// The predicted state at a target, to which supports still make the motions of `drive`; `None` without a reliable
+    /// prediction.
+    pub(crate) fn predict(&self, engine: &Engine, target: &Visited, drive: &PrescribedMotion) -> Option<Prediction> {
         // forces under other stiffnesses cannot be extrapolated
         if self.visited.iter().any(|visited| visited.state.numbers != target.state.numbers) {
             return None;
         }
-        let (place, line) = self.line_to_extrapolate(&target)?;
+        let (place, line) = self.line_to_extrapolate(target)?;
         let turning = matches!(line[..], [(_, last), (before, middle), (first, earliest)]
             if goes_round(engine, last, -before, &[(0.0, middle), (first - before, earliest)]));
-        let mut increment = extrapolated(engine, &target, place, &line, turning);
+        let mut increment = extrapolated(engine, target, place, &line, turning);
         let forces = extrapolated_forces(engine, place, &line);
-        let simpler = extrapolated(engine, &target, place, &line[..line.len() - 1], turning);
+        let simpler = extrapolated(engine, target, place, &line[..line.len() - 1], turning);
         let apart: Vec<f64> = increment.iter().zip(&simpler).map(|(a, b)| a - b).collect();
         if largest_turn(&apart) > UNCERTAIN {
             return None;

@@ -10,7 +10,7 @@ use crate::scene::{NodeRef, Pose, Ramp, Stage};
 use crate::solve::load_step::predictor::{History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target, lifted};
+use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
 impl Solver {
     /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
@@ -43,15 +43,17 @@ impl Solver {
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
     pub(in crate::solve) fn attempt(&mut self, target: &Target) -> StepReport {
-        let Lifted { drive, spun, .. } = lifted(&self.engine, &self.engine.state, &target.drive);
-        if let Err(error) = self.engine.check_spun(&target.drive.seams, &spun) {
+        let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
+        if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
             return StepReport::refused(error);
         }
-        let changes = self.changes(target, drive, &spun);
+        let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
         let before = if self.history.ends_at(&self.engine.state) { self.balance(&changes) } else { None };
-        let last = self.history.work.zip(self.history.stride(&self.engine, target));
-        let predicted = self.history.predict(&self.engine, target).or_else(|| self.unpredicted(target));
+        let ahead = self.history.target(&self.engine, target, &lifted);
+        let last = self.history.work.zip(ahead.as_ref().and_then(|ahead| self.history.stride(ahead)));
+        let predicted = ahead.and_then(|ahead| self.history.predict(&self.engine, &ahead, &lifted.drive));
+        let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
         target.load(&mut self.engine.state);
         if let Err(error) = self.engine.take_numbers() {
             return StepReport::refused(SolveError::Symbolic { reason: error.to_string() });
@@ -62,7 +64,7 @@ impl Solver {
             let balance = before.zip(self.balance(&changes));
             report.energy_released = balance.map_or(0.0, |(before, end)| before.released(&end, last));
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
-            self.moved.go_on(target, &spun);
+            self.moved.go_on(target, &lifted.spun);
         }
         report
     }
@@ -207,10 +209,9 @@ impl Solver {
     }
 
     /// Where a step leads that changes numbers: nowhere by itself, supports move as they are told.
-    pub(in crate::solve) fn unpredicted(&self, target: &Target) -> Option<Prediction> {
+    fn unpredicted(&self, target: &Target, drive: &PrescribedMotion) -> Option<Prediction> {
         let changes = target.numbers.iter().any(|(key, value)| self.engine.state.numbers.get(key) != Some(value));
         changes.then(|| {
-            let Lifted { drive, .. } = lifted(&self.engine, &self.engine.state, &target.drive);
             let mut still = Prediction::still(&self.engine);
             drive.add_to(&mut still.increment);
             still
