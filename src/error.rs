@@ -151,6 +151,19 @@ pub enum SolveError {
         /// Largest total curvature of a segment, rad.
         limit: f64,
     },
+    /// A rod bent so much more tightly than it is thick that contact has no meaning there, on any mesh.
+    #[error(
+        "segment {segment} of curve {curve} is bent to curvature × contact radius {tightness:.2}: the rod is bent more tightly than \
+         it is thick"
+    )]
+    TooTight {
+        /// Curve (rod) index.
+        curve: usize,
+        /// Segment index within the curve.
+        segment: usize,
+        /// Upper bound of the mean curvature of the segment × contact radius.
+        tightness: f64,
+    },
     /// Frames of neighbouring nodes that differ by too much rotation: near half a turn an element would interpolate the
     /// other way round.
     #[error(

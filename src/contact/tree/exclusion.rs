@@ -52,7 +52,7 @@ impl Exclusion {
     ///
     /// # Errors
     /// [`SolveError::TooCoarse`] for a segment whose own turning bound is not below π/2 (NaN included): it could touch
-    /// itself.
+    /// itself. [`SolveError::TooTight`] if it is bent more tightly than it is thick besides.
     pub fn update(&mut self, set: &CurveSet) -> Result<(), SolveError> {
         self.update_strands(&Strands::of_set(set))
     }
@@ -67,6 +67,11 @@ impl Exclusion {
                 let (turning, joint) = turning(curve, k);
                 let fine = turning < FRAC_PI_2;
                 if !fine {
+                    let length: f64 = strands.cubic(i).edges().iter().map(Vec3::norm).sum();
+                    let tightness = turning / length * strands.radius_of(i);
+                    if tightness >= 1.0 {
+                        return Err(SolveError::TooTight { curve: index, segment: k, tightness });
+                    }
                     return Err(SolveError::TooCoarse { curve: index, segment: k, turning, limit: FRAC_PI_2 });
                 }
                 self.start[i] = sum;
@@ -320,15 +325,19 @@ mod tests {
     use super::*;
     use crate::contact::curves::curve::CurveInput;
 
-    /// Circle of radius 1 by n Hermite cubics.
     fn circle(n: usize) -> CurveSet {
+        thick_circle(n, 0.01)
+    }
+
+    /// Circle of radius 1 by n Hermite cubics.
+    fn thick_circle(n: usize, radius: f64) -> CurveSet {
         let h = 2.0 * PI / n as f64;
         let p = |i: usize| {
             let (s, c) = (h * i as f64).sin_cos();
             (Vec3::new(c, s, 0.0), Vec3::new(-s, c, 0.0) * h)
         };
         let segments = (0..n).map(|i| Cubic::from_hermite(p(i).0, p(i).1, p(i + 1).0, p(i + 1).1)).collect();
-        CurveSet::new(vec![CurveInput { segments, lengths: vec![h; n], closed: true, radius: 0.01 }]).unwrap()
+        CurveSet::new(vec![CurveInput { segments, lengths: vec![h; n], closed: true, radius }]).unwrap()
     }
 
     #[test]
@@ -357,6 +366,15 @@ mod tests {
         let set = circle(3);
         let error = Exclusion::new().update(&set).unwrap_err();
         assert!(matches!(error, SolveError::TooCoarse { curve: 0, segment: 0, .. }), "{error}");
+    }
+
+    /// Symptom: a solenoid's loop, tighter than its rod is thick, ended with the advice to use more elements.
+    #[test]
+    fn a_segment_tighter_than_thick_is_no_matter_of_the_mesh() {
+        for (radius, is_tight) in [(0.7, false), (1.4, true)] {
+            let error = Exclusion::new().update(&thick_circle(3, radius)).unwrap_err();
+            assert_eq!(matches!(error, SolveError::TooTight { .. }), is_tight, "{error}");
+        }
     }
 
     #[test]

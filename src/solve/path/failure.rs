@@ -106,10 +106,15 @@ impl Failure {
         Self { bend: bend.map(told), ..self }
     }
 
+    /// Whether a rod's thickness is the reason: of the state that the attempt led on from, or of the last one it came to.
+    pub(super) fn is_too_tight(&self) -> bool {
+        self.bend.is_some() || matches!(self.error, Some(SolveError::TooTight { .. }))
+    }
+
     fn advice(&self) -> &'static str {
         match (self.status, &self.error, &self.overlap) {
             (Status::Stopped, ..) => "",
-            _ if self.bend.is_some() => "a thinner or a stiffer rod, less load or fewer turns",
+            _ if self.is_too_tight() => "a thinner or a stiffer rod, less load or fewer turns",
             (_, _, Some(overlap)) if overlap.depth > 1.0 => {
                 "strands may be inside each other beyond what contact can undo, or squeezed without a way out: check where \
                  they start (supercoil check), and that the ramps leave room for them"

@@ -273,7 +273,7 @@ impl LoadStepping<'_, '_> {
 
 /// How a run ends with an attempt that failed and is not halved any more.
 fn ending(report: StepReport, failure: Option<&Failure>) -> Result<Status, RunError> {
-    let is_tight = failure.is_some_and(|failure| failure.bend.is_some());
+    let is_tight = failure.is_some_and(Failure::is_too_tight);
     match (report.status, report.error) {
         // what is wrong is the mesh
         (_, Some(error @ SolveError::TooTwisted { .. })) => Err(error.into()),
