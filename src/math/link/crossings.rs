@@ -39,9 +39,7 @@ pub(super) fn writhe(points: &[Vec3]) -> Option<f64> {
     DIRECTIONS.iter().find_map(|d| {
         let n = Vec3::from(*d).normalize();
         let edges = project(points, n);
-        let last = edges.len() - 1;
-        let adjacent = |i: usize, j: usize| j == i + 1 || (i == 0 && j == last);
-        let crossings = count(&edges, |i, j| i < j && !adjacent(i, j))?;
+        let crossings = count(&edges, |i, j| i < j && !adjacent(edges.len(), i, j))?;
         Some(crossings as f64 - twist_with_seam(points, &vec![n; points.len()], true, 0.0))
     })
 }
@@ -73,16 +71,9 @@ pub(super) struct Crossing {
 pub(super) fn list(points: &[Vec3]) -> Option<Vec<Crossing>> {
     let along = |d: &[f64; 3]| {
         let edges = project(points, Vec3::from(*d).normalize());
-        let mut found = Vec::new();
-        for i in 0..edges.len() {
-            for j in i + 2..edges.len() - usize::from(i == 0) {
-                let sign = crossing(&edges[i], &edges[j])?;
-                if sign != 0 {
-                    found.push(placed(&edges, i, j, sign));
-                }
-            }
-        }
-        Some(found)
+        let mut found = crossed(&edges, |i, j| i < j && !adjacent(edges.len(), i, j))?;
+        found.sort_unstable();
+        Some(found.into_iter().map(|(i, j, sign)| placed(&edges, i as usize, j as usize, sign)).collect::<Vec<_>>())
     };
     DIRECTIONS.iter().filter_map(along).min_by_key(Vec::len)
 }
@@ -110,8 +101,18 @@ fn project(points: &[Vec3], n: Vec3) -> Vec<Edge> {
     (0..seen.len()).map(|i| [seen[i], seen[(i + 1) % seen.len()]]).collect()
 }
 
+/// Whether edges i < j of a closed polygon meet at a vertex.
+fn adjacent(num_edges: usize, i: usize, j: usize) -> bool {
+    j == i + 1 || (i == 0 && j + 1 == num_edges)
+}
+
 /// Sum of the signs of all crossings between edges i, j with `wanted(i, j)`; `None` if one is too close to call.
 fn count(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option<i64> {
+    Some(crossed(edges, wanted)?.into_iter().map(|(.., sign)| sign).sum())
+}
+
+/// All crossings between edges i, j with `wanted(i, j)`, with their signs; `None` if one is too close to call.
+fn crossed(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option<Vec<(u32, u32, i64)>> {
     let grid = Grid::new(edges);
     let in_range = |range: Range<usize>| -> Vec<(u64, u32)> {
         let mut entries: Vec<(u64, u32)> =
@@ -124,20 +125,22 @@ fn count(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Option
     entries.sort();
     let cells: Vec<&[(u64, u32)]> = entries.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1).collect();
     let in_cell = |cell: &[(u64, u32)]| {
-        let mut sum = 0;
+        let mut found = Vec::new();
         for (k, &(key, i)) in cell.iter().enumerate() {
             for &(_, j) in &cell[k + 1..] {
                 let (a, b) = (&edges[i as usize], &edges[j as usize]);
                 // A pair that shares several cells is tested in one of them only.
                 if wanted(i as usize, j as usize) && grid.first_shared(a, b) == key {
-                    sum += crossing(a, b)?;
+                    let sign = crossing(a, b)?;
+                    found.extend((sign != 0).then_some((i, j, sign)));
                 }
             }
         }
-        Some(sum)
+        Some(found)
     };
-    let sum = |range: Range<usize>| -> Option<i64> { cells[range].iter().copied().map(in_cell).sum() };
-    parallel::map_ranges(cells.len(), CELLS, &sum).into_iter().sum()
+    let of_cells = |range: Range<usize>| -> Option<Vec<Vec<_>>> { cells[range].iter().copied().map(in_cell).collect() };
+    let found: Option<Vec<Vec<Vec<_>>>> = parallel::map_ranges(cells.len(), CELLS, &of_cells).into_iter().collect();
+    Some(found?.into_iter().flatten().flatten().collect())
 }
 
 /// A uniform grid over the picture plane.

@@ -50,7 +50,7 @@ impl Alexander {
 }
 
 /// Values of the Alexander polynomial of a closed polygon; `None` for coordinates that are not finite, for one that no
-/// viewing direction shows clearly, and for pictures of more than 400 crossings. Time grows with the square of the edges.
+/// viewing direction shows clearly, and for pictures of more than 400 crossings. Time grows with the edges and with the cube of the crossings.
 ///
 /// ```
 /// use supercoil::math::{Vec3, link::alexander};
