@@ -106,7 +106,7 @@ impl Record {
         let (length, force) = (&self.units.length, &self.units.force);
         let title = match self.choice.color_by {
             ColorBy::Strand => return,
-            ColorBy::Pressure => format!("contact force, {force}/{length}"),
+            ColorBy::Pressure => format!("contact force, smoothed, {force}/{length}"),
             ColorBy::Curvature => format!("curvature, 1/{length}"),
             ColorBy::TwistRate => format!("twist rate, rad/{length}"),
         };
