@@ -6,8 +6,10 @@
 
 use std::path::Path;
 
-use supercoil::scene::Scene;
+use supercoil::io::csv::{RodState, write_state};
+use supercoil::math::{Quat, Vec3};
 use supercoil::scene::file::{Key, keys};
+use supercoil::scene::{Scene, Units};
 use supercoil::solve::Options;
 
 const SECTION: &str = "bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 1e-5";
@@ -52,34 +54,43 @@ fn template(key: &Key) -> String {
         ("rods.shape", "aspect" | "phase") => {
             shape("kind = \"torus_knot\", length = 6.0, windings = [2, 3]", "closed = true\n")
         }
-        ("rods.shape", "distance" | "angle") => {
-            shape("kind = \"plectoneme\", length = 6.0, turns = 3", "closed = true\n")
-        }
-        ("rods.shape", _) => shape("kind = \"points\", file = \"open_knot.csv\"", ""),
+        ("rods.shape", "angle") => shape("kind = \"plectoneme\", length = 6.0, distance = 0.2", "closed = true\n"),
+        ("rods.shape", "distance") => shape("kind = \"plectoneme\", length = 6.0, turns = 3", "closed = true\n"),
+        ("rods.shape", "rod") => shape(&format!("kind = \"state\", file = \"{}\"", state()), ""),
+        ("rods.shape", _) => shape("kind = \"points\", file = \"oval.csv\"", "closed = true\n"),
         ("rods.section", "contact_radius") => {
             section("bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, ")
         }
         ("rods.section", "young") => section("poisson = 0.3, circle = 0.1, "),
         ("rods.section", "poisson" | "shear_modulus") => section("young = 1.0, circle = 0.1, "),
-        ("rods.section", "circle" | "rectangle") => section("young = 1.0, poisson = 0.3, "),
+        ("rods.section", "circle") => section("young = 1.0, poisson = 0.3, "),
+        ("rods.section", "rectangle") => section("young = 1.0, poisson = 0.3, contact_radius = 0.0, "),
         ("rods.section", "shear_correction") => section("young = 1.0, poisson = 0.3, circle = 0.1, "),
         ("rods.section", name) => {
             let others = SECTION.split(", ").filter(|other| !other.starts_with(name)).collect::<Vec<_>>();
             section(&(others.join(", ") + ", "))
         }
-        ("rods.dna", "base_pairs") => dna(""),
-        ("rods.dna", "rise") => dna("base_pairs = 336, salt_mM = 150, "),
+        ("rods.dna", "base_pairs") => dna("diameter = 1e-3, "),
+        ("rods.dna", "rise") => dna("base_pairs = 336, diameter = 1e-3, "),
         ("rods.dna", _) => dna("base_pairs = 336, "),
+        ("rods.sequence", _) => {
+            let letters = "ACGT".repeat(15);
+            let shape =
+                "elements = 12\nshape = { kind = \"line\", length = 20.06 }\nsection = { contact_radius = 1.0 }";
+            format!("[[rods]]\n{shape}\nsequence = {{ letters = \"{letters}\", steps = \"ideal\", @ }}\n")
+        }
         ("supports", _) => {
             line()
                 + "[[supports]]\nat = \"start\"\n@\n"
                 + if key.name == "position" { "rotation" } else { "position" }
                 + " = true\n"
         }
-        ("loads", _) => clamped() + "[[loads]]\nat = 3\n@\n",
-        ("line_loads", _) => clamped() + "[[line_loads]]\n@\n",
+        ("loads", _) => clamped() + "[[loads]]\nat = 3\n@\n" + &ramp("load = 1.0"),
+        ("line_loads", _) => clamped() + "[[line_loads]]\n@\n" + &ramp("load = 1.0"),
         ("planes", "normal") => ring() + "[[planes]]\npoint = [-9, -9, -9]\n@\n",
-        ("planes", _) => ring() + "[[planes]]\nnormal = [0, 0, 1]\n@\n",
+        ("planes", _) => {
+            ring().replace("length = 6.0", "length = 6.0, center = [0, 0, 1]") + "[[planes]]\nnormal = [0, 0, 1]\n@\n"
+        }
         ("contact", _) => ring() + "[contact]\n@\n",
         ("contact.electrostatics", "debye_length") => charged + "[contact]\nelectrostatics = { strength = 1e-3, @ }\n",
         ("contact.electrostatics", "strength") => charged + "[contact]\nelectrostatics = { debye_length = 2.0, @ }\n",
@@ -110,6 +121,18 @@ fn template(key: &Key) -> String {
     }
 }
 
+/// A final state of a straight rod of 12 elements.
+fn state() -> String {
+    let path = std::env::temp_dir().join(format!("supercoil_reference_{}.csv", std::process::id()));
+    let rod = RodState {
+        arc_lengths: (0..37).map(f64::from).collect(),
+        positions: (0..37).map(|k| Vec3::new(0.0, 0.0, f64::from(k))).collect(),
+        frames: vec![Quat::identity(); 37],
+    };
+    write_state(&path, &[rod], &Units::default()).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
 fn scene(key: &Key, value: Option<&str>) -> Result<Scene, String> {
     let value = value.map(|value| match (key.table.as_str(), key.name.as_str()) {
         ("picture", "size") => format!("[{value}, {value}]"),
@@ -120,7 +143,7 @@ fn scene(key: &Key, value: Option<&str>) -> Result<Scene, String> {
     });
     let assignment = value.map_or_else(String::new, |value| format!("{} = {value}", key.name));
     let text = template(key).replace('@', &assignment);
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     Scene::from_toml(&text, &folder).map_err(|error| format!("{error}\n{text}"))
 }
 
