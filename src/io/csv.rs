@@ -68,18 +68,34 @@ pub fn write_table<Row>(path: &Path, header: &[&str], rows: impl IntoIterator<It
 where
     Row: IntoIterator<Item: Into<Cell>>,
 {
-    let refuse = |e: ::csv::Error| write_error(path, &e.to_string());
-    let mut writer = ::csv::Writer::from_path(path).map_err(refuse)?;
-    writer.write_record(header).map_err(refuse)?;
+    let file = std::fs::File::create(path).map_err(|e| write_error(path, &e.to_string()))?;
+    write_rows(file, header, rows).map_err(|error| match error {
+        InputError::Write { reason, .. } => write_error(path, &reason),
+        other => other,
+    })
+}
+
+/// Writes a table to where bytes go; errors of writing name no file.
+fn write_rows<Row>(
+    to: impl std::io::Write,
+    header: &[&str],
+    rows: impl IntoIterator<Item = Row>,
+) -> Result<(), InputError>
+where
+    Row: IntoIterator<Item: Into<Cell>>,
+{
+    let refuse = |reason: String| write_error(Path::new(""), &reason);
+    let mut writer = ::csv::Writer::from_writer(to);
+    writer.write_record(header).map_err(|e| refuse(e.to_string()))?;
     for (index, row) in rows.into_iter().enumerate() {
         let cells: Vec<String> = row.into_iter().map(|c| c.into().to_string()).collect();
         if cells.len() != header.len() {
             let reason = format!("{} cells for {} columns", cells.len(), header.len());
             return Err(InputError::Inconsistent { field: format!("rows[{index}]"), reason });
         }
-        writer.write_record(&cells).map_err(refuse)?;
+        writer.write_record(&cells).map_err(|e| refuse(e.to_string()))?;
     }
-    writer.flush().map_err(|e| write_error(path, &e.to_string()))
+    writer.flush().map_err(|e| refuse(e.to_string()))
 }
 
 /// A column of a file: name, unit (empty for plain numbers and texts), meaning.
@@ -167,14 +183,24 @@ pub fn write_state(path: &Path, rods: &[RodState], units: &Units) -> Result<(), 
             return Err(InputError::Inconsistent { field: format!("rods[{index}]"), reason });
         }
     }
-    let rows = rods.iter().enumerate().flat_map(|(index, rod)| {
+    write_explained(path, &columns_in(units, &STATE_COLUMNS), state_rows(rods))
+}
+
+/// The text of a state file, as [`write_state`] writes it.
+pub(crate) fn state_text(rods: &[RodState]) -> Result<String, InputError> {
+    let mut bytes = Vec::new();
+    write_rows(&mut bytes, &STATE_COLUMNS.map(|[name, ..]| name), state_rows(rods))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn state_rows(rods: &[RodState]) -> impl Iterator<Item = impl Iterator<Item = Cell>> {
+    rods.iter().enumerate().flat_map(|(index, rod)| {
         (0..rod.positions.len()).map(move |node| {
             let (r, q) = (rod.positions[node], &rod.frames[node]);
             let numbers = [rod.arc_lengths[node], r.x, r.y, r.z, q.w, q.i, q.j, q.k].map(Cell::Number);
             [Cell::Count(index), Cell::Count(node)].into_iter().chain(numbers)
         })
-    });
-    write_explained(path, &columns_in(units, &STATE_COLUMNS), rows)
+    })
 }
 
 /// Reads what [`write_state`] wrote, bit for bit.

@@ -16,7 +16,7 @@ use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Scene, Units};
 use crate::solve::NodalFields;
 
-use super::csv::{RodState, write_state};
+use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
 use super::picture::DrawnPlane;
@@ -363,7 +363,7 @@ impl Record {
         self.columns.write(&self.dir.join(files::TABLE), &self.steps)?;
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
-        self.write_final_state(&last)?;
+        write_state(&self.dir.join(files::FINAL_STATE), &self.rod_states(&last), &self.units)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
         let on_planes = self.steps.get(last.step).map_or(&[][..], |step| &step.plane_sites);
         let planes: Vec<String> = self.planes.iter().map(|plane| plane.name.clone()).collect();
@@ -420,7 +420,12 @@ impl Record {
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
     }
 
-    fn write_final_state(&self, last: &RecordedFrame) -> Result<(), InputError> {
+    /// The last state as text, see [`state_text`].
+    pub(crate) fn nodal_state(&self) -> Result<String, InputError> {
+        state_text(&self.last.as_ref().map_or_else(Vec::new, |last| self.rod_states(last)))
+    }
+
+    fn rod_states(&self, last: &RecordedFrame) -> Vec<RodState> {
         let state = |(index, rod): (usize, &RodSnapshot)| {
             let head = self.head(index, last.step);
             RodState {
@@ -429,8 +434,7 @@ impl Record {
                 frames: rod.frames.clone(),
             }
         };
-        let states: Vec<RodState> = last.rods.iter().enumerate().map(state).collect();
-        write_state(&self.dir.join(files::FINAL_STATE), &states, &self.units)
+        last.rods.iter().enumerate().map(state).collect()
     }
 
     fn write_vtk(&mut self, frame: &RecordedFrame) -> Result<(), InputError> {

@@ -301,6 +301,7 @@ impl Keeper {
     fn write(&mut self) -> Result<(), InputError> {
         let Some(restart) = &self.latest else { return Ok(()) };
         let checkpoint = Checkpoint {
+            nodes: self.record.nodal_state()?,
             program: env!("CARGO_PKG_VERSION").to_owned(),
             scene: self.scene.clone(),
             set: self.set.clone(),
