@@ -100,7 +100,7 @@ where
 
 /// A column of a file: name, unit (empty for plain numbers and texts), meaning.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Column {
+pub struct ExplainedColumn {
     /// Its head in the file.
     pub name: String,
     /// Name of its unit; may be empty.
@@ -110,8 +110,8 @@ pub struct Column {
 }
 
 /// Columns of name, dimension (in L and F, see [`Units::of`]) and meaning.
-pub(crate) fn columns_in(units: &Units, columns: &[[&'static str; 3]]) -> Vec<Column> {
-    let column = |&[name, dimension, meaning]: &[&'static str; 3]| Column {
+pub(crate) fn columns_in(units: &Units, columns: &[[&'static str; 3]]) -> Vec<ExplainedColumn> {
+    let column = |&[name, dimension, meaning]: &[&'static str; 3]| ExplainedColumn {
         name: name.to_owned(),
         unit: units.of(dimension),
         meaning,
@@ -131,7 +131,7 @@ pub(crate) fn legend_of(table: &Path) -> PathBuf {
 /// As [`write_table`].
 pub(crate) fn write_explained<Row>(
     path: &Path,
-    columns: &[Column],
+    columns: &[ExplainedColumn],
     rows: impl IntoIterator<Item = Row>,
 ) -> Result<(), InputError>
 where

@@ -180,6 +180,10 @@ impl StepTable<'_> {
         if left_out > 0 {
             lines.insert(MOST_NOTES - 1, format!("* {left_out} more notes: column notes of table.csv"));
         }
+        let blank = |step: &Observation| only_open_rod(step).is_some_and(|rod| rod.link.is_none());
+        if self.steps.iter().any(blank) {
+            lines.push("- link and writhe of an open rod need parallel ends, and fewer than 1000 nodes".to_owned());
+        }
         lines
     }
 }

@@ -181,7 +181,7 @@ const DEFAULTS_IN_WORDS: [&str; 29] = [
     "by fidelity; those of a state",
     "L, F; nm, pN with dna",
     "1600 wide, as high as the rods need, up to 1200",
-    "where the final state spreads least; with planes a little above the first",
+    "from where no state drawn is seen edge-on; with planes a little above the first",
     "z, or y",
     "z; straight",
     "towards the rods",

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::io::csv::{Cell, Column, write_explained};
+use crate::io::csv::{Cell, ExplainedColumn, write_explained};
 use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
 #[cfg(feature = "scenes")]
 use crate::scene::Scene;
@@ -14,7 +14,7 @@ use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
 type CellOfStep = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
 
 struct RunColumn {
-    column: Column,
+    column: ExplainedColumn,
     value: CellOfStep,
 }
 
@@ -94,7 +94,7 @@ impl Columns {
         meaning: &'static str,
         value: impl Fn(&Observation) -> Cell + Send + Sync + 'static,
     ) {
-        let column = Column { name: name.to_owned(), unit: self.units.of(dimension), meaning };
+        let column = ExplainedColumn { name: name.to_owned(), unit: self.units.of(dimension), meaning };
         self.all.push(RunColumn { column, value: Box::new(value) });
     }
 
@@ -293,7 +293,7 @@ impl Columns {
     /// # Errors
     /// [`InputError::Write`] if a file cannot be written.
     pub fn write(&self, path: &Path, steps: &[Observation]) -> Result<(), InputError> {
-        let columns: Vec<Column> = self.all.iter().map(|of| of.column.clone()).collect();
+        let columns: Vec<ExplainedColumn> = self.all.iter().map(|of| of.column.clone()).collect();
         write_explained(path, &columns, steps.iter().map(|step| self.cells(step)))
     }
 }
