@@ -38,6 +38,23 @@ pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
 /// First bytes of a checkpoint.
 #[cfg(any(feature = "scenes", feature = "runs"))]
 pub(crate) const CHECKPOINT: &[u8; 8] = b"SUPRCOIL";
+/// Version of the format of checkpoints; raised whenever anything in them changes.
+#[cfg(any(feature = "scenes", feature = "runs"))]
+pub(crate) const CHECKPOINT_FORMAT: u32 = 14;
+/// Bytes before the body of a checkpoint.
+#[cfg(any(feature = "scenes", feature = "runs"))]
+pub(crate) const CHECKPOINT_HEAD: usize = 28;
+
+/// The nodal state in a checkpoint of the present format, as a `final_state.csv` has it: the first field of its body, with
+/// its length before it in digits to the base 128, lowest first. None if it is cut short or of another format.
+#[cfg(feature = "scenes")]
+pub(crate) fn state_in_checkpoint(bytes: &[u8]) -> Option<&[u8]> {
+    let body = bytes.get(CHECKPOINT_HEAD..).filter(|_| bytes[8..12] == CHECKPOINT_FORMAT.to_le_bytes())?;
+    let digits = body.iter().position(|byte| byte & 0x80 == 0)? + 1;
+    let with = |sum: usize, byte: &u8| sum.checked_mul(128)?.checked_add(usize::from(byte & 0x7f));
+    let length = body[..digits].iter().rev().try_fold(0, with)?;
+    body[digits..].get(..length)
+}
 
 /// The text of a regular file.
 pub(crate) fn read_regular(path: &Path) -> Result<String, InputError> {

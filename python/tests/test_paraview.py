@@ -55,7 +55,7 @@ def test_vtk_reads_all_of_a_step(tmp_path: Path) -> None:
         assert [data.GetCell(k).GetNumberOfPoints() for k in range(2)] == [37, 13]
         names = [part.GetArrayName(k) for part in (points, fields, cells) for k in range(part.GetNumberOfArrays())]
         assert len(set(names)) == len(names)
-        assert {"radius", "arc_length", "contact_force_per_length", "internal_force", "internal_moment"} <= set(names)
+        assert {"radius", "arc_length", "smoothed_contact_force_per_length", "internal_force", "internal_moment"} <= set(names)
         time = vtk_to_numpy(fields.GetArray("TimeValue"))
         assert time.tolist() == vtk_to_numpy(fields.GetArray("excess_link")).tolist() == [0.25 * step]
         units = fields.GetAbstractArray("units")

@@ -7,7 +7,7 @@
 //! | 12–19 | length of the body |
 //! | 20–23 | CRC-32 of the body |
 //! | 24–27 | CRC-32 of the 24 bytes before |
-//! | 28– | body: [`Checkpoint`] in the postcard format, numbers bit for bit |
+//! | 28– | body: [`Checkpoint`] in the postcard format, numbers bit for bit; first the nodal state as text, which scenes can start from |
 //!
 //! A checkpoint is written to a temporary file, flushed to the disk and then renamed: there is a complete one at any
 //! time. A damaged checkpoint is refused.
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::scene::Scene;
 use crate::solve::Restart;
-use crate::text::CHECKPOINT as MAGIC;
+use crate::text::{CHECKPOINT as MAGIC, CHECKPOINT_FORMAT as FORMAT, CHECKPOINT_HEAD as HEADER};
 
 use super::fingerprint::Fingerprint;
 use super::record::RecordState;
@@ -28,13 +28,13 @@ use super::replace::fill_and_rename;
 
 /// Name of the checkpoint in the folder of a run.
 pub const FILE_NAME: &str = "checkpoint.bin";
-/// Version of the format; raised whenever [`Checkpoint`] or anything in it changes.
-pub(crate) const FORMAT: u32 = 13;
-const HEADER: usize = 28;
 
 /// A run between two steps: all data to resume it and to write its outputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
+    /// Positions and frames of all nodes as a `final_state.csv`, from which other scenes can start. The first field, because
+    /// they find it there.
+    pub nodes: String,
     /// Version of the program that wrote it.
     pub program: String,
     /// Absolute path of the scene file, if the scene came from one.

@@ -4,8 +4,9 @@
 
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
+use crate::scene::Units;
 use crate::scene::finite;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Re-export from scenes, one layer below, beside the other readers.
 pub use crate::scene::read_points;
@@ -67,18 +68,79 @@ pub fn write_table<Row>(path: &Path, header: &[&str], rows: impl IntoIterator<It
 where
     Row: IntoIterator<Item: Into<Cell>>,
 {
-    let refuse = |e: ::csv::Error| write_error(path, &e.to_string());
-    let mut writer = ::csv::Writer::from_path(path).map_err(refuse)?;
-    writer.write_record(header).map_err(refuse)?;
+    let file = std::fs::File::create(path).map_err(|e| write_error(path, &e.to_string()))?;
+    write_rows(file, header, rows).map_err(|error| match error {
+        InputError::Write { reason, .. } => write_error(path, &reason),
+        other => other,
+    })
+}
+
+/// Writes a table to where bytes go; errors of writing name no file.
+fn write_rows<Row>(
+    to: impl std::io::Write,
+    header: &[&str],
+    rows: impl IntoIterator<Item = Row>,
+) -> Result<(), InputError>
+where
+    Row: IntoIterator<Item: Into<Cell>>,
+{
+    let refuse = |reason: String| write_error(Path::new(""), &reason);
+    let mut writer = ::csv::Writer::from_writer(to);
+    writer.write_record(header).map_err(|e| refuse(e.to_string()))?;
     for (index, row) in rows.into_iter().enumerate() {
         let cells: Vec<String> = row.into_iter().map(|c| c.into().to_string()).collect();
         if cells.len() != header.len() {
             let reason = format!("{} cells for {} columns", cells.len(), header.len());
             return Err(InputError::Inconsistent { field: format!("rows[{index}]"), reason });
         }
-        writer.write_record(&cells).map_err(refuse)?;
+        writer.write_record(&cells).map_err(|e| refuse(e.to_string()))?;
     }
-    writer.flush().map_err(|e| write_error(path, &e.to_string()))
+    writer.flush().map_err(|e| refuse(e.to_string()))
+}
+
+/// A column of a file: name, unit (empty for plain numbers and texts), meaning.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExplainedColumn {
+    /// Its head in the file.
+    pub name: String,
+    /// Name of its unit; may be empty.
+    pub unit: String,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// Columns of name, dimension (in L and F, see [`Units::of`]) and meaning.
+pub(crate) fn columns_in(units: &Units, columns: &[[&'static str; 3]]) -> Vec<ExplainedColumn> {
+    let column = |&[name, dimension, meaning]: &[&'static str; 3]| ExplainedColumn {
+        name: name.to_owned(),
+        unit: units.of(dimension),
+        meaning,
+    };
+    columns.iter().map(column).collect()
+}
+
+/// The file that explains the columns of a table: `table_columns.csv` of `table.csv`.
+pub(crate) fn legend_of(table: &Path) -> PathBuf {
+    let stem = table.file_stem().unwrap_or_default().to_string_lossy();
+    table.with_file_name(format!("{stem}_columns.csv"))
+}
+
+/// Writes a table, and beside it name, unit and meaning of its columns, as `table_columns.csv` of `table.csv`.
+///
+/// # Errors
+/// As [`write_table`].
+pub(crate) fn write_explained<Row>(
+    path: &Path,
+    columns: &[ExplainedColumn],
+    rows: impl IntoIterator<Item = Row>,
+) -> Result<(), InputError>
+where
+    Row: IntoIterator<Item: Into<Cell>>,
+{
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    write_table(path, &names, rows)?;
+    let legend = columns.iter().map(|column| [column.name.as_str(), column.unit.as_str(), column.meaning]);
+    write_table(&legend_of(path), &["column", "unit", "meaning"], legend)
 }
 
 /// Nodal state of one rod.
@@ -93,13 +155,27 @@ pub struct RodState {
 }
 
 /// Columns of a state file; quaternions scalar part first.
-const STATE_COLUMNS: [&str; 10] = ["rod", "node", "arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];
+const STATE_COLUMNS: [[&str; 3]; 10] = [
+    ["rod", "", "index of the rod, from 0"],
+    ["node", "", "index of the node in its rod, from 0"],
+    ["arc_length", "L", "reference arc length from the rod's start"],
+    ["x", "L", POSITION],
+    ["y", "L", POSITION],
+    ["z", "L", POSITION],
+    ["qw", "", FRAME],
+    ["qx", "", FRAME],
+    ["qy", "", FRAME],
+    ["qz", "", FRAME],
+];
+const POSITION: &str = "position of the node";
+const FRAME: &str = "unit quaternion of the frame: the rotation that takes x, y, z to d1, d2, d3";
 
-/// Writes the nodal state of rods 0, 1, … as CSV: rod, node, arc_length, x, y, z, qw, qx, qy, qz.
+/// Writes the nodal state of rods 0, 1, … as CSV: rod, node, arc_length, x, y, z, qw, qx, qy, qz; units and meanings in
+/// a file beside it, as `final_state_columns.csv` of `final_state.csv`.
 ///
 /// # Errors
 /// [`InputError::Inconsistent`] if a rod's arrays differ in length, [`InputError::Write`] if the file cannot be written.
-pub fn write_state(path: &Path, rods: &[RodState]) -> Result<(), InputError> {
+pub fn write_state(path: &Path, rods: &[RodState], units: &Units) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
         let counts = [rod.arc_lengths.len(), rod.positions.len(), rod.frames.len()];
         if counts[0] != counts[1] || counts[1] != counts[2] {
@@ -107,14 +183,24 @@ pub fn write_state(path: &Path, rods: &[RodState]) -> Result<(), InputError> {
             return Err(InputError::Inconsistent { field: format!("rods[{index}]"), reason });
         }
     }
-    let rows = rods.iter().enumerate().flat_map(|(index, rod)| {
+    write_explained(path, &columns_in(units, &STATE_COLUMNS), state_rows(rods))
+}
+
+/// The text of a state file, as [`write_state`] writes it.
+pub(crate) fn state_text(rods: &[RodState]) -> Result<String, InputError> {
+    let mut bytes = Vec::new();
+    write_rows(&mut bytes, &STATE_COLUMNS.map(|[name, ..]| name), state_rows(rods))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn state_rows(rods: &[RodState]) -> impl Iterator<Item = impl Iterator<Item = Cell>> {
+    rods.iter().enumerate().flat_map(|(index, rod)| {
         (0..rod.positions.len()).map(move |node| {
             let (r, q) = (rod.positions[node], &rod.frames[node]);
             let numbers = [rod.arc_lengths[node], r.x, r.y, r.z, q.w, q.i, q.j, q.k].map(Cell::Number);
             [Cell::Count(index), Cell::Count(node)].into_iter().chain(numbers)
         })
-    });
-    write_table(path, &STATE_COLUMNS, rows)
+    })
 }
 
 /// Reads what [`write_state`] wrote, bit for bit.
@@ -131,9 +217,10 @@ pub fn read_state(path: &Path) -> Result<Vec<RodState>, InputError> {
     };
     let mut reader = ::csv::ReaderBuilder::new().trim(::csv::Trim::All).from_path(path).map_err(refuse)?;
     let header = reader.headers().map_err(refuse)?;
-    if header != STATE_COLUMNS.as_slice() {
+    let expected = STATE_COLUMNS.map(|[name, ..]| name);
+    if header != expected.as_slice() {
         let found: Vec<&str> = header.iter().collect();
-        return Err(parse_error(path, format!("line 1: columns {STATE_COLUMNS:?} expected, found {found:?}")));
+        return Err(parse_error(path, format!("line 1: columns {expected:?} expected, found {found:?}")));
     }
     let mut rods: Vec<RodState> = Vec::new();
     for record in reader.records() {
@@ -221,7 +308,7 @@ mod tests {
             frames: (0..n).map(|i| Quat::from_scaled_axis(Vec3::new(0.3 * i as f64, -1.0, 2.0))).collect(),
         };
         let rods = [rod(7), rod(2)];
-        write_state(&path, &rods).unwrap();
+        write_state(&path, &rods, &Units::default()).unwrap();
         assert_eq!(read_state(&path).unwrap(), rods);
         let text = std::fs::read_to_string(&path).unwrap();
         for (from, to, reason) in [
@@ -233,6 +320,7 @@ mod tests {
             let error = read_state(&path).unwrap_err().to_string();
             assert!(error.contains(reason), "{error}");
         }
+        std::fs::remove_file(legend_of(&path)).unwrap();
         std::fs::remove_file(&path).unwrap();
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 
+use super::csv::legend_of;
 use super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use super::record::check_finished;
 
@@ -26,7 +27,7 @@ impl RunTable {
     pub fn read(dir: &Path) -> Result<Self, InputError> {
         check_finished(dir)?;
         let (columns, rows) = read(&dir.join("table.csv"))?;
-        let (_, legend) = read(&dir.join("table_columns.csv"))?;
+        let (_, legend) = read(&legend_of(&dir.join("table.csv")))?;
         let unit = |row: &Vec<String>| Some((row.first()?.clone(), row.get(1)?.clone()));
         let units = legend.iter().filter_map(unit).filter(|(_, unit)| !unit.is_empty()).collect();
         Ok(Self { columns, units, rows })

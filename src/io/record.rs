@@ -16,11 +16,11 @@ use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Scene, Units};
 use crate::solve::NodalFields;
 
-use super::csv::{RodState, write_state};
+use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
 use super::picture::DrawnPlane;
-use super::table::{Columns, write_lines, write_sites};
+use super::table::{Columns, Named, write_lines, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
 pub(super) use files::{VIEW, check_finished, read_summary, step_of};
@@ -35,6 +35,8 @@ pub struct RodSnapshot {
     pub frames: Vec<Quat>,
     /// Fields at the nodes.
     pub fields: NodalFields,
+    /// Contact force per length at the nodes as it is shown, see [`smoothed_contact_forces`](crate::observe::smoothed_contact_forces) \[F/L\].
+    pub smoothed_contact_force: Vec<Vec3>,
 }
 
 /// Data of each rod for the record.
@@ -182,10 +184,11 @@ pub struct RecordState {
 /// | file | content |
 /// |---|---|
 /// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView: at the nodes frame, arc length, radius, curvature, twist rate, contact force, internal force and moment; as field data the numbers of the table's line, `TimeValue` (the first quantity that stages ramp), `units` |
-/// | `table.csv`, `table_columns.csv` | one line per accepted step; name, unit and meaning of its columns |
+/// | `table.csv` | one line per accepted step |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
+/// | `table_columns.csv`, `final_state_columns.csv`, `sites_columns.csv`, `lines_columns.csv` | name, unit and meaning of the columns of each table |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
@@ -358,16 +361,16 @@ impl Record {
     pub fn finish(&mut self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {
         let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
         self.columns.write(&self.dir.join(files::TABLE), &self.steps)?;
-        self.columns.write_legend(&self.dir.join(files::LEGEND))?;
         self.write_summary(converged, status, seconds)?;
         let Some(last) = self.last.take() else { return Ok(()) };
-        self.write_final_state(&last)?;
+        write_state(&self.dir.join(files::FINAL_STATE), &self.rod_states(&last), &self.units)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
         let on_planes = self.steps.get(last.step).map_or(&[][..], |step| &step.plane_sites);
         let planes: Vec<String> = self.planes.iter().map(|plane| plane.name.clone()).collect();
-        write_sites(&self.dir.join(files::SITES), &names, &lengths, &last.sites, (&planes, on_planes))?;
+        let named = Named { rods: &names, lengths: &lengths, planes: &planes, units: &self.units };
+        write_sites(&self.dir.join(files::SITES), &last.sites, on_planes, named)?;
         if !self.lines.is_empty() {
-            write_lines(&self.dir.join(files::LINES), &names, &self.lines)?;
+            write_lines(&self.dir.join(files::LINES), &self.lines, named)?;
         }
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
@@ -417,7 +420,12 @@ impl Record {
         std::fs::write(&path, text).map_err(|e| refuse(e.to_string()))
     }
 
-    fn write_final_state(&self, last: &RecordedFrame) -> Result<(), InputError> {
+    /// The last state as text, see [`state_text`].
+    pub(crate) fn nodal_state(&self) -> Result<String, InputError> {
+        state_text(&self.last.as_ref().map_or_else(Vec::new, |last| self.rod_states(last)))
+    }
+
+    fn rod_states(&self, last: &RecordedFrame) -> Vec<RodState> {
         let state = |(index, rod): (usize, &RodSnapshot)| {
             let head = self.head(index, last.step);
             RodState {
@@ -426,8 +434,7 @@ impl Record {
                 frames: rod.frames.clone(),
             }
         };
-        let states: Vec<RodState> = last.rods.iter().enumerate().map(state).collect();
-        write_state(&self.dir.join(files::FINAL_STATE), &states)
+        last.rods.iter().enumerate().map(state).collect()
     }
 
     fn write_vtk(&mut self, frame: &RecordedFrame) -> Result<(), InputError> {
@@ -444,7 +451,7 @@ impl Record {
                 ("d1", axis(Vec3::x())),
                 ("d2", axis(Vec3::y())),
                 ("d3", axis(Vec3::z())),
-                ("contact_force_per_length", vector(&fields.contact_force)),
+                ("smoothed_contact_force_per_length", vector(&rod.smoothed_contact_force)),
                 ("contact_force_on_node", kept.iter().map(|&i| fields.contact_force[i] * share(i)).collect()),
                 ("internal_force", vector(&fields.internal_force)),
                 ("internal_moment", vector(&fields.internal_moment)),
@@ -488,18 +495,18 @@ impl Record {
 
 /// Units of the arrays at the points of VTK files.
 fn point_units(units: &Units) -> [(&'static str, String); 9] {
-    let Units { length, force } = units;
-    [
-        ("Points", length.clone()),
-        ("arc_length", length.clone()),
-        ("radius", length.clone()),
-        ("curvature", format!("1/{length}")),
-        ("twist_rate", format!("rad/{length}")),
-        ("contact_force_per_length", format!("{force}/{length}")),
-        ("contact_force_on_node", force.clone()),
-        ("internal_force", force.clone()),
-        ("internal_moment", format!("{force} {length}")),
-    ]
+    const DIMENSIONS: [(&str, &str); 9] = [
+        ("Points", "L"),
+        ("arc_length", "L"),
+        ("radius", "L"),
+        ("curvature", "1/L"),
+        ("twist_rate", "rad/L"),
+        ("smoothed_contact_force_per_length", "F/L"),
+        ("contact_force_on_node", "F"),
+        ("internal_force", "F"),
+        ("internal_moment", "F L"),
+    ];
+    DIMENSIONS.map(|(name, dimension)| (name, units.of(dimension)))
 }
 
 fn drawn_plane(plane: &crate::scene::Plane) -> DrawnPlane {
@@ -586,6 +593,7 @@ mod tests {
                 internal_force: vec![Vec3::zeros(); 20],
                 internal_moment: vec![Vec3::zeros(); 20],
             },
+            smoothed_contact_force: vec![Vec3::zeros(); 20],
         };
         let site = SiteReport {
             rod_a: 0,

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::error::InputError;
-use crate::observe;
-use crate::observe::ErrorEstimate;
+use crate::math::Vec3;
 use crate::observe::report::Observation;
+use crate::observe::{self, ErrorEstimate, smoothed_contact_forces};
 use crate::scene::file::{FollowChoice, FollowStart};
 use crate::scene::{Ramp, Scene};
 use crate::solve::{
@@ -301,6 +301,7 @@ impl Keeper {
     fn write(&mut self) -> Result<(), InputError> {
         let Some(restart) = &self.latest else { return Ok(()) };
         let checkpoint = Checkpoint {
+            nodes: self.record.nodal_state()?,
             program: env!("CARGO_PKG_VERSION").to_owned(),
             scene: self.scene.clone(),
             set: self.set.clone(),
@@ -374,10 +375,13 @@ fn kind_in_words(point: &PathPoint) -> Option<String> {
 }
 
 fn snapshots(engine: &Engine) -> Vec<RodSnapshot> {
-    let snapshot = |(rod, fields): (usize, NodalFields)| RodSnapshot {
+    let fields = engine.all_nodal_fields();
+    let smoothed = smoothed_contact_forces(engine, &fields);
+    let snapshot = |(rod, (fields, smoothed_contact_force)): (usize, (NodalFields, Vec<Vec3>))| RodSnapshot {
         positions: engine.positions(rod).to_vec(),
         frames: engine.frames(rod).to_vec(),
         fields,
+        smoothed_contact_force,
     };
-    engine.all_nodal_fields().into_iter().enumerate().map(snapshot).collect()
+    fields.into_iter().zip(smoothed).enumerate().map(snapshot).collect()
 }

@@ -8,7 +8,7 @@ use crate::observe::SNAP;
 use crate::observe::report::{LineSample, Observation, PlaneSite, RodEnds, SiteReport};
 use crate::scene::Units;
 
-use super::csv::{Cell, write_table};
+use super::csv::{Cell, columns_in, write_explained};
 
 mod columns;
 
@@ -180,6 +180,10 @@ impl StepTable<'_> {
         if left_out > 0 {
             lines.insert(MOST_NOTES - 1, format!("* {left_out} more notes: column notes of table.csv"));
         }
+        let blank = |step: &Observation| only_open_rod(step).is_some_and(|rod| rod.link.is_none());
+        if self.steps.iter().any(blank) {
+            lines.push("- link and writhe of an open rod need parallel ends, and fewer than 1000 nodes".to_owned());
+        }
         lines
     }
 }
@@ -224,45 +228,72 @@ fn length_of(arc: [f64; 2], rod: Option<&f64>) -> f64 {
     if length < 0.0 { length + rod.copied().unwrap_or(0.0) } else { length }
 }
 
-/// Columns of `sites.csv`.
-const SITE_COLUMNS: [&str; 21] = [
-    "rod_a",
-    "from_a",
-    "to_a",
-    "rod_b",
-    "from_b",
-    "to_b",
-    "kind",
-    "length",
-    "pressure",
-    "gap",
-    "force",
-    "angle",
-    "force_on_a_x",
-    "force_on_a_y",
-    "force_on_a_z",
-    "foot_a_x",
-    "foot_a_y",
-    "foot_a_z",
-    "foot_b_x",
-    "foot_b_y",
-    "foot_b_z",
+/// Columns of `sites.csv`: name, dimension, meaning.
+const SITE_COLUMNS: [[&str; 3]; 21] = [
+    ["rod_a", "", "name of the first strand's rod"],
+    ["from_a", "L", "arc length where contact begins on strand a"],
+    ["to_a", "L", "where it ends; below from_a across the seam of a closed rod"],
+    ["rod_b", "", "name of the second strand's rod, or of the plane"],
+    ["from_b", "L", "arc length where contact begins on strand b; blank with a plane"],
+    ["to_b", "L", "where it ends"],
+    ["kind", "", "point or line"],
+    ["length", "L", "of the contact on strand a"],
+    ["pressure", "F/L", "mean contact force per length: force over length; 0 at points without a length"],
+    ["gap", "L", "smallest gap: distance of the centrelines minus both radii; negative: penetration"],
+    ["force", "F", "∫p ds of the contact force per length"],
+    ["angle", "degrees", "crossing angle of the strands where the gap is smallest; blank with a plane"],
+    ["force_on_a_x", "F", FORCE_ON_A],
+    ["force_on_a_y", "F", FORCE_ON_A],
+    ["force_on_a_z", "F", FORCE_ON_A],
+    ["foot_a_x", "L", FOOT_A],
+    ["foot_a_y", "L", FOOT_A],
+    ["foot_a_z", "L", FOOT_A],
+    ["foot_b_x", "L", FOOT_B],
+    ["foot_b_y", "L", FOOT_B],
+    ["foot_b_z", "L", FOOT_B],
+];
+const FORCE_ON_A: &str = "contact force on strand a as a vector";
+const FOOT_A: &str = "point of the centreline of strand a where the gap is smallest";
+const FOOT_B: &str = "point of the centreline of strand b there; blank with a plane";
+
+/// Columns of `lines.csv`: name, dimension, meaning.
+const LINE_COLUMNS: [[&str; 3]; 7] = [
+    ["site", "", "index of the line's site in sites.csv, from 0"],
+    ["rod_a", "", "name of the first strand's rod"],
+    ["arc_a", "L", "arc length on strand a"],
+    ["rod_b", "", "name of the second strand's rod"],
+    ["arc_b", "L", "arc length on strand b, opposite"],
+    [
+        "pressure",
+        "F/L",
+        "contact force per length of strand a, smoothed over the width of the contact law or half an element",
+    ],
+    ["gap", "L", "distance of the centrelines minus both radii; negative: penetration"],
 ];
 
+/// Names of rods and planes, lengths \[L\] of the rods, units: what files of contacts name.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Named<'a> {
+    pub rods: &'a [String],
+    pub lengths: &'a [f64],
+    pub planes: &'a [String],
+    pub units: &'a Units,
+}
+
 /// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
-/// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). `rods`
-/// and `lengths` are the names and lengths \[L\] of all rods. Sites with planes follow: the plane's name in place of rod
-/// b's; no arc length, angle or foot on it.
+/// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). Sites with
+/// planes follow: the plane's name in place of rod b's; no arc length, angle or foot on it. Units and meanings are in
+/// `sites_columns.csv`.
 ///
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
 pub(crate) fn write_sites(
     path: &Path,
-    rods: &[String],
-    lengths: &[f64],
     sites: &[SiteReport],
-    (planes, plane_sites): (&[String], &[PlaneSite]),
+    plane_sites: &[PlaneSite],
+    named: Named,
 ) -> Result<(), InputError> {
+    let Named { rods, lengths, planes, units } = named;
     let row = |site: &SiteReport| -> Result<Vec<Cell>, InputError> {
         let strand =
             |rod: usize, arc: [f64; 2]| name_of(rods, rod).map(|name| [Cell::from(name), arc[0].into(), arc[1].into()]);
@@ -286,22 +317,22 @@ pub(crate) fn write_sites(
         Ok(cells)
     };
     let rows = sites.iter().map(row).chain(plane_sites.iter().map(row_of_plane));
-    write_table(path, &SITE_COLUMNS, rows.collect::<Result<Vec<_>, _>>()?)
+    write_explained(path, &columns_in(units, &SITE_COLUMNS), rows.collect::<Result<Vec<_>, _>>()?)
 }
 
 /// Writes the pressure along lines of contact as CSV: index of the site (line of `sites.csv`, from 0), rods and arc
-/// lengths, force per length of rod a, gap.
+/// lengths, force per length of rod a, gap. Units and meanings are in `lines_columns.csv`.
 ///
 /// # Errors
 /// As `write_sites`.
-pub(crate) fn write_lines(path: &Path, rods: &[String], samples: &[LineSample]) -> Result<(), InputError> {
+pub(crate) fn write_lines(path: &Path, samples: &[LineSample], named: Named) -> Result<(), InputError> {
+    let Named { rods, units, .. } = named;
     let row = |sample: &LineSample| -> Result<[Cell; 7], InputError> {
         let (a, b) = (name_of(rods, sample.rod_a)?, name_of(rods, sample.rod_b)?);
         let LineSample { site, arc_a, arc_b, pressure, gap, .. } = *sample;
         Ok([site.into(), a.into(), arc_a.into(), b.into(), arc_b.into(), pressure.into(), gap.into()])
     };
-    let header = ["site", "rod_a", "arc_a", "rod_b", "arc_b", "pressure", "gap"];
-    write_table(path, &header, samples.iter().map(row).collect::<Result<Vec<_>, _>>()?)
+    write_explained(path, &columns_in(units, &LINE_COLUMNS), samples.iter().map(row).collect::<Result<Vec<_>, _>>()?)
 }
 
 #[cfg(test)]

@@ -14,5 +14,5 @@ pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error}
 pub use start::{StartOverlap, start_overlaps};
 #[cfg(feature = "tables")]
 pub(crate) use state::SNAP;
-pub use state::{OVERLAP, contact_lines, contact_sites, ending, observe};
+pub use state::{OVERLAP, contact_lines, contact_sites, ending, observe, smoothed_contact_forces};
 pub use strains::{RodStrains, strains};

@@ -23,7 +23,7 @@ mod fragments;
 mod lines;
 
 use by_place::ByPlace;
-pub(super) use lines::lines;
+pub(super) use lines::{lines, spread};
 
 /// Largest relative gap of a zone that counts as going all round a closed strand.
 const TOL_ARC: f64 = 1e-6;
@@ -103,7 +103,7 @@ impl Layer {
 
     /// Length over which pressure is known, along strand `a` \[L\]: the law spreads it over the layer, and elements
     /// gather it. Smoothed with a Gaussian of half an element, what varies from element to element is reduced to 2 exp(−π²/2) = 1.4 %.
-    fn resolution(&self, a: usize, b: usize) -> f64 {
+    pub(super) fn resolution(&self, a: usize, b: usize) -> f64 {
         self.width(a, b).max(0.5 * self.elements[a])
     }
 

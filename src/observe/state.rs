@@ -12,7 +12,7 @@ use crate::scene::NodeRef;
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::bend::Bend;
 use crate::solve::problem::contact_side::ContactSide;
-use crate::solve::{Engine, Progress, Status};
+use crate::solve::{Engine, NodalFields, Progress, Status};
 
 use super::knots;
 use super::planes::{plane_reactions, plane_sites};
@@ -20,7 +20,7 @@ use super::report::{
     Energies, GapReport, LineSample, Observation, PlaneReaction, PlaneSite, Reaction, RodEnds, RodLink, RodSize,
     SiteReport,
 };
-use super::sites::{Layer, lines, sites};
+use super::sites::{Layer, lines, sites, spread};
 
 /// Points per node segment for the link, because neighbouring frames must differ by much less than half a turn.
 const POINTS_PER_SEGMENT: usize = 4;
@@ -108,6 +108,35 @@ pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
         .contact
         .as_ref()
         .map_or_else(Vec::new, |side| lines(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
+}
+
+/// Contact force per length at the nodes of every rod \[F/L\], as lines have their pressure: the force on each node is
+/// spread with a Gaussian over the width of the contact law, or half an element if that is more. What varies from element
+/// to element, which is due to the mesh, is gone; times the nodes' shares of the length it sums to the same resultant.
+/// `fields` are [`Engine::all_nodal_fields`].
+pub fn smoothed_contact_forces(engine: &Engine, fields: &[NodalFields]) -> Vec<Vec<Vec3>> {
+    let raw = || fields.iter().map(|fields| fields.contact_force.clone());
+    let Some(side) = &engine.contact else { return raw().collect() };
+    let layer = layer(engine, side);
+    let smoothed = |(rod, raw): (usize, Vec<Vec3>)| match side.rods.iter().position(|&other| other == rod) {
+        Some(curve) => smoothed(&engine.model().rods[rod], &raw, layer.resolution(curve, curve)),
+        None => raw,
+    };
+    raw().enumerate().map(smoothed).collect()
+}
+
+/// Forces per length at the nodes of a rod, spread over this width \[L\].
+fn smoothed(rod: &Rod, raw: &[Vec3], width: f64) -> Vec<Vec3> {
+    let mut shares = vec![rod.spacing(); raw.len()];
+    if let (false, [first, .., last]) = (rod.closed, &mut shares[..]) {
+        (*first, *last) = (0.5 * *first, 0.5 * *last);
+    }
+    let mut smoothed = vec![Vec3::zeros(); raw.len()];
+    for (node, force) in raw.iter().enumerate().filter(|(_, force)| **force != Vec3::zeros()) {
+        let spread = spread(node as f64, width / rod.spacing(), &shares, rod.closed);
+        spread.into_iter().for_each(|(k, density)| smoothed[k] += force * (shares[node] * density));
+    }
+    smoothed
 }
 
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {

@@ -12,6 +12,16 @@ pub struct Units {
 }
 
 impl Units {
+    /// Unit of a dimension in the letters L and F, as `F/L`; units without them (`turns`, `s`) are their own.
+    pub fn of(&self, dimension: &str) -> String {
+        let name = |letter: char| match letter {
+            'L' => self.length.clone(),
+            'F' => self.force.clone(),
+            other => other.to_string(),
+        };
+        dimension.chars().map(name).collect()
+    }
+
     /// Whether the units are nm and pN, for which thermal energy is known.
     pub(crate) fn are_molecular(&self) -> bool {
         (self.length.as_str(), self.force.as_str()) == ("nm", "pN")

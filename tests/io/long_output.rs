@@ -55,7 +55,9 @@ fn state(scene: &Scene) -> (Observation, Vec<RodSnapshot>) {
     let observation = observe(&progress);
     println!("{} nodes: observation {:.2?}", engine.num_nodes(), started.elapsed());
     let fields = engine.all_nodal_fields().remove(0);
-    let snapshot = RodSnapshot { positions: engine.positions(0).to_vec(), frames: engine.frames(0).to_vec(), fields };
+    let smoothed_contact_force = fields.contact_force.clone();
+    let (positions, frames) = (engine.positions(0).to_vec(), engine.frames(0).to_vec());
+    let snapshot = RodSnapshot { positions, frames, fields, smoothed_contact_force };
     (observation, vec![snapshot])
 }
 

@@ -35,6 +35,7 @@ mod planes;
 mod program;
 mod scene_files;
 mod scene_help;
+mod scene_reference;
 mod scene_tables;
 mod stage_changes;
 mod survive;

@@ -72,7 +72,7 @@ fn files_tell_radius_arc_and_what_the_rod_bears() {
         names.sort();
         names.dedup();
         assert_eq!(names.len(), count, "a name twice: {names:?}");
-        for name in ["TimeValue", "load", "total_energy", "units", "contact_force_per_length", "twist_rate"] {
+        for name in ["TimeValue", "load", "total_energy", "units", "smoothed_contact_force_per_length", "twist_rate"] {
             assert!(names.iter().any(|found| found == name), "{name} of {names:?}");
         }
         let text = String::from_utf8_lossy(&file);
@@ -128,7 +128,7 @@ fn contact_forces_add_up() {
     let on = rods.iter().map(|rod| sum(&rod.vectors["contact_force_on_node"])).collect::<Vec<_>>();
     assert!(told > 1.0 && (on[0] + told * Vec3::z()).norm() < 1e-6 * told, "{told} {on:?}");
     assert!((on[0] + on[1]).norm() < 1e-9 * told);
-    let per_length = &rods[0].vectors["contact_force_per_length"];
+    let per_length = &rods[0].vectors["smoothed_contact_force_per_length"];
     assert!((sum(per_length) * (2.0 / 24.0) - on[0]).norm() < 1e-9 * told, "no force at the ends");
     let text = String::from_utf8_lossy(&std::fs::read(dir.join("out/step_0002.vtp")).unwrap()).into_owned();
     assert!(text.contains("TimeValue: above_start_displaced_z\0"));

@@ -5,7 +5,11 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::path::Path;
+
+use supercoil::io::run::run_scene;
+use supercoil::scene::Scene;
 
 use crate::program::{folder, number, run, supercoil, table};
 
@@ -241,14 +245,27 @@ fn a_run_starts_from_the_end_of_another() {
         assert!((ratio - 1.0).abs() < 1e-4, "{elements}: {ratio}");
         std::fs::remove_dir_all(dir.join("out")).unwrap();
     }
-    // a checkpoint is none, and says what makes one of it
-    std::fs::write(dir.join("first/checkpoint.bin"), b"SUPRCOIL\x0b\0\0\0").unwrap();
-    let again = clamped("", "").replace(
-        "shape = { kind = \"line\", length = 1.0 }",
-        "shape = { kind = \"state\", file = \"first/checkpoint.bin\" }",
-    );
-    let (code, _, error) = run(&dir, &again);
-    assert!(code == 2 && error.contains("supercoil resume DIR --time-limit 0"), "{error}");
+    // or from the checkpoint of one that was stopped
+    let _ = run_scene(Scene::from_toml(&bent, &dir).unwrap(), &dir.join("stopped"), &mut |step| match step.step {
+        2 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    })
+    .unwrap();
+    let from = |file: &str| {
+        let shape = format!("shape = {{ kind = \"state\", file = \"stopped/{file}\" }}");
+        let scene = clamped("elements = 20", "").replace("shape = { kind = \"line\", length = 1.0 }", &shape);
+        let rows = rows(&dir, &scene);
+        std::fs::remove_dir_all(dir.join("out")).unwrap();
+        number(&rows[0], "total_energy")
+    };
+    let energy = from("checkpoint.bin");
+    assert_eq!(energy, from("final_state.csv"));
+    assert!(energy > 0.1 * number(&before, "total_energy"), "{energy}");
+    let whole = std::fs::read(dir.join("stopped/checkpoint.bin")).unwrap();
+    std::fs::write(dir.join("stopped/checkpoint.bin"), &whole[..200]).unwrap();
+    let shape = "shape = { kind = \"state\", file = \"stopped/checkpoint.bin\" }";
+    let (code, _, error) = run(&dir, &clamped("", "").replace("shape = { kind = \"line\", length = 1.0 }", shape));
+    assert!(code == 2 && error.contains("is a checkpoint that is cut short"), "{error}");
     std::fs::remove_dir_all(&dir).unwrap();
 }
 

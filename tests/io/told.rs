@@ -5,6 +5,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use supercoil::io::vtk::read_vtp;
+use supercoil::math::Vec3;
+
 use crate::program::{folder, number, run, supercoil, table};
 
 fn warnings(dir: &Path, scene: &str) -> String {
@@ -74,6 +77,18 @@ fn lines_of_contact_have_their_pressure() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/strand.toml")).unwrap();
     let (code, _, error) = run(&dir, &text.replace("turns = 0.5", "turns = 0.25").replace("steps = 6", "steps = 3"));
     assert_eq!(code, 0, "{error}");
+    for (name, column, unit) in [
+        ("table", "total_energy", "N mm"),
+        ("sites", "force", "N"),
+        ("lines", "pressure", "N/mm"),
+        ("final_state", "arc_length", "mm"),
+    ] {
+        let (columns, _) = table(&dir.join(format!("out/{name}.csv")));
+        let (_, legend) = table(&dir.join(format!("out/{name}_columns.csv")));
+        assert_eq!(legend.iter().map(|row| row["column"].clone()).collect::<Vec<_>>(), columns, "{name}");
+        assert!(legend.iter().any(|row| row["column"] == column && row["unit"] == unit), "{name}: {legend:?}");
+        assert!(legend.iter().all(|row| !row["meaning"].is_empty()), "{name}: {legend:?}");
+    }
     let (_, sites) = table(&dir.join("out/sites.csv"));
     let (_, lines) = table(&dir.join("out/lines.csv"));
     let (_, rows) = table(&dir.join("out/table.csv"));
@@ -99,6 +114,65 @@ fn lines_of_contact_have_their_pressure() {
     let torques = ["w1", "w2", "w3", "w4", "w5", "w6"].map(|wire| number(last, &format!("{wire}_end_torque")));
     assert!(torques.iter().all(|torque| *torque > 0.0 && (torque / torques[0] - 1.0).abs() < 1e-3), "{torques:?}");
     std::fs::remove_dir_all(&dir).unwrap();
+}
+
+const TWO_WIRES: &str = r#"
+units = { length = "mm", force = "N" }
+rods = [
+    { name = "a", elements = 16, section = { young = 2e5, poisson = 0.3, circle = 1.5 }, shape = { kind = "line", start = [1.503, 0, 0], direction = [0, 0, 1], length = 120.0 } },
+    { name = "b", elements = 16, section = { young = 2e5, poisson = 0.3, circle = 1.5 }, shape = { kind = "line", start = [-1.503, 0, 0], direction = [0, 0, 1], length = 120.0 } },
+]
+loads = [{ rod = "a", at = "end", force = [0, 0, 2000] }, { rod = "b", at = "end", force = [0, 0, 2000] }]
+[[supports]]
+rod = ["a", "b"]
+at = "start"
+position = true
+rotation = true
+[[supports]]
+rod = ["a", "b"]
+at = "end"
+position = ["x", "y"]
+rotation = true
+[[stages]]
+ramp = { load = 1.0 }
+[[stages]]
+ramp = { rotation = { rod = ["a", "b"], at = "end", axis = [0, 0, 1], through = [0, 0, 0], turns = 1.0 } }
+steps = 4
+[output]
+picture = false
+"#;
+
+/// Largest deviation of a number from the mean of its neighbours, over the mean of all, where a line is away from its ends.
+fn sawtooth(along: &[f64]) -> f64 {
+    let inner = &along[along.len() / 4..along.len() - along.len() / 4];
+    let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+    inner.windows(3).map(|three| (three[1] - 0.5 * (three[0] + three[2])).abs() / mean).fold(0.0, f64::max)
+}
+
+/// The contact force per length that ParaView, pictures and the viewer show has the resultant of the forces on nodes, and
+/// no sawtooth of the mesh: the forces on nodes have one.
+#[test]
+fn shown_pressure_has_the_resultant_and_no_sawtooth() {
+    for elements in [16, 27] {
+        let dir = folder("two_wires");
+        let (code, _, error) = run(&dir, &TWO_WIRES.replace("elements = 16", &format!("elements = {elements}")));
+        assert_eq!(code, 0, "{error}");
+        let spacing = 120.0 / (3 * elements) as f64;
+        for rod in read_vtp(&dir.join("out/step_0005.vtp")).unwrap() {
+            let (on_nodes, shown) =
+                (&rod.vectors["contact_force_on_node"], &rod.vectors["smoothed_contact_force_per_length"]);
+            let last = shown.len() - 1;
+            let share = |k: usize| if k == 0 || k == last { 0.5 * spacing } else { spacing };
+            let of_shown: Vec3 = shown.iter().enumerate().map(|(k, force)| force * share(k)).sum();
+            let of_nodes: Vec3 = on_nodes.iter().sum();
+            let all: f64 = on_nodes.iter().map(|force| force.norm()).sum();
+            assert!((of_shown - of_nodes).norm() < 1e-12 * all, "{of_shown} {of_nodes} of {all}");
+            let raw: Vec<f64> = on_nodes.iter().enumerate().map(|(k, force)| force.norm() / share(k)).collect();
+            let [raw, shown] = [raw, shown.iter().map(|force| force.norm()).collect()].map(|along| sawtooth(&along));
+            assert!(shown < 0.02 && raw > 5.0 * shown, "{elements} elements: {shown} of {raw}");
+        }
+        std::fs::remove_dir_all(&dir).unwrap();
+    }
 }
 
 const ARC: &str = r#"

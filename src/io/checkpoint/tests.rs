@@ -2,6 +2,7 @@ use std::ops::ControlFlow;
 
 use super::*;
 use crate::solve::run_from;
+use crate::text::state_in_checkpoint;
 
 const SCENE: &str = r#"
     [[rods]]
@@ -34,6 +35,7 @@ fn checkpoint() -> Checkpoint {
     let program = "0".to_owned();
     let scene = Some("/nowhere/scene.toml".into());
     Checkpoint {
+        nodes: "rod,node\n0,0\n".repeat(20),
         program,
         scene,
         set: vec![],
@@ -50,10 +52,13 @@ fn what_is_written_comes_back() {
     let written = checkpoint();
     written.write(&path).unwrap();
     assert_eq!(Checkpoint::read(&path).unwrap(), written);
+    let bytes = std::fs::read(&path).unwrap();
+    assert_eq!(state_in_checkpoint(&bytes), Some(written.nodes.as_bytes()));
+    assert_eq!(state_in_checkpoint(&bytes[..HEADER + 100]), None);
     assert!(!path.with_extension("new").exists());
     let size = std::fs::metadata(&path).unwrap().len();
-    // the state and up to three before it, for predictions
-    assert!(size < 4 * 7 * 88 + 500, "{size} bytes for 7 nodes");
+    // the state and up to three before it, for predictions, and the nodes as text
+    assert!(size < 4 * 7 * 88 + 500 + written.nodes.len() as u64, "{size} bytes for 7 nodes");
     std::fs::remove_file(&path).unwrap();
     let error = Checkpoint::read(&path).unwrap_err().to_string();
     assert!(error.ends_with("(a run that came to its end leaves none)"), "{error}");

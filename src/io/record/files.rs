@@ -5,12 +5,12 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use crate::error::InputError;
+use crate::io::csv::legend_of;
 use crate::io::folder::SCENE;
 use crate::text::read_regular;
 
 pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
-pub(super) const LEGEND: &str = "table_columns.csv";
 pub(super) const FINAL_STATE: &str = "final_state.csv";
 pub(super) const SITES: &str = "sites.csv";
 pub(super) const LINES: &str = "lines.csv";
@@ -20,9 +20,11 @@ pub(super) const FILM_STRIP: &str = "filmstrip.png";
 pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 
-/// All files except those of single steps.
-const ALL: [&str; 12] =
-    [COLLECTION, TABLE, LEGEND, FINAL_STATE, SITES, LINES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
+/// All files except those of single steps and those that explain columns.
+const ALL: [&str; 11] =
+    [COLLECTION, TABLE, FINAL_STATE, SITES, LINES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
+/// Tables whose columns are explained in files of their own.
+const EXPLAINED: [&str; 4] = [TABLE, FINAL_STATE, SITES, LINES];
 const STEP: [&str; 2] = ["step_", ".vtp"];
 
 /// A part of `summary.json` in the folder of a finished run.
@@ -58,7 +60,8 @@ pub(in crate::io) fn step_of(name: &str) -> Option<usize> {
 
 /// Removes the files of a record in `dir`, and nothing else.
 pub(super) fn remove_all(dir: &Path) -> Result<(), InputError> {
-    let is_output = |name: &str| ALL.contains(&name) || step_of(name).is_some();
+    let explains = |name: &str| EXPLAINED.iter().any(|table| legend_of(Path::new(table)) == Path::new(name));
+    let is_output = |name: &str| ALL.contains(&name) || step_of(name).is_some() || explains(name);
     let refuse = |path: &Path, e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
     for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
         let path = entry.map_err(|e| refuse(dir, e))?.path();

@@ -27,6 +27,9 @@ const FRAME: [usize; 2] = [560, 420];
 const ELEVATION: f64 = 0.3;
 /// Curvature and twist rate over those of one turn along the rod that are shown as none: below the tolerance of the solver.
 const NO_TURN: f64 = 1e-6;
+/// Variance of a flat or straight state across it, over the largest: what is straight is then seen well from all sides but
+/// along it.
+const THIN: f64 = 1e-3;
 /// Margin of a picture on each side, over the extent of its rods.
 const MARGIN: f64 = 0.03;
 /// Width with a colour bar over that without: the bar and its title take a fifth of the picture.
@@ -37,7 +40,7 @@ const FLATTEST: usize = 5;
 impl Record {
     pub(super) fn write_pictures(&self, last: &RecordedFrame) -> Result<(), InputError> {
         let final_state = self.still(last, false);
-        let axes = self.axes(&final_state);
+        let axes = self.axes(&[&final_state]);
         let region = self.region(&final_state, &axes);
         let range = self.range(std::iter::once(&final_state));
         let shown = extents(region, range.is_some());
@@ -50,7 +53,8 @@ impl Record {
         let mut stills = Vec::new();
         let last = self.still(last, true);
         let frames = self.strip(&last);
-        // one camera for all, so that what is held stands still
+        // one camera for all, so that what is held stands still, and for all of the motion
+        let axes = self.axes(&frames);
         let regions = frames.iter().map(|frame| self.region(frame, &axes));
         let region = regions.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).unwrap_or_default();
         let shown = extents(region, false);
@@ -106,7 +110,7 @@ impl Record {
         let (length, force) = (&self.units.length, &self.units.force);
         let title = match self.choice.color_by {
             ColorBy::Strand => return,
-            ColorBy::Pressure => format!("contact force, {force}/{length}"),
+            ColorBy::Pressure => format!("contact force, smoothed, {force}/{length}"),
             ColorBy::Curvature => format!("curvature, 1/{length}"),
             ColorBy::TwistRate => format!("twist rate, rad/{length}"),
         };
@@ -132,9 +136,9 @@ impl Record {
         (largest > least).then_some([low, largest])
     }
 
-    /// Directions to the right and upwards in all pictures of the run: those of the scene, or the directions of largest
-    /// extent of the final state; above a plane it is below.
-    fn axes(&self, frame: &Still) -> [Vec3; 2] {
+    /// Directions to the right and upwards in pictures of these frames: those of the scene, or those of [`best_axes`]; above
+    /// a plane it is below.
+    fn axes(&self, frames: &[&Still]) -> [Vec3; 2] {
         if let Some(camera) = self.choice.camera.map(Vec3::from) {
             let camera = camera / camera.amax();
             let along_z = camera.xy().norm() < 1e-6 * camera.norm();
@@ -145,7 +149,7 @@ impl Record {
         if self.planar {
             return [Vec3::x(), Vec3::y()];
         }
-        let axes = principal_axes(frame.rods.iter().flat_map(|rod| &rod.points), true);
+        let axes = best_axes(frames);
         match self.planes.first() {
             Some(plane) => above(plane.normal.into(), axes),
             None => [axes.row(0).transpose(), -axes.row(1).transpose()],
@@ -283,16 +287,50 @@ fn width_shown(extents: [f64; 2], [width, height]: [usize; 2]) -> f64 {
     extents[0].max(extents[1] * width as f64 / height as f64)
 }
 
+/// Rows right, down, towards the eye for pictures of states of one run, so that none is seen edge-on: of the directions
+/// along which single states spread least, and those midway between two of them, the eye is where the worst seen state is
+/// seen best. A state is seen as well as the area of its shadow is large. The widest axis of the last is to the right.
+fn best_axes(frames: &[&Still]) -> Mat3 {
+    let own: Vec<(Mat3, Vec3)> = frames.iter().map(|frame| spreads(frame)).collect();
+    let least = || own.iter().map(|(axes, _)| Vec3::from(axes.row(2).transpose()));
+    let between = least().flat_map(|a| least().flat_map(move |b| [a + b, a - b]));
+    let candidates = between.filter_map(|eye| eye.try_normalize(0.1));
+    let seen = |(axes, variances): &(Mat3, Vec3), eye: &Vec3| {
+        let shares = (axes * eye).component_mul(&(axes * eye));
+        shares.component_div(variances).sum() * variances[2]
+    };
+    let worst = |eye: &Vec3| own.iter().map(|own| seen(own, eye)).fold(f64::INFINITY, f64::min);
+    // the first of equals
+    let better = |best: Vec3, eye: Vec3| if worst(&eye) > worst(&best) { eye } else { best };
+    let last = own.last().map_or_else(Mat3::identity, |(axes, _)| *axes);
+    let eye = candidates.fold(last.row(2).transpose(), better);
+    let right = across(eye, last);
+    Mat3::from_rows(&[right.transpose(), right.cross(&eye).transpose(), eye.transpose()])
+}
+
+/// Principal axes of a state, and the variances along them over the largest, at least [`THIN`].
+fn spreads(frame: &Still) -> (Mat3, Vec3) {
+    let points = frame.rods.iter().flat_map(|rod| &rod.points);
+    let axes = principal_axes(points.clone(), true);
+    let mean = points.clone().sum::<Vec3>() / points.clone().count().max(1) as f64;
+    let along = points.map(|point| axes * (point - mean)).fold(Vec3::zeros(), |sum, p| sum + p.component_mul(&p));
+    (axes, along.map(|sum| (sum / along[0].max(f64::MIN_POSITIVE)).clamp(THIN, 1.0)))
+}
+
+/// The widest axis of a picture across a direction.
+fn across(direction: Vec3, axes: Mat3) -> Vec3 {
+    let across = |row: usize| {
+        let axis: Vec3 = axes.row(row).transpose();
+        axis - direction * direction.dot(&axis)
+    };
+    // the widest axis may be the direction itself
+    if across(0).norm() > 0.5 { across(0).normalize() } else { across(1).normalize() }
+}
+
 /// Axes of a picture in which a plane's normal points upwards: to the right what is widest along it, seen from a little
 /// above it, so that its grid can be seen.
 fn above(normal: Vec3, axes: Mat3) -> [Vec3; 2] {
-    let across = |row: usize| {
-        let axis: Vec3 = axes.row(row).transpose();
-        axis - normal * normal.dot(&axis)
-    };
-    // the widest axis may be the normal itself
-    let right = if across(0).norm() > 0.5 { across(0) } else { across(1) };
-    let right = right.normalize();
+    let right = across(normal, axes);
     let (sin, cos) = ELEVATION.sin_cos();
     [right, normal * cos - right.cross(&normal) * sin]
 }
@@ -315,6 +353,25 @@ mod tests {
             assert!(left > -0.5 * width && right < 0.3 * width, "{left} {right} {width}");
             assert_eq!(middle.y, 0.5 * (region[0].y + region[1].y));
         }
+    }
+
+    /// A ring that folds into a figure-eight in another plane: no state is seen edge-on, and one alone is seen face-on.
+    #[test]
+    fn no_state_of_a_film_is_seen_edge_on() {
+        let still = |point: fn(f64) -> Vec3| {
+            let points = (0..100).map(|k| point(TAU * f64::from(k) / 100.0)).collect();
+            let rod = StillRod { points, radii: Vec::new(), directions: Vec::new(), values: Vec::new() };
+            Still { step: 0, rods: vec![rod], spots: Vec::new() }
+        };
+        let ring = still(|t| Vec3::new(3.0 * t.cos(), 3.0 * t.sin(), 0.0));
+        let eight = still(|t| Vec3::new(4.0 * t.cos(), 0.1 * t.sin(), 2.0 * (2.0 * t).sin()));
+        let straight = still(|t| Vec3::new(t, 0.0, 0.0));
+        let eye = |frames: &[&Still]| Vec3::from(best_axes(frames).row(2).transpose());
+        assert!(eye(&[&ring]).z.abs() > 0.999 && eye(&[&eight]).y.abs() > 0.999);
+        let both = eye(&[&straight, &ring, &ring, &ring, &eight]);
+        assert!(both.z.abs() > 0.5 && both.y.abs() > 0.5, "{both}");
+        let axes = best_axes(&[&ring, &eight]);
+        assert!((axes * axes.transpose() - Mat3::identity()).norm() < 1e-12, "{axes}");
     }
 
     #[test]

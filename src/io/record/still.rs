@@ -64,7 +64,7 @@ impl Record {
     fn values(&self, rod: &super::RodSnapshot) -> Vec<f64> {
         match self.choice.color_by {
             ColorBy::Strand => Vec::new(),
-            ColorBy::Pressure => rod.fields.contact_force.iter().map(Vec3::norm).collect(),
+            ColorBy::Pressure => rod.smoothed_contact_force.iter().map(Vec3::norm).collect(),
             ColorBy::Curvature => rod.fields.curvature.clone(),
             ColorBy::TwistRate => rod.fields.twist_rate.clone(),
         }

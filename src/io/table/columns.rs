@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::io::csv::{Cell, write_table};
+use crate::io::csv::{Cell, ExplainedColumn, write_explained};
 use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
 #[cfg(feature = "scenes")]
 use crate::scene::Scene;
@@ -14,31 +14,22 @@ use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
 type CellOfStep = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
 
 struct RunColumn {
-    name: String,
-    unit: String,
-    meaning: &'static str,
+    column: ExplainedColumn,
     value: CellOfStep,
 }
 
 /// The columns of a run's table; those that a scene does not have are left out.
 pub struct Columns {
     all: Vec<RunColumn>,
+    units: Units,
     /// Index of the first quantity that stages ramp; none where that is no number of the table.
     ramped: Option<usize>,
 }
 
 impl fmt::Debug for Columns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.all.iter().map(|column| &column.name)).finish()
+        f.debug_list().entries(self.all.iter().map(|of| &of.column.name)).finish()
     }
-}
-
-/// Names of the units of the columns.
-struct UnitNames {
-    length: String,
-    force: String,
-    moment: String,
-    pressure: String,
 }
 
 impl Columns {
@@ -58,28 +49,25 @@ impl Columns {
         relaxed_links: &[Option<f64>],
         thermal: Option<f64>,
     ) -> Self {
-        let (length, force) = (units.length.clone(), units.force.clone());
-        let names =
-            UnitNames { moment: format!("{force} {length}"), pressure: format!("{force}/{length}"), length, force };
-        let mut all = Self { all: Vec::new(), ramped: None };
+        let mut all = Self { all: Vec::new(), units: units.clone(), ramped: None };
         all.add("step", "", "accepted step, 0 the start", |step| step.step.into());
         all.add("stage", "", "stage, from 0", |step| step.stage.into());
         all.add("fraction", "", "part of the stage done", |step| requested(step.fraction));
-        all.prescribed(model, stages, &names);
-        all.links(model, relaxed_links, &names);
-        all.ends(model, &names);
-        all.energies(&names, model.electrostatics.is_some(), thermal);
-        all.contact(&names);
-        all.reactions(model, stages, &names);
+        all.prescribed(model, stages);
+        all.links(model, relaxed_links);
+        all.ends(model);
+        all.energies(model.electrostatics.is_some(), thermal);
+        all.contact();
+        all.reactions(model, stages);
         for (index, plane) in model.planes.iter().enumerate() {
             let meaning = "of the plane on the rods, along its normal";
-            all.add(&format!("{}_force", plane.name), &names.force, meaning, move |step| {
+            all.add(&format!("{}_force", plane.name), "F", meaning, move |step| {
                 step.plane_reactions.get(index).map_or(Cell::Missing, |reaction| number(reaction.force))
             });
         }
         all.knots(model);
         all.add("num_unstable", "", "unstable directions of the state", |step| step.num_unstable.into());
-        all.add("energy_released", &names.moment, "set free by a snap in this step; 0: none", |step| {
+        all.add("energy_released", "F L", "set free by a snap in this step; 0: none", |step| {
             step.energy_released.into()
         });
         all.add("iterations", "", "Newton iterations of the step, failed tries included", |step| {
@@ -95,38 +83,31 @@ impl Columns {
             Ramp::ExcessLink { rod, .. } => Some(of_rod(model, *rod, "excess_link")),
             other => ramped_name(model, other),
         });
-        all.ramped = first.and_then(|name| all.all.iter().position(|column| column.name == name));
+        all.ramped = first.and_then(|name| all.all.iter().position(|of| of.column.name == name));
         all
     }
 
     fn add(
         &mut self,
         name: &str,
-        unit: &str,
+        dimension: &str,
         meaning: &'static str,
         value: impl Fn(&Observation) -> Cell + Send + Sync + 'static,
     ) {
-        self.all.push(RunColumn { name: name.to_owned(), unit: unit.to_owned(), meaning, value: Box::new(value) });
+        let column = ExplainedColumn { name: name.to_owned(), unit: self.units.of(dimension), meaning };
+        self.all.push(RunColumn { column, value: Box::new(value) });
     }
 
-    fn prescribed(&mut self, model: &Model, stages: &[Stage], names: &UnitNames) {
+    fn prescribed(&mut self, model: &Model, stages: &[Stage]) {
         for quantity in prescribed(model, stages) {
-            let unit = match quantity.unit {
-                "L" => names.length.clone(),
-                "F/L" => names.pressure.clone(),
-                "F L^2" => format!("{} {}", names.moment, names.length),
-                "1/L" => format!("1/{}", names.length),
-                "F" => names.force.clone(),
-                other => other.to_owned(),
-            };
             let name = quantity.name.clone();
-            self.add(&name, &unit, "prescribed by the stages", move |step| {
+            self.add(&name, quantity.unit, "prescribed by the stages", move |step| {
                 requested(quantity.at(step.stage, step.fraction))
             });
         }
     }
 
-    fn links(&mut self, model: &Model, relaxed_links: &[Option<f64>], names: &UnitNames) {
+    fn links(&mut self, model: &Model, relaxed_links: &[Option<f64>]) {
         for rod in (0..model.rods.len()).filter(|&rod| model.rods[rod].closed) {
             let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodLink) -> f64| {
                 self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
@@ -138,7 +119,7 @@ impl Columns {
             add("twist", "turns", "of the material line about the centreline", |link| link.twist);
             add("excess_twist", "turns", "twist beyond the natural one", |link| link.excess_twist);
             add("writhe", "turns", "of the centreline", |link| link.writhe);
-            add("seam_moment", &names.moment, "twisting moment at s = 0, positive if overtwisted", |l| l.seam_moment);
+            add("seam_moment", "F L", "twisting moment at s = 0, positive if overtwisted", |l| l.seam_moment);
             if let Some(relaxed) = relaxed_links.get(rod).copied().flatten() {
                 let sigma = move |step: &Observation| {
                     let link = step.links.iter().find(|link| link.rod == rod);
@@ -149,14 +130,14 @@ impl Columns {
         }
     }
 
-    fn ends(&mut self, model: &Model, names: &UnitNames) {
+    fn ends(&mut self, model: &Model) {
         for rod in (0..model.rods.len()).filter(|&rod| !model.rods[rod].closed) {
             let mut add = |name: &str, unit: &str, meaning: &'static str, of: fn(&RodEnds) -> Option<f64>| {
                 self.add(&of_rod(model, rod, name), unit, meaning, move |step| {
                     step.ends.iter().find(|ends| ends.rod == rod).and_then(of).map_or(Cell::Missing, number)
                 });
             };
-            let length = &names.length;
+            let length = "L";
             add("start_x", length, "position of the start", |ends| Some(ends.start[0]));
             add("start_y", length, "position of the start", |ends| Some(ends.start[1]));
             add("start_z", length, "position of the start", |ends| Some(ends.start[2]));
@@ -175,8 +156,8 @@ impl Columns {
         }
     }
 
-    fn energies(&mut self, names: &UnitNames, charged: bool, thermal: Option<f64>) {
-        let unit = &names.moment;
+    fn energies(&mut self, charged: bool, thermal: Option<f64>) {
+        let unit = "F L";
         self.add("stretching_energy", unit, "½∫EA (Γ3 − 1)²", |step| number(step.energies.stretching));
         self.add("shearing_energy", unit, "½∫GA Γ²", |step| number(step.energies.shearing));
         self.add("bending_energy", unit, "½∫EI K²", |step| number(step.energies.bending));
@@ -195,25 +176,22 @@ impl Columns {
         }
     }
 
-    fn contact(&mut self, names: &UnitNames) {
-        self.add(
-            "min_gap",
-            &names.length,
-            "certified lower bound of the smallest gap; blank beyond two diameters",
-            |step| step.min_gap.map_or(Cell::Missing, |gap| number(gap.lower)),
-        );
-        self.add("penetration", &names.length, "worst penetration", |step| {
+    fn contact(&mut self) {
+        self.add("min_gap", "L", "certified lower bound of the smallest gap; blank beyond two diameters", |step| {
+            step.min_gap.map_or(Cell::Missing, |gap| number(gap.lower))
+        });
+        self.add("penetration", "L", "worst penetration", |step| {
             let between = step.min_gap.map_or(0.0, |gap| (-gap.lower).max(0.0));
             number(step.plane_sites.iter().fold(between, |worst, site| worst.max(-site.gap)))
         });
         self.add("num_sites", "", "contact sites", |step| step.num_sites.into());
-        self.add("contact_force", &names.force, "∫p ds over all sites", |step| number(step.total_contact_force));
-        self.add("contact_resultants", &names.force, "Σ|∫p n ds|, a vector a site: more exact at points", |step| {
+        self.add("contact_force", "F", "∫p ds over all sites", |step| number(step.total_contact_force));
+        self.add("contact_resultants", "F", "Σ|∫p n ds|, a vector a site: more exact at points", |step| {
             number(step.contact_resultants)
         });
     }
 
-    fn reactions(&mut self, model: &Model, stages: &[Stage], names: &UnitNames) {
+    fn reactions(&mut self, model: &Model, stages: &[Stage]) {
         for node in supported(model, stages) {
             let (position, rotation) = held(model, stages, node);
             let place = place_name(model, node);
@@ -228,20 +206,20 @@ impl Columns {
                 let axis = ["x", "y", "z"][k];
                 if position[k] {
                     let of = Box::new(move |r: &Reaction| r.force[k]);
-                    add(format!("{place}_force_{axis}"), &names.force, "of the support on the rod", of);
+                    add(format!("{place}_force_{axis}"), "F", "of the support on the rod", of);
                 }
             }
             for k in 0..3 {
                 let axis = ["x", "y", "z"][k];
                 if rotation[k] {
                     let of = Box::new(move |r: &Reaction| r.moment[k]);
-                    add(format!("{place}_moment_{axis}"), &names.moment, "of the support on the rod", of);
+                    add(format!("{place}_moment_{axis}"), "F L", "of the support on the rod", of);
                 }
             }
             if let Some(axis) = axis_of(stages, node) {
                 let of = Box::new(move |r: &Reaction| (0..3).map(|k| r.moment[k] * axis[k]).sum());
                 let meaning = "moment of the support on the rod about the axis it turns it about";
-                add(format!("{place}_torque"), &names.moment, meaning, of);
+                add(format!("{place}_torque"), "F L", meaning, of);
             }
         }
     }
@@ -279,17 +257,17 @@ impl Columns {
 
     /// Names of the columns.
     pub fn names(&self) -> Vec<&str> {
-        self.all.iter().map(|column| column.name.as_str()).collect()
+        self.all.iter().map(|of| of.column.name.as_str()).collect()
     }
 
     /// Cells of one step.
     pub fn cells(&self, step: &Observation) -> Vec<Cell> {
-        self.all.iter().map(|column| (column.value)(step)).collect()
+        self.all.iter().map(|of| (of.value)(step)).collect()
     }
 
     /// Numbers of one step by name, with their units; NaN where a cell is blank.
     pub fn numbers<'a>(&'a self, step: &'a Observation) -> impl Iterator<Item = (&'a str, &'a str, f64)> {
-        self.all.iter().zip(self.cells(step)).filter_map(|(column, cell)| {
+        self.all.iter().zip(self.cells(step)).filter_map(|(RunColumn { column, .. }, cell)| {
             let value = match cell {
                 Cell::Number(value) => value,
                 Cell::Count(value) => value as f64,
@@ -303,28 +281,20 @@ impl Columns {
     /// How far a run is: the value of the first quantity that stages ramp, and the name of its column. `stage + fraction`
     /// where that is no number: poses, supports, nothing.
     pub fn progress(&self, step: &Observation) -> (&str, f64) {
-        let column = self.ramped.map(|index| &self.all[index]);
-        match column.map(|column| (column, (column.value)(step))) {
+        let ramped = self.ramped.map(|index| &self.all[index]);
+        match ramped.map(|of| (&of.column, (of.value)(step))) {
             Some((column, Cell::Number(value))) => (&column.name, value),
             _ => ("stage + fraction", step.stage as f64 + step.fraction),
         }
     }
 
-    /// Writes the steps as CSV, one a line.
+    /// Writes the steps as CSV, one a line; name, unit and meaning of the columns in a file beside it.
     ///
     /// # Errors
-    /// [`InputError::Write`] if the file cannot be written.
+    /// [`InputError::Write`] if a file cannot be written.
     pub fn write(&self, path: &Path, steps: &[Observation]) -> Result<(), InputError> {
-        write_table(path, &self.names(), steps.iter().map(|step| self.cells(step)))
-    }
-
-    /// Writes name, unit and meaning of each column as CSV.
-    ///
-    /// # Errors
-    /// [`InputError::Write`] if the file cannot be written.
-    pub(crate) fn write_legend(&self, path: &Path) -> Result<(), InputError> {
-        let row = |column: &RunColumn| [column.name.as_str(), column.unit.as_str(), column.meaning].map(Cell::from);
-        write_table(path, &["column", "unit", "meaning"], self.all.iter().map(row))
+        let columns: Vec<ExplainedColumn> = self.all.iter().map(|of| of.column.clone()).collect();
+        write_explained(path, &columns, steps.iter().map(|step| self.cells(step)))
     }
 }
 

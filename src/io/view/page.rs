@@ -111,7 +111,7 @@ impl Film {
         let (length, force) = (&self.units.length, &self.units.force);
         let (label, unit) = match quantity {
             Quantity::Strand => ("strand", String::new()),
-            Quantity::Pressure => ("contact force per length", format!("{force}/{length}")),
+            Quantity::Pressure => ("contact force per length, smoothed", format!("{force}/{length}")),
             Quantity::Curvature => ("curvature", format!("1/{length}")),
             Quantity::TwistRate => ("twist rate", format!("rad/{length}")),
         };

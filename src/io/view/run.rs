@@ -154,7 +154,7 @@ fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
     let none = Vec::new();
     let vectors = |name: &str| data.vectors.get(name).unwrap_or(&none);
     let (curvature, twist_rate) = (numbers("curvature"), numbers("twist_rate"));
-    let force = vectors("contact_force_per_length");
+    let force = vectors("smoothed_contact_force_per_length");
     let rod = FrameRod {
         points: kept.iter().map(|&i| data.points[i]).collect(),
         directions: if tolerance > 0.0 {

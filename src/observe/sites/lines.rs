@@ -3,6 +3,7 @@
 //! The contact law spreads pressure over a width (B/κ)^¼; faster variations along a line, and those from element to
 //! element, are due to the mesh. So the force of each piece of a zone is distributed over the samples within that width
 //! or half an element, with weights of sum 1: the curve is smooth, and its integral is the force of the site to rounding.
+//! The forces on nodes are spread in the same way where they are shown ([`spread`]).
 
 use crate::contact::arc::near;
 use crate::contact::chain::chains;
@@ -87,6 +88,20 @@ fn along(place: f64, start: f64, period: Option<f64>) -> f64 {
     }
 }
 
+/// Density of a unit force at `middle` that is spread over samples with a Gaussian of this width, both counted in
+/// samples; `shares` are the lengths \[L\] that samples stand for, and Σ density × share is 1. Past the ends of a closed
+/// curve samples are counted on.
+pub(in crate::observe) fn spread(middle: f64, width: f64, shares: &[f64], closed: bool) -> Vec<(usize, f64)> {
+    let count = shares.len() as isize;
+    let reach = if closed { (REACH * width).min(0.5 * (shares.len() - 1) as f64) } else { REACH * width };
+    let (low, high) = ((middle - reach).ceil() as isize, (middle + reach).floor() as isize);
+    let range = if closed { low..high + 1 } else { low.max(0)..(high + 1).min(count) };
+    let weight = |k: isize| (-0.5 * ((k as f64 - middle) / width).powi(2)).exp();
+    let place = |k: isize| k.rem_euclid(count) as usize;
+    let sum: f64 = range.clone().map(|k| weight(k) * shares[place(k)]).sum();
+    range.map(|k| (place(k), weight(k) / sum)).collect()
+}
+
 /// Arc lengths from the starts, pressure and gap at evenly spaced samples of a line; ∫pressure is the sum of the forces.
 pub(super) fn smoothed(mut sources: Vec<Source>, length: f64, width: f64) -> Vec<([f64; 2], f64, f64)> {
     sources.sort_by(|x, y| x.arcs[0].total_cmp(&y.arcs[0]));
@@ -97,14 +112,11 @@ pub(super) fn smoothed(mut sources: Vec<Source>, length: f64, width: f64) -> Vec
     let spacing = length / count as f64;
     let place = |k: usize| (k as f64 + 0.5) * spacing;
     let mut pressure = vec![0.0; count];
+    let shares = vec![spacing; count];
     for source in &sources {
-        let middle = source.arcs[0].clamp(place(0), place(count - 1));
-        let reach = REACH * width.max(spacing);
-        let low = ((middle - reach) / spacing).floor().max(0.0) as usize;
-        let high = (((middle + reach) / spacing).ceil() as usize).min(count);
-        let weight = |k: usize| (-0.5 * ((place(k) - middle) / width.max(spacing)).powi(2)).exp();
-        let sum: f64 = (low..high).map(weight).sum();
-        (low..high).for_each(|k| pressure[k] += source.force * weight(k) / (sum * spacing));
+        let middle = (source.arcs[0] / spacing - 0.5).clamp(0.0, (count - 1) as f64);
+        let spread = spread(middle, (width / spacing).max(1.0), &shares, false);
+        spread.into_iter().for_each(|(k, density)| pressure[k] += source.force * density);
     }
     let nearest = |s: f64| {
         let after = sources.partition_point(|source| source.arcs[0] < s);

@@ -1,4 +1,4 @@
-//! A rod whose nodes and frames are the final state of a run.
+//! A rod whose nodes and frames are the final state of a run, or the state in a checkpoint.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod, Section, within};
 use crate::scene::points::named_columns;
-use crate::text::{CHECKPOINT, read_regular_bytes, utf8};
+use crate::text::{CHECKPOINT, read_regular_bytes, state_in_checkpoint, utf8};
 
 use super::text::RodText;
 
@@ -18,7 +18,7 @@ const COLUMNS: [&str; 9] = ["rod", "arc_length", "x", "y", "z", "qw", "qx", "qy"
 /// Largest deviation of a quaternion from unit length.
 const TOL_UNIT: f64 = 1e-6;
 
-/// The rod of a file of final states, on its own elements or on the number of the scene.
+/// The rod of a final state or a checkpoint, on its own elements or on the number of the scene.
 pub(super) fn rod(
     text: &RodText,
     path: &Path,
@@ -28,12 +28,13 @@ pub(super) fn rod(
 ) -> Result<Rod, InputError> {
     let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
     let bytes = read_regular_bytes(path)?;
-    if bytes.starts_with(CHECKPOINT) {
-        let reason = "is a checkpoint. The nodes and frames in it are written as final_state.csv, which can be the start of \
-                      any scene, by: supercoil resume DIR --time-limit 0";
-        return Err(refuse(reason.to_owned()));
-    }
-    let rows = named_columns(&utf8(bytes, path)?, COLUMNS).map_err(refuse)?;
+    let table = match bytes.starts_with(CHECKPOINT) {
+        true => state_in_checkpoint(&bytes).map(<[u8]>::to_vec).ok_or_else(|| {
+            refuse("is a checkpoint that is cut short, or of another version of the program".to_owned())
+        })?,
+        false => bytes,
+    };
+    let rows = named_columns(&utf8(table, path)?, COLUMNS).map_err(refuse)?;
     let rows: Vec<[f64; 9]> = rows.into_iter().filter(|row| row[0] == which as f64).collect();
     if rows.len() < 2 {
         return Err(refuse(format!("has no rod {which} of two nodes or more: rods count from 0")));

@@ -1,0 +1,313 @@
+//! The reference of keys (`supercoil help scene`) holds: each default that is written there is the one that a scene without
+//! the key has, and of each range of numbers or list of words the ends are taken and what is just outside is refused.
+//! What is told in words (`the only rod`) is listed here, so that nothing is left out unseen.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use std::path::Path;
+
+use supercoil::io::csv::{RodState, write_state};
+use supercoil::math::{Quat, Vec3};
+use supercoil::scene::file::{Key, keys};
+use supercoil::scene::{Scene, Units};
+use supercoil::solve::Options;
+
+const SECTION: &str = "bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 1e-5";
+
+/// A scene with `@` in the place of an assignment to a key of this table; for keys that need others with those.
+fn template(key: &Key) -> String {
+    let rod = |more: &str| format!("[[rods]]\nelements = 12\nsection = {{ {SECTION} }}\n{more}\n");
+    let line = || rod("shape = { kind = \"line\", length = 6.0 }");
+    let ring = || rod("closed = true\nshape = { kind = \"circle\", length = 6.0 }");
+    let shape = |kind: &str, more: &str| rod(&format!("{more}shape = {{ {kind}, @ }}"));
+    let section = |more: &str| {
+        let shape = "shape = { kind = \"line\", length = 6.0 }";
+        format!("[[rods]]\nelements = 12\n{shape}\nsection = {{ {more}@ }}\n")
+    };
+    let dna = |more: &str| {
+        format!(
+            "[[rods]]\nname = \"dna\"\nelements = 12\nclosed = true\nshape = {{ kind = \"circle\" }}\ndna = {{ {more}@ }}\n"
+        )
+    };
+    let held = || "[[supports]]\nat = \"start\"\nposition = true\nrotation = true\n";
+    let clamped = || line() + held() + &held().replace("start", "end");
+    let ramp = |more: &str| format!("[[stages]]\nramp = {{ {more} }}\n");
+    let charged = "elements = 12\nclosed = true\nshape = { kind = \"circle\", length = 600.0 }";
+    let charged = format!("[[rods]]\n{charged}\nsection = {{ {} }}\n", SECTION.replace("1e-5", "1.0"));
+    let planar = || "planar = true\n".to_owned() + &ring();
+    match (key.table.as_str(), key.name.as_str()) {
+        ("scene", "temperature") => "@\nunits = { length = \"nm\", force = \"pN\" }\n".to_owned() + &ring(),
+        ("scene", "rods") => String::new(),
+        ("scene", _) => "@\n".to_owned() + &ring(),
+        ("rods", "elements") => ring().replace("elements = 12", "@"),
+        ("rods", "closed") => line() + "@\n",
+        ("rods", "twist") => line() + "@\n",
+        ("rods", _) => ring() + "@\n",
+        ("rods.shape", "length") => shape("kind = \"line\"", ""),
+        ("rods.shape", "start" | "direction") => shape("kind = \"line\", length = 6.0", ""),
+        ("rods.shape", "center" | "normal") => shape("kind = \"circle\", length = 6.0", "closed = true\n"),
+        ("rods.shape", "radius") => shape("kind = \"arc\", turns = 0.25", ""),
+        ("rods.shape", "turns") => shape("kind = \"arc\", radius = 1.0", ""),
+        ("rods.shape", "tangent") => shape("kind = \"arc\", radius = 1.0, turns = 0.25, towards = [0, 1, 0]", ""),
+        ("rods.shape", "towards") => shape("kind = \"arc\", radius = 1.0, turns = 0.25, tangent = [1, 0, 0]", ""),
+        ("rods.shape", "axis") => shape("kind = \"helix\", radius = 1.0, pitch = 1.0, turns = 2.0", ""),
+        ("rods.shape", "aspect" | "phase") => {
+            shape("kind = \"torus_knot\", length = 6.0, windings = [2, 3]", "closed = true\n")
+        }
+        ("rods.shape", "angle") => shape("kind = \"plectoneme\", length = 6.0, distance = 0.2", "closed = true\n"),
+        ("rods.shape", "distance") => shape("kind = \"plectoneme\", length = 6.0, turns = 3", "closed = true\n"),
+        ("rods.shape", "rod") => shape(&format!("kind = \"state\", file = \"{}\"", state()), ""),
+        ("rods.shape", _) => shape("kind = \"points\", file = \"oval.csv\"", "closed = true\n"),
+        ("rods.section", "contact_radius") => {
+            section("bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, ")
+        }
+        ("rods.section", "young") => section("poisson = 0.3, circle = 0.1, "),
+        ("rods.section", "poisson" | "shear_modulus") => section("young = 1.0, circle = 0.1, "),
+        ("rods.section", "circle") => section("young = 1.0, poisson = 0.3, "),
+        ("rods.section", "rectangle") => section("young = 1.0, poisson = 0.3, contact_radius = 0.0, "),
+        ("rods.section", "shear_correction") => section("young = 1.0, poisson = 0.3, circle = 0.1, "),
+        ("rods.section", name) => {
+            let others = SECTION.split(", ").filter(|other| !other.starts_with(name)).collect::<Vec<_>>();
+            section(&(others.join(", ") + ", "))
+        }
+        ("rods.dna", "base_pairs") => dna("diameter = 1e-3, "),
+        ("rods.dna", "rise") => dna("base_pairs = 336, diameter = 1e-3, "),
+        ("rods.dna", _) => dna("base_pairs = 336, "),
+        ("rods.sequence", _) => {
+            let letters = "ACGT".repeat(15);
+            let shape =
+                "elements = 12\nshape = { kind = \"line\", length = 20.06 }\nsection = { contact_radius = 1.0 }";
+            format!("[[rods]]\n{shape}\nsequence = {{ letters = \"{letters}\", steps = \"ideal\", @ }}\n")
+        }
+        ("supports", _) => {
+            line()
+                + "[[supports]]\nat = \"start\"\n@\n"
+                + if key.name == "position" { "rotation" } else { "position" }
+                + " = true\n"
+        }
+        ("loads", _) => clamped() + "[[loads]]\nat = 3\n@\n" + &ramp("load = 1.0"),
+        ("line_loads", _) => clamped() + "[[line_loads]]\n@\n" + &ramp("load = 1.0"),
+        ("planes", "normal") => ring() + "[[planes]]\npoint = [-9, -9, -9]\n@\n",
+        ("planes", _) => {
+            ring().replace("length = 6.0", "length = 6.0, center = [0, 0, 1]") + "[[planes]]\nnormal = [0, 0, 1]\n@\n"
+        }
+        ("contact", _) => ring() + "[contact]\n@\n",
+        ("contact.electrostatics", "debye_length") => charged + "[contact]\nelectrostatics = { strength = 1e-3, @ }\n",
+        ("contact.electrostatics", "strength") => charged + "[contact]\nelectrostatics = { debye_length = 2.0, @ }\n",
+        ("contact.electrostatics", name) => {
+            let salt = if name == "charge" { "salt_mM = 150, " } else { "" };
+            dna("base_pairs = 336, ").replace('@', "") + &format!("[contact]\nelectrostatics = {{ {salt}@ }}\n")
+        }
+        ("stages", _) => ring() + &ramp("excess_link = { to = 1.0 }") + "@\n",
+        ("stages.ramp", _) => ring() + &ramp("@"),
+        ("stages.ramp.rotation", "axis") => clamped() + &ramp("rotation = { at = \"end\", turns = 1.0, @ }"),
+        ("stages.ramp.rotation", "turns") => {
+            clamped() + &ramp("rotation = { at = \"end\", axis = [1, 0, 0], through = [0, 0, 0], @ }")
+        }
+        ("stages.ramp.pose", name) => {
+            let place = if name == "position" { "" } else { "position = [5.5, 0, 0], " };
+            clamped() + &ramp(&format!("pose = {{ at = \"end\", {place}@ }}"))
+        }
+        ("stages.ramp.section", _) => ring() + &ramp("section = { @ }"),
+        ("stages.follow", "max_step") => ring() + &ramp("excess_link = { to = 1.0 }") + "follow = { step = 0.05, @ }\n",
+        ("stages.follow", _) => ring() + &ramp("excess_link = { to = 1.0 }") + "follow = { @ }\n",
+        ("solver", _) => ring() + "[solver]\n@\n",
+        ("output", "view") => ring() + "[output]\nvtk = true\n@\n",
+        ("output", _) => ring() + "[output]\n@\n",
+        ("picture", "up") => ring() + "[picture]\ncamera = [1, 0, 0]\n@\n",
+        ("picture", _) => ring() + "[picture]\n@\n",
+        ("stages.ramp.natural", _) => planar(),
+        (table, name) => panic!("no scene for {table}.{name}"),
+    }
+}
+
+/// A final state of a straight rod of 12 elements.
+fn state() -> String {
+    let path = std::env::temp_dir().join(format!("supercoil_reference_{}.csv", std::process::id()));
+    let rod = RodState {
+        arc_lengths: (0..37).map(f64::from).collect(),
+        positions: (0..37).map(|k| Vec3::new(0.0, 0.0, f64::from(k))).collect(),
+        frames: vec![Quat::identity(); 37],
+    };
+    write_state(&path, &[rod], &Units::default()).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+fn scene(key: &Key, value: Option<&str>) -> Result<Scene, String> {
+    let value = value.map(|value| match (key.table.as_str(), key.name.as_str()) {
+        ("picture", "size") => format!("[{value}, {value}]"),
+        ("stages.ramp.pose", "axis_angle") => format!("[0, 0, 1, {value}]"),
+        ("stages.ramp", "length") => format!("{{ to = {value} }}"),
+        ("rods.section", "rectangle") => format!("[{value}, {value}]"),
+        _ => value.to_owned(),
+    });
+    let assignment = value.map_or_else(String::new, |value| format!("{} = {value}", key.name));
+    let text = template(key).replace('@', &assignment);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    Scene::from_toml(&text, &folder).map_err(|error| format!("{error}\n{text}"))
+}
+
+/// All that a run takes from a scene.
+fn content(mut scene: Scene) -> String {
+    let (thermal, options) = (scene.thermal(), Options::default());
+    (scene.temperature, scene.text) = (None, String::new());
+    scene.solver.tol_increment.get_or_insert(options.newton.tol_increment);
+    scene.solver.max_iterations.get_or_insert(options.newton.max_iterations);
+    format!("{scene:?}{thermal:?}")
+}
+
+/// Defaults in words.
+const DEFAULTS_IN_WORDS: [&str; 29] = [
+    "none",
+    "stays",
+    "the only rod",
+    "in place",
+    "as before",
+    "all",
+    "by the mesh",
+    "by time only",
+    "out/NAME",
+    "by salt_mM",
+    "Cowper's",
+    "the circle's",
+    "from dna",
+    "the only one",
+    "x, y, z, or the only three",
+    "twice the contact radius",
+    "that of least energy at excess_link",
+    "rod, of an only rod",
+    "plane, of an only plane",
+    "the writhe of the shape",
+    "by fidelity; those of a state",
+    "L, F; nm, pN with dna",
+    "1600 wide, as high as the rods need, up to 1200",
+    "from where no state drawn is seen edge-on; with planes a little above the first",
+    "z, or y",
+    "z; straight",
+    "towards the rods",
+    "",
+    "",
+];
+
+/// A default as a value; none if it is told in words.
+fn default_value(key: &Key) -> Option<String> {
+    let told = key.default.split(", or by ").next().unwrap();
+    if DEFAULTS_IN_WORDS.contains(&key.default.as_str()) {
+        return None;
+    }
+    Some(match told {
+        "origin" => "[0, 0, 0]".to_owned(),
+        "0" if key.value.starts_with("[x") => "[0, 0, 0]".to_owned(),
+        "x" => "[1, 0, 0]".to_owned(),
+        "y" => "[0, 1, 0]".to_owned(),
+        "z" => "[0, 0, 1]".to_owned(),
+        word if key.value.starts_with("word") => format!("\"{}\"", word.trim_matches('"')),
+        other => other.to_owned(),
+    })
+}
+
+#[test]
+fn stated_defaults_are_those_of_the_program() {
+    let (mut compared, mut failed) = (0, Vec::new());
+    for key in keys() {
+        let Some(value) = default_value(&key) else { continue };
+        let with = scene(&key, Some(&value)).map(content);
+        match (with, scene(&key, None).map(content)) {
+            (Ok(with), Ok(without)) if with == without => compared += 1,
+            (with, without) => failed.push(format!("{} = {value}: {with:?}\nwithout: {without:?}", key.path())),
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n\n"));
+    assert!(compared >= 40, "{compared}");
+}
+
+/// Values that are refused and taken, of what a cell allows; none if it tells no range and no list of words.
+fn probes(key: &Key) -> Option<[Vec<String>; 2]> {
+    let integer = key.value.starts_with("integer") || key.name == "size";
+    let number = |text: &str| text.trim_end_matches(',').replace("10⁹", "1000000000").parse::<f64>().ok();
+    let told = |x: f64| if integer { format!("{x}") } else { format!("{x:?}") };
+    // next to a number, outside or inside of a range
+    let beside = |x: f64, sign: f64| x + sign * if integer { 1.0 } else { 1e-9 * x.abs().max(1e-3) };
+    let (mut refused, mut taken) = (Vec::new(), Vec::new());
+    for part in key.allowed.split(';') {
+        let words: Vec<&str> = part.trim().trim_start_matches("arc: ").split_whitespace().collect();
+        match words.as_slice() {
+            [">", zero, ..] => {
+                refused.extend([told(number(zero)?), "-1e-9".to_owned(), "nan".to_owned()]);
+                taken.push("1e-3".to_owned());
+            }
+            ["between", low, "and", high] => {
+                let (low, high) = (number(low)?, number(high)?);
+                refused.extend([told(low), told(high)]);
+                taken.extend([told(low + 1e-3), told(high - 1e-3)]);
+            }
+            ["at", "least", low] | ["from", low] => match number(low.trim_end_matches(':')) {
+                Some(low) => {
+                    refused.push(told(beside(low, -1.0)));
+                    taken.push(told(low));
+                }
+                None => continue,
+            },
+            ["above", low, "at", "most", high] => {
+                let (low, high) = (number(low)?, number(high)?);
+                refused.extend([told(low), told(beside(high, 1.0))]);
+                taken.extend([told(low + 1e-2), told(high)]);
+            }
+            ["up", "to", high] => {
+                refused.push(told(beside(number(high)?, 1.0)));
+                taken.push(told(number(high)?));
+            }
+            [low, "to", high, ..] if number(low).is_some() => {
+                let (low, high) = (number(low)?, number(high)?);
+                refused.extend([told(beside(low, -1.0)), told(beside(high, 1.0))]);
+                taken.extend([told(low), told(high)]);
+            }
+            ["with", "through", "at", "most", ..] => {
+                refused.push("100001.0".to_owned());
+                taken.push("100000.0".to_owned());
+            }
+            ["not", "zero"] => {
+                refused.push("[0, 0, 0]".to_owned());
+                taken.push("[0, 1e-3, 1e-3]".to_owned());
+            }
+            ["length", "1"] => {
+                let fourth = if key.name == "quaternion" { ", 0" } else { "" };
+                refused.push(format!("[0, 0, 1.01{fourth}]"));
+                taken.push(format!("[0, 0, 1{fourth}]"));
+            }
+            ["1,", "2,", "3"] => {
+                refused.extend(["0", "4"].map(str::to_owned));
+                taken.extend(["1", "2", "3"].map(str::to_owned));
+            }
+            _ if key.value == "word" && !part.trim().is_empty() => {
+                refused.push("\"zzz\"".to_owned());
+                // other kinds of shapes need other keys
+                let words = part.split(',').map(|word| word.trim().trim_matches('"'));
+                taken.extend(words.filter(|_| key.name != "kind").map(|word| format!("\"{word}\"")));
+            }
+            _ => {}
+        }
+    }
+    (!refused.is_empty()).then_some([refused, taken])
+}
+
+#[test]
+fn stated_ranges_are_those_of_the_program() {
+    let (mut tried, mut failed) = (0, Vec::new());
+    for key in keys() {
+        let Some([refused, taken]) = probes(&key) else { continue };
+        for value in &refused {
+            if scene(&key, Some(value)).is_ok() {
+                failed.push(format!("{} = {value} is taken, allowed: {}", key.path(), key.allowed));
+            }
+        }
+        for value in &taken {
+            if let Err(error) = scene(&key, Some(value)) {
+                failed.push(format!("{} = {value} is refused, allowed: {}: {error}", key.path(), key.allowed));
+            }
+        }
+        tried += 1;
+    }
+    assert!(failed.is_empty(), "{} of {tried}\n{}", failed.len(), failed.join("\n\n"));
+    assert!(tried >= 60, "{tried}");
+}
