@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use supercoil::io::picture::{Spot, Stripe, Tube, TubePicture};
 use supercoil::math::Vec3;
 use supercoil::observe::report::Observation;
-use supercoil::observe::{RodStrains, strains};
+use supercoil::observe::{RodStrains, smoothed_contact_forces, strains};
 use supercoil::solve::Engine;
 
 use crate::refuse;
@@ -41,7 +41,8 @@ pub struct State {
 
 impl State {
     pub fn of(engine: &Engine, observation: Observation) -> Self {
-        let rods = engine.all_nodal_fields().into_iter().enumerate().map(|(index, fields)| {
+        let forces = smoothed_contact_forces(engine, &engine.all_nodal_fields());
+        let rods = forces.iter().enumerate().map(|(index, forces)| {
             let (rod, frames) = (&engine.model().rods[index], engine.frames(index));
             let seam_turns = observation.links.iter().find(|link| link.rod == index).map_or(0.0, |l| l.link);
             Rod {
@@ -53,7 +54,7 @@ impl State {
                 positions: engine.positions(index).iter().map(|&r| r.into()).collect(),
                 quaternions: frames.iter().map(|q| [q.w, q.i, q.j, q.k]).collect(),
                 directions: frames.iter().map(|q| (q * Vec3::x()).into()).collect(),
-                contact_force: fields.contact_force.iter().map(|&f| f.into()).collect(),
+                contact_force: forces.iter().map(|&f| f.into()).collect(),
                 strains: strains(engine, index),
             }
         });

@@ -100,7 +100,7 @@ class State:
 
     @cached_property
     def contact_force(self) -> Floats:
-        """(n, 3) contact force per length on the nodes [F/L]."""
+        """(n, 3) contact force per length on the nodes [F/L], spread over the width of the law, as pictures show it."""
         return self._native.contact_force()
 
     @cached_property
@@ -211,7 +211,7 @@ class State:
         mesh = pyvista.PolyData(self.positions, lines=np.array(lines))
         for k, name in enumerate(("d1", "d2", "d3")):
             mesh.point_data[name] = self.frames[:, k]
-        mesh.point_data["contact_force_per_length"] = self.contact_force
+        mesh.point_data["smoothed_contact_force_per_length"] = self.contact_force
         return mesh
 
     def __reduce__(self) -> tuple[Any, ...]:
