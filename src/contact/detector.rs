@@ -4,9 +4,9 @@ mod forces;
 mod minima;
 
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
-use crate::contact::curves::input::{Curve, Strands};
+use crate::contact::curves::input::{Curve, JOINT, Strands};
 use crate::contact::law::potential::PairForce;
-use crate::contact::measures::CHEAP;
+use crate::contact::measures::{CHEAP, ROUNDING};
 use crate::contact::options::{DetectorOptions, Neighbours};
 use crate::contact::sites::site::{Minimum, Site};
 use crate::contact::tree::broad_phase::BroadPhase;
@@ -228,7 +228,7 @@ impl Detector {
             let c = &strands.curves[curve];
             let mean = (this.start[c.first + c.count - 1] + this.lengths[c.first + c.count - 1]) / c.count as f64;
             // Far from the origin the rounding of the coordinates counts.
-            1e-9 * mean + 256.0 * f64::EPSILON * far
+            JOINT * mean + 4.0 * ROUNDING * far
         };
         let zones = interval::join(&lists, strands.len(), tolerance, &mut joining);
         (self.parts, self.joining) = (lists, joining);
@@ -279,6 +279,12 @@ fn too_coarse(error: SolveError) -> InputError {
         SolveError::TooCoarse { curve, segment, turning, limit } => InputError::Inconsistent {
             field: format!("curves[{curve}].pieces[{segment}]"),
             reason: format!("turns by {turning:.3} rad, {limit:.3} or more: split it, or count neighbours by segments"),
+        },
+        SolveError::TooTight { curve, segment, tightness } => InputError::Inconsistent {
+            field: format!("curves[{curve}].pieces[{segment}]"),
+            reason: format!(
+                "is bent to curvature × radius {tightness:.2}: make it thinner, or count neighbours by segments"
+            ),
         },
         other => InputError::Inconsistent { field: "curves".to_owned(), reason: other.to_string() },
     }

@@ -5,6 +5,7 @@
 //! relative to x, so the distance from the origin of coordinates costs nothing; there is no absolute tolerance.
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
+use crate::contact::measures::{SAME, SMOOTH, USUAL};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, SignChange, product_with_quadratic, roots};
 
@@ -191,24 +192,24 @@ fn rises_before_end(q: &[f64; 6]) -> bool {
     q.iter().rev().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0)
 }
 
-/// Same tangent direction on both sides to rounding (1e-12 rad) of control points given `far` \[L\] from the origin;
+/// Same tangent direction on both sides to rounding ([`SMOOTH`]) of control points given `far` \[L\] from the origin;
 /// false if a tangent vanishes.
 pub(crate) fn smooth_joint(prev: &Cubic, next: &Cubic, far: f64) -> bool {
     same_direction(&prev.edges()[2], &next.edges()[0], far)
 }
 
-/// Same direction to rounding (1e-12 rad) of two differences of points that are `far` \[L\] from the origin; false if
+/// Same direction to rounding ([`SMOOTH`]) of two differences of points that are `far` \[L\] from the origin; false if
 /// one is zero.
 pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
-    // Usual cases first, for segments less than 1e6 of their length from the origin: an angle above 1e-6 or below
-    // 3e-13.
+    // The plain cases first: an angle above 1e-6 or below a third of the limit, and so near the origin that rounding is
+    // much less than 1e-6.
     let (aa, bb, cross_sq) = (a.norm_squared(), b.norm_squared(), a.cross(b).norm_squared());
     let shorter = aa.min(bb);
-    if shorter > 1e-140 && aa.max(bb) < 1e140 && far * far < 3e11 * shorter {
-        if cross_sq > 1e-12 * aa * bb {
+    if USUAL.contains(&shorter) && USUAL.contains(&aa.max(bb)) && far * far * SAME * SAME < shorter {
+        if cross_sq > SAME * SAME * aa * bb {
             return false;
         }
-        if cross_sq < 1e-25 * aa * bb && a.dot(b) > 0.0 {
+        if cross_sq < 0.1 * SMOOTH * SMOOTH * aa * bb && a.dot(b) > 0.0 {
             return true;
         }
     }
@@ -219,7 +220,7 @@ pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
     let (a, b) = (a / sa, b / sb);
     // Differences of control points carry the ulps of their distance from the origin.
     let rounding = f64::EPSILON * far * (1.0 / sa + 1.0 / sb);
-    a.dot(&b) > 0.0 && a.cross(&b).norm() <= (1e-12 + 4.0 * rounding) * a.norm() * b.norm()
+    a.dot(&b) > 0.0 && a.cross(&b).norm() <= (SMOOTH + 4.0 * rounding) * a.norm() * b.norm()
 }
 
 #[cfg(test)]

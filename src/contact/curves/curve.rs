@@ -4,6 +4,7 @@
 //! caller's choice; nothing here has an absolute tolerance.
 
 use crate::contact::curves::radius::Radius;
+use crate::contact::measures::{SAME, USUAL};
 use crate::error::InputError;
 use crate::math::Vec3;
 
@@ -124,10 +125,10 @@ impl Cubic {
         Self { b: self.b.map(|p| p - origin) }
     }
 
-    /// True if `next` starts where this curve ends, to 1e-6 of their size (and the ulps of points far from the origin).
+    /// True if `next` starts where this curve ends, to [`SAME`] of their size (and the ulps of points far from the origin).
     pub(crate) fn joins(&self, next: &Self) -> bool {
         let size: f64 = self.edges().iter().chain(&next.edges()).map(Vec3::amax).sum();
-        (next.b[0] - self.b[3]).amax() <= 1e-6 * size + 8.0 * f64::EPSILON * self.b[3].amax()
+        (next.b[0] - self.b[3]).amax() <= SAME * size + 8.0 * f64::EPSILON * self.b[3].amax()
     }
 
     /// Direction of the tangent at u = 0 (not normalised): the first non-zero edge; zero for a curve shrunk to a point.
@@ -146,17 +147,16 @@ impl Cubic {
 /// Length of a vector of any magnitude.
 pub(crate) fn norm(v: &Vec3) -> f64 {
     let size = v.amax();
-    if size == 0.0 || (1e-150..1e150).contains(&size) { v.norm() } else { (v / size).norm() * size }
+    if size == 0.0 || USUAL.contains(&size) { v.norm() } else { (v / size).norm() * size }
 }
 
 /// Angle between two vectors in \[0, π\], accurate at both ends and for any magnitudes; 0 if either is zero.
 #[must_use]
 pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
-    let usual = |square: f64| (1e-120..1e120).contains(&square);
-    let (a, b) = if usual(a.norm_squared()) && usual(b.norm_squared()) {
+    let (sa, sb) = (a.amax(), b.amax());
+    let (a, b) = if USUAL.contains(&sa) && USUAL.contains(&sb) {
         (*a, *b)
     } else {
-        let (sa, sb) = (a.amax(), b.amax());
         if sa == 0.0 || sb == 0.0 {
             return 0.0;
         }
@@ -167,9 +167,8 @@ pub fn angle(a: &Vec3, b: &Vec3) -> f64 {
 
 /// The larger distance of two points from the segment from 0 to `d`.
 fn farthest_from_segment(points: [&Vec3; 2], d: &Vec3) -> f64 {
-    // usual sizes need no scaling
     let dd = d.norm_squared();
-    if (1e-200..1e200).contains(&dd) && points.iter().all(|p| p.norm_squared() < 1e200) {
+    if USUAL.contains(&dd) && points.iter().all(|p| p.norm_squared() < USUAL.end) {
         let [first, second] = points.map(|p| (p - d * (p.dot(d) / dd).clamp(0.0, 1.0)).norm_squared());
         return first.max(second).sqrt();
     }

@@ -2,7 +2,7 @@
 //! length.
 
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::ROUNDING;
+use crate::contact::measures::{ROUNDING, USUAL};
 use crate::math::Vec3;
 
 /// Squared distance \[L²\] between the segments p0 p1 and q0 q1.
@@ -40,9 +40,8 @@ fn scaled_distance_sq(d: &Vec3, e: &Vec3, r: &Vec3) -> Scaled {
     if size == 0.0 {
         return Scaled { size, scale: 0.0, unit_sq: 0.0 };
     }
-    // Usual sizes need no scaling. Division, not a reciprocal: 1/scale overflows for subnormal sizes.
-    let usual = (1e-30..1e30).contains(&size);
-    let (scale, d, e, r) = if usual { (1.0, *d, *e, *r) } else { (size, d / size, e / size, r / size) };
+    // Division, not a reciprocal: 1/scale overflows for subnormal sizes.
+    let (scale, d, e, r) = if USUAL.contains(&size) { (1.0, *d, *e, *r) } else { (size, d / size, e / size, r / size) };
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
     // Parameter of the nearest point, clamped; a segment that is a point uses its start.

@@ -18,6 +18,7 @@
 
 use crate::contact::curves::input::{CurveShape, Strand, Strands};
 use crate::contact::curves::radius::Radius;
+use crate::contact::measures::USUAL;
 use crate::math::Vec3;
 
 type Lane = [f32; LANES];
@@ -131,8 +132,7 @@ fn larger(x: f32, y: f32) -> f32 {
 /// `bulges` holds the capsule radius of each segment, or nothing if all are straight.
 pub(crate) fn keep_near(strands: &Strands, bulges: &[f64], reach: f64, pairs: &[[u32; 2]], out: &mut Vec<[u32; 2]>) {
     let unit = 1.0 / strands.largest_radius();
-    // All pairs are kept if the unit leaves the range of f32.
-    let sane = unit.is_finite() && unit > 1e-300;
+    let sane = USUAL.contains(&unit);
     let limit = |distance: f64| {
         let limit = distance * unit;
         if sane && limit < LARGEST { (limit as f32).next_up() } else { f32::INFINITY }

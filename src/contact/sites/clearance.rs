@@ -19,6 +19,7 @@ use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
+use crate::contact::measures::{MAX_STEPS, ROUNDING};
 use crate::contact::pairs::capsule::{Capsule, distance_lower_bound};
 use crate::contact::projection::{Feet, end_is_local_min, local_minima};
 use crate::contact::tree::broad_phase::BroadPhase;
@@ -29,12 +30,16 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-/// Pieces examined per candidate pair, and in all at least, before the search ends with a wider interval.
+/// Pieces examined per candidate pair, and in all at least, before the search ends with a wider interval, because a line of
+/// contact that is level to rounding could be cut without end.
 const BUDGET_PER_PAIR: usize = 200;
 const BUDGET_MIN: usize = 200_000;
-/// Largest number of halvings of a pair of pieces.
+/// Distance beyond the smallest one known, over the radii, within which a place is tried, because a smaller known distance
+/// leaves fewer pieces.
+const NEARBY: f64 = 1e-3;
+/// Halvings of a pair of pieces, at most, because the bounds of pieces that small are rounding.
 const MAX_DEPTH: u32 = 40;
-/// Largest number of halvings to decide whether pieces of one curve are neighbours.
+/// Halvings, at most, to decide whether pieces of one curve are neighbours, because 1/64 of a segment turns by little.
 const MAX_STRADDLE: u32 = 6;
 
 /// Certified smallest gap: the true one lies in [`lower`, `upper`] (centre distance minus both radii; negative =
@@ -302,7 +307,7 @@ impl ClearanceSearch<'_> {
         let bound = local.fourth_order(local.convexity());
         // Never below the known bound.
         let lower = (bound.lower - radii).max(piece.lower);
-        if bound.at_place - radii < self.upper + self.tol.max(1e-3 * radii) {
+        if bound.at_place - radii < self.upper + self.tol.max(NEARBY * radii) {
             self.offer_at(piece, bound.u, bound.v);
         }
         self.push(Box2 { lower, ..*piece });
@@ -368,13 +373,13 @@ impl ClearanceSearch<'_> {
         let clamp = |t: f64, range: [f64; 2]| t.clamp(range[0], range[1]);
         let (mut u, mut v) = (u, v);
         let mut distance = (b.point(v) - a.point(u)).norm();
-        for _ in 0..20 {
+        for _ in 0..MAX_STEPS {
             let ((pa, da, dda), (pb, db, ddb)) = (a.derivatives(u), b.derivatives(v));
             let w = pb - pa;
             let (gu, gv) = (-w.dot(&da), w.dot(&db));
             let (huu, hvv, huv) = (da.dot(&da) - w.dot(&dda), db.dot(&db) + w.dot(&ddb), -da.dot(&db));
             let det = huu * hvv - huv * huv;
-            let newton = if det > 1e-10 * huu.abs() * hvv.abs() && huu > 0.0 {
+            let newton = if det > ROUNDING * huu.abs() * hvv.abs() && huu > 0.0 {
                 (clamp(u - (hvv * gu - huv * gv) / det, piece.u), clamp(v - (huu * gv - huv * gu) / det, piece.v))
             } else {
                 // Flat along the line: projection only.

@@ -32,17 +32,21 @@ mod valley;
 use cell::{BORDER, Bounds, CellParallelogram};
 
 use crate::contact::curves::curve::Cubic;
+use crate::contact::measures::{MAX_STEPS, ROUNDING};
 use crate::math::Vec3;
 
-/// Largest number of cells examined for one pair, times the sampling; the rest is undecided.
+/// Cells examined for one pair, times the sampling, because parallel curves of different speed have cells without end; the
+/// rest is undecided.
 const CELLS: usize = 64;
-/// Smallest width of a cell that is cut.
+/// Smallest width of a cell that is cut, because the borders of smaller ones are a large part of them.
 const SMALLEST: f64 = 1e-8;
-/// Fraction at which cells are cut. Not the middle, because minima of symmetric cases would lie on borders.
+/// Fraction at which cells are cut, not the middle, because minima of symmetric cases would lie on borders.
 const CUT: f64 = 0.4837;
-/// A cell clipped to less than this fraction is examined again before it is cut.
+/// Fraction to which a cell must be clipped, or sheared, to be examined again before it is cut, because with less gain a
+/// cut does better.
 const WORTH: f64 = 0.7;
-/// Smallest fraction that a cell is clipped to at once.
+/// Smallest fraction that a cell is clipped to at once, because bounds of second derivatives over very narrow cells are
+/// lost in rounding.
 const LEAST: f64 = 0.05;
 
 /// A local minimum at parameters u, v, known to `radius`.
@@ -66,8 +70,12 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, m
         return;
     }
     let (a, b) = (Cubic { b: a.map(|p| p / scale) }, Cubic { b: b.map(|p| p / scale) });
-    let search =
-        MinimumSearch { a, b, reach: max_distance / scale * (1.0 + 1e-14), noise: 16.0 * f64::EPSILON * (far / scale) };
+    let search = MinimumSearch {
+        a,
+        b,
+        reach: max_distance / scale * (1.0 + ROUNDING),
+        noise: 16.0 * f64::EPSILON * (far / scale),
+    };
     let mut found = search.run(CELLS * sampling);
     // The same minimum may have been found in two cells.
     found.sort_by_key(|x| x.flat);
@@ -182,7 +190,6 @@ impl MinimumSearch {
         let [part_u, part_t] = bounds.clipped();
         let part_u = if level { Some([0.0, 1.0]) } else { part_u };
         let (Some(part_u), Some(part_t)) = (part_u, part_t) else { return CellVerdict::Dropped };
-        // The fraction is limited, because bounds of second derivatives over very narrow cells are lost in rounding.
         let narrowed = |range: [f64; 2], wide: [f64; 2], part: [f64; 2]| {
             let at = |x: f64| wide[0] + x * (wide[1] - wide[0]);
             let [from, to] = if part[1] - part[0] < LEAST {
@@ -227,7 +234,7 @@ impl MinimumSearch {
             if steeper { (cell.exchanged(), -h.uv / h.uu, uu[0] > 0.0) } else { (*cell, -h.uv / h.vv, tt[0] > 0.0) };
         let [du, dt] = cell.width();
         let across = (slope - cell.slope).abs() * du;
-        (valley && across > 0.3 * dt && across > BORDER).then(|| cell.sheared(slope))
+        (valley && across > (1.0 - WORTH) * dt && across > BORDER).then(|| cell.sheared(slope))
     }
 
     fn halves(&self, cell: &CellParallelogram) -> [CellParallelogram; 2] {
@@ -253,7 +260,7 @@ impl MinimumSearch {
         let rests =
             |x: f64, range: [f64; 2], slope: f64| (x == range[0] && slope > 0.0) || (x == range[1] && slope < 0.0);
         let (mut u, mut t) = (cell.middle(), 0.5 * (cell.t[0] + cell.t[1]));
-        for _ in 0..60 {
+        for _ in 0..MAX_STEPS {
             let h = DistanceDerivatives::new(a, b, u, cell.v(u, t)).sheared(cell.slope);
             let (gu, gt) = (h.gu, h.gv);
             let held = (rests(u, cell.u, gu), rests(t, cell.t, gt));
@@ -353,7 +360,7 @@ fn convexity([tt, ut, uu]: &[[f64; 2]; 3]) -> f64 {
     if !(uu > 0.0 && tt > 0.0) {
         return 0.0;
     }
-    let det = uu * tt - mixed * mixed * (1.0 + 1e-10);
+    let det = uu * tt - mixed * mixed * (1.0 + ROUNDING);
     2.0 * det / (uu + tt + ((uu - tt) * (uu - tt) + 4.0 * mixed * mixed).sqrt())
 }
 

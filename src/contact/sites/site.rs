@@ -8,6 +8,7 @@
 
 use crate::contact::curves::curve::norm;
 use crate::contact::curves::input::{JOINT, Strands};
+use crate::contact::measures::USUAL;
 use crate::math::Vec3;
 
 /// Location of a site on its curves.
@@ -62,10 +63,10 @@ pub(crate) struct Minimum {
     pub(crate) flat: bool,
 }
 
-/// Largest sine of parallel directions: the rounding of the directions themselves.
+/// Largest sine of parallel directions, because the directions themselves are rounded by as much.
 const PARALLEL: f64 = 4.0 * f64::EPSILON;
-/// Largest one-sided slope that counts as zero at joints, relative to the product of the lengths; duplicates are
-/// removed later.
+/// Largest one-sided slope that counts as zero at joints, relative to the product of the lengths, because it is rounded by
+/// as much; duplicates are removed later.
 const LEVEL: f64 = 8.0 * f64::EPSILON;
 
 /// num/den in \[0, 1\].
@@ -80,8 +81,7 @@ pub(crate) fn straight_minimum(strands: &Strands, i: usize, j: usize, max_distan
     let ((a0, a1), (b0, b1)) = (strands.ends(i), strands.ends(j));
     let (d, e, r) = (a1 - a0, b1 - b0, a0 - b0);
     let scale = d.amax().max(e.amax()).max(r.amax());
-    // Squares of ordinary sizes need no scaling.
-    let unit = if (1e-100..1e100).contains(&scale) { 1.0 } else { scale };
+    let unit = if USUAL.contains(&scale) { 1.0 } else { scale };
     let (d, e, r) = if unit == 1.0 { (d, e, r) } else { (d / unit, e / unit, r / unit) };
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
@@ -144,7 +144,7 @@ pub(crate) fn site_of(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found:
     let ((a, da), (b, db)) = (point_and_tangent(strands, i, u), point_and_tangent(strands, j, v));
     let w = b - a;
     let distance = norm(&w);
-    let scaled = if (1e-150..1e150).contains(&distance) { w / distance } else { w / w.amax() };
+    let scaled = if USUAL.contains(&distance) { w / distance } else { w / w.amax() };
     let open = |segment: usize, u: f64| {
         (u == 0.0 && strands.prev(segment).is_none()) || (u == 1.0 && strands.next(segment).is_none())
     };
@@ -174,8 +174,7 @@ pub(crate) fn connection(strands: &Strands, m: &Minimum) -> Vec3 {
 
 /// Angle between two lines in \[0, π/2\].
 fn crossing_angle(d: &Vec3, e: &Vec3) -> f64 {
-    let usual = |v: &Vec3| (1e-100..1e100).contains(&v.amax());
-    if usual(d) && usual(e) {
+    if USUAL.contains(&d.amax()) && USUAL.contains(&e.amax()) {
         return d.cross(e).norm().atan2(d.dot(e).abs());
     }
     let angle = crate::contact::curves::curve::angle(d, e);
@@ -203,7 +202,7 @@ fn point_and_tangent(strands: &Strands, segment: usize, u: f64) -> (Vec3, Vec3) 
 }
 
 /// Sorts minima whose first segments ascend by (i, u, j, v) and removes those found twice because rounding put them on
-/// both sides of a joint: arc lengths equal to 1e-9 of a segment. Keeps the first of each group.
+/// both sides of a joint: arc lengths equal to [`JOINT`] of a segment. Keeps the first of each group.
 pub(crate) fn put_in_order(
     strands: &Strands,
     minima: &mut Vec<Minimum>,
@@ -224,7 +223,7 @@ pub(crate) fn put_in_order(
             let apart = (arc(s, u) - arc(t, v)).abs();
             let last = curve.first + curve.count - 1;
             let round = if curve.closed { (arc(last, 1.0) - apart).abs() } else { apart };
-            apart.min(round) <= 1e-9 * lengths[s].min(lengths[t])
+            apart.min(round) <= JOINT * lengths[s].min(lengths[t])
         };
         close(a.i, a.u, b.i, b.u) && close(a.j, a.v, b.j, b.v)
     };

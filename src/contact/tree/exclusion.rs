@@ -16,6 +16,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::contact::curves::curve::{Cubic, CurveSet, angle};
 use crate::contact::curves::input::{CurveShape, Strand, Strands};
+use crate::contact::measures::USUAL;
 use crate::error::SolveError;
 use crate::math::Vec3;
 
@@ -282,8 +283,7 @@ fn turning(curve: &Strand, k: usize) -> (f64, f64) {
 /// 2 asin(x/2) ≤ x (1 + .0554 x²) up to π/2. The bound is .1 % above θ at π/2 and 4e-8 above it at 0.
 fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     let (dot, size_sq) = (a.dot(b), a.norm_squared() * b.norm_squared());
-    let usual = dot > 0.0 && size_sq > 1e-280 && size_sq < 1e280;
-    if !usual {
+    if !(dot > 0.0 && USUAL.contains(&size_sq)) {
         return angle(a, b);
     }
     let x_sq = (2.0 - 2.0 * (dot / size_sq.sqrt())).max(0.0) + 8.0 * f64::EPSILON;

@@ -6,7 +6,7 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 
 use crate::contact::curves::input::{Strands, lower, upper};
-use crate::contact::measures::{CHEAP, ROUNDING};
+use crate::contact::measures::{CHEAP, ROUNDING, USUAL};
 use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::bytes;
 use crate::math::{Vec3, parallel};
@@ -56,7 +56,7 @@ impl Leaves {
         };
         self.blocks.resize(num_leaves, Block::default());
         parallel::each(&mut self.blocks, CHEAP / WIDTH, &|leaf, place| *place = block(leaf));
-        if num_leaves < SMALL || !sane(size) {
+        if num_leaves < SMALL || !USUAL.contains(&size) {
             self.tree = None;
         } else {
             self.fit_tree();
@@ -165,15 +165,10 @@ fn frame(strands: &Strands, inflate: f64) -> (Vec3, f64) {
     (lo * 0.5 + hi * 0.5, size)
 }
 
-/// Whether the size of a frame is in the range of f64.
-fn sane(size: f64) -> bool {
-    (1e-290..1e290).contains(&size)
-}
-
 /// f32 box in the frame, grown by `r` and rounded outward. In a frame too small or large for f64 everything is one box.
 #[inline]
 fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
-    if !sane(size) {
+    if !USUAL.contains(&size) {
         return ([-2.0; 3], [2.0; 3]);
     }
     let scale = 1.0 / size;

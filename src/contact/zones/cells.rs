@@ -13,9 +13,9 @@ use std::collections::VecDeque;
 
 use super::facing::convexity;
 use super::piece::falling_root;
-use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, ORTHOGONAL, Sample, SegmentPair};
+use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, Sample, SegmentPair};
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::{MAX_STEPS, ROUNDING};
+use crate::contact::measures::{MAX_STEPS, ROUNDING, SAME};
 use crate::contact::pairs::capsule;
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
@@ -24,6 +24,7 @@ use crate::math::bernstein::{Roots, roots};
 /// Least slope of f over its largest in a cell, because the energy of random curves changes by 4e-8 at most where this is
 /// halved or doubled.
 const EVEN: f64 = 0.1;
+
 /// Largest number of cells examined, because slave points with an arc of the master at one distance have cells without
 /// end; the feet of the rest are held.
 const MAX_CELLS: usize = 512;
@@ -113,7 +114,7 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
         return BranchVerdict::Along(-along.sign());
     }
     // At a joint the tangents of the two segments may differ by the rounding of coordinates far from the origin.
-    let noise = if joined { ORTHOGONAL } else { 10.0 * ROUNDING };
+    let noise = if joined { SAME } else { 10.0 * ROUNDING };
     let across =
         FunctionBounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
     if across.evenness() > EVEN {

@@ -14,10 +14,10 @@
 //! With φ linear between the feet of the ends, |w|² is of degree six. Its coefficients usually show that a slave is
 //! within reach throughout, or nowhere. [`SegmentPair`] handles the other pairs, folds and open ends.
 
-use super::{Branch, BranchPiece, FootSide, NARROW, ORTHOGONAL, Projection, Sample, SegmentPair, unit};
+use super::{Branch, BranchPiece, FootSide, NARROW, Projection, Sample, SegmentPair, unit};
 use crate::contact::curves::curve::Cubic;
 use crate::contact::curves::input::JOINT;
-use crate::contact::measures::{LAST_STEP, MAX_STEPS, ROUNDING};
+use crate::contact::measures::{LAST_STEP, MAX_STEPS, ROUNDING, SAME};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, product_with_quadratic, roots};
 
@@ -202,7 +202,7 @@ pub(super) fn convexity(slave: &Cubic, master: &Cubic) -> [f64; 2] {
 
 /// Whether the whole curve lies clearly beyond a point along a direction.
 fn beyond(curve: &Cubic, point: &Vec3, along: &Vec3) -> bool {
-    let least = ORTHOGONAL * ORTHOGONAL * along.norm_squared();
+    let least = SAME * SAME * along.norm_squared();
     curve.b.iter().all(|p| {
         let from = p - point;
         let way = from.dot(along);

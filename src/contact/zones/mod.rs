@@ -53,9 +53,6 @@ pub use piece::{Branch, BranchPiece, FootKind, Sample};
 
 /// Width of an interval of u that counts as rounding, because its ends are rounded by as much.
 const NARROW: f64 = 16.0 * f64::EPSILON;
-/// Cosine up to which two directions count as orthogonal, because a segment's own tangent and the common one of a joint
-/// differ by the rounding of coordinates, far from the origin by this much.
-const ORTHOGONAL: f64 = 1e-6;
 
 /// A slave and a master segment, and the continuation of the master's curve at both ends.
 #[derive(Debug, Clone, Copy)]

@@ -25,7 +25,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
-use crate::solve::measures::{ARC, ROUGH};
+use crate::solve::measures::{ARC, ROUGH, SAME};
 use crate::solve::path::continuation::corner::Corner;
 use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
@@ -370,7 +370,7 @@ impl Stride {
     fn lengthening(&self) -> f64 {
         // iterations of one search; each augmentation of contact offsets asks for another
         let iterations = self.next.iterations.max(1) as f64 / (1 + self.next.augmentations) as f64;
-        let ratio = (AIM / iterations).sqrt().min(0.5 * ARC / self.turned.max(1e-3));
+        let ratio = (AIM / iterations).sqrt().min(0.5 * ARC / self.turned.max(SAME));
         ratio.clamp(0.5, 2.0)
     }
 }

@@ -6,6 +6,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::{FINE, NOTHING};
 use crate::solve::options::Options;
 use crate::solve::path::failure::Failure;
 use crate::solve::path::restart::{Place, Restart};
@@ -151,11 +152,11 @@ impl Attempt {
     /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended, on
     /// the grid of steps `full`.
     fn next(done: f64, size: f64, full: f64) -> Self {
-        let planned = ((done / full + 1e-6).floor() + 1.0) * full - done;
+        let planned = ((done / full + FINE).floor() + 1.0) * full - done;
         let size = size.min(planned);
         // ramps are measured from where they are
         let take = (size / (1.0 - done)).min(1.0);
-        let take = if 1.0 - done - size < 1e-9 { 1.0 } else { take };
+        let take = if 1.0 - done - size < NOTHING { 1.0 } else { take };
         Self { span: [done, done + take * (1.0 - done)], size, take }
     }
 }
@@ -201,13 +202,13 @@ impl LoadStepping<'_, '_> {
     fn run_stage(&mut self, stage: &Stage) -> Result<Status, RunError> {
         // of the whole stage, also where it is taken up half-way
         let rounds = self.solver.largest_round(&stage.ramps) / (1.0 - self.place.fraction) / Ramp::MAX_ROUND;
-        let full = 1.0 / (stage.steps as f64).max((rounds - 1e-6).ceil());
+        let full = 1.0 / (stage.steps as f64).max((rounds - FINE).ceil());
         let mut size = self.place.step_size.min(full);
         self.solver.change_supports(&stage.ramps)?;
         self.solver.note_numbers(&stage.ramps);
         let mut started = Instant::now();
         let mut failed_iterations = 0;
-        while self.place.fraction < 1.0 - 1e-12 {
+        while self.place.fraction < 1.0 - NOTHING {
             let attempt = Attempt::next(self.place.fraction, size, full);
             let snapshot = self.solver.snapshot();
             let target = self.solver.target(&stage.ramps, attempt.take);

@@ -114,7 +114,7 @@ impl PrescribedMotion {
     /// part.
     pub(crate) fn parts(&self, turns: f64) -> Vec<Self> {
         let largest = self.seams.iter().fold(0.0f64, |a, b| a.max(b.abs())) / std::f64::consts::TAU;
-        let count = (largest / turns - 1e-9).ceil().clamp(1.0, 1000.0);
+        let count = (largest / turns - NOTHING).ceil().clamp(1.0, 1000.0);
         let seams: Vec<f64> = self.seams.iter().map(|angle| angle / count).collect();
         let first = Self { nodes: self.nodes.clone(), seams: seams.clone() };
         let rest = Self { nodes: Vec::new(), seams };

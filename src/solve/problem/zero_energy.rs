@@ -472,7 +472,7 @@ fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
 /// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of
 /// a pure twist would stretch the rod by second order.
 fn weights(engine: &Engine) -> [f64; 2] {
-    let lever = 1e-3 * engine.scales.length;
+    let lever = SAME * engine.scales.length;
     [1.0, lever * lever]
 }
 

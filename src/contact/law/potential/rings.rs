@@ -3,14 +3,11 @@
 use super::ContactGeometry;
 use super::integral::Projector;
 use super::pressure::PairLaw;
+use crate::contact::measures::SAME;
 use crate::contact::projection::{smooth_joint, stationarity};
 use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
-
-/// Difference of points, or of distances, that counts as none, over the reach, because points where the distance is flat
-/// are known to the root of its rounding.
-const SAME: f64 = 1e-6;
 
 impl ContactGeometry<'_> {
     /// A closed curve that lies entirely within reach of a slave point counts as one strand there, although it has as

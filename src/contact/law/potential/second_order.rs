@@ -14,6 +14,9 @@ use crate::contact::zones::FootKind;
 use crate::math::Vec3;
 use crate::math::bernstein::cubic_weights;
 
+/// Least second derivative of the distance to a foot, over that far from the curve, because beyond the centre of curvature a
+/// Newton step would lead away from the foot. With .1 instead, the minicircle takes 375 iterations for 376.
+const LEAST_CURVATURE: f64 = 0.2;
 /// Squared difference of unit tangents below which lines count as parallel, because lines at less than 6°
 /// cross too far away.
 const SAME_DIRECTION: f64 = 0.01;
@@ -125,8 +128,7 @@ fn follow_foot(set: &CurveSet, point: &Vec3, segment: usize, v: f64) -> Vec3 {
     for _ in 0..MAX_STEPS {
         let (foot, tangent, curvature) = set.segments[segment].derivatives(v);
         let (chord, speed_sq) = (point - foot, tangent.norm_squared());
-        // beyond the centre of curvature a Newton step would lead away from the foot
-        let step = chord.dot(&tangent) / (speed_sq - chord.dot(&curvature)).max(0.2 * speed_sq);
+        let step = chord.dot(&tangent) / (speed_sq - chord.dot(&curvature)).max(LEAST_CURVATURE * speed_sq);
         let before = (segment, v);
         (segment, v) = place(set, segment, v + step.clamp(-1.0, 1.0));
         if step.abs() < LAST_STEP || before == (segment, v) {

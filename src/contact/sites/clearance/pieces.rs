@@ -1,12 +1,10 @@
 //! Bounds for one pair of cubic pieces; the mathematics is in the parent's header.
 
 use crate::contact::curves::curve::Cubic;
+use crate::contact::measures::{MAX_STEPS, ROUNDING};
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, derivative, eval, product_with_quadratic, roots};
-
-/// Roundings of squared distances relative to the squared size of the pair of pieces.
-const SAFETY: f64 = 1e-14;
 
 /// Two pieces in coordinates relative to the second's start and the pair's size.
 pub(super) struct PowerForm {
@@ -45,7 +43,7 @@ impl PowerForm {
                 largest = largest.max(c.abs());
             }
         }
-        least - SAFETY * largest
+        least - ROUNDING * largest
     }
 
     /// Parameters of a, ascending, where its foot on b passes an end of b: roots of (b(v_end) − a(u))·b′(v_end), linear
@@ -75,7 +73,7 @@ impl PowerForm {
         let (mut lo, mut hi) = (0.0, 1.0);
         let mut v = q[0] / (q[0] - q[5]);
         // The bound holds for any v, so convergence is not required.
-        for _ in 0..16 {
+        for _ in 0..MAX_STEPS {
             let value = eval(&q, v);
             if value < 0.0 {
                 lo = v
@@ -84,7 +82,7 @@ impl PowerForm {
             }
             let next = v - value / eval(&slope[..5], v);
             let next = if next >= lo && next <= hi { next } else { 0.5 * (lo + hi) };
-            if (next - v).abs() <= 1e-14 {
+            if (next - v).abs() <= ROUNDING {
                 return next;
             }
             v = next;
@@ -122,7 +120,7 @@ impl PowerForm {
         let slope = [blossom(v[0], v[0]), blossom(v[0], v[1]), blossom(v[1], v[1])];
         let harmful = harmful_slope(&w, &slope, v);
         // Coordinates are of order 1, so each component of w carries a few ulp of 1.
-        let lower_sq = least - harmful * harmful / m - SAFETY * (size_sq + size_sq.sqrt());
+        let lower_sq = least - harmful * harmful / m - ROUNDING * (size_sq + size_sq.sqrt());
         let place = v[0] + (v[1] - v[0]) * u;
         DistanceBound {
             lower: self.scale * lower_sq.max(0.0).sqrt(),

@@ -12,13 +12,12 @@
 //! may be long and thin, instead of as small as the valley is level.
 
 use crate::contact::curves::curve::Cubic;
+use crate::contact::measures::ROUNDING;
 use crate::math::Vec3;
 
-/// β: cells overlap by twice this (in their segment's parameter), so that rounding cannot lose a minimum on a border.
+/// β, as a segment's parameter: cells overlap by twice this, because rounding could lose a minimum on a border.
 pub(super) const BORDER: f64 = 1e-9;
-/// Bound of the roundings in w, for coordinates of order one.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
+/// Binomial coefficients, because products of Bernstein polynomials are sums of products of coefficients weighted with them.
 const C2: [f64; 3] = [1.0, 2.0, 1.0];
 const C3: [f64; 4] = [1.0, 3.0, 3.0, 1.0];
 const C5: [f64; 6] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
@@ -154,7 +153,7 @@ impl Bounds {
     /// middle.
     pub(super) fn beyond(&self, reach: f64) -> bool {
         let middle = self.w[1][1] + self.w[1][2] + self.w[2][1] + self.w[2][2];
-        let limit = (reach + 4.0 * ROUNDING) * middle.norm() * (1.0 + 1e-14);
+        let limit = (reach + 4.0 * ROUNDING) * middle.norm() * (1.0 + ROUNDING);
         self.w.iter().flatten().all(|w| w.dot(&middle) > limit)
     }
 

@@ -3,10 +3,19 @@
 use super::cell::{BORDER, CellParallelogram};
 use super::{Closest, DistanceDerivatives, MinimumSearch};
 use crate::contact::curves::curve::Cubic;
+use crate::contact::measures::ROUNDING;
 use crate::math::Vec3;
 
-/// Slope (cosine of the angle between tangent and connection) below which a valley counts as level.
+/// Step off a saddle, as parameters, because the slope at the saddle itself is rounding.
+const OFF_SADDLE: f64 = 0.02;
+/// Fractions of a step of a descent that are tried, because a step that has to be shorter is nearly none.
+const SHORTER: [f64; 5] = [1.0, 0.25, 0.0625, 0.015625, 0.00390625];
+/// Slope (cosine of the angle between tangent and connection) below which a valley counts as level, because a descent
+/// ends where the distance changes by rounding, and slopes there are the root of it.
 const LEVEL: f64 = 1e-7;
+/// Determinant of second derivatives over the product of the diagonal, below which a point is a saddle, because that of a
+/// level valley is rounding about zero.
+const SADDLE: f64 = -1e-9;
 
 /// The part of the square of parameters that a cell covers.
 struct Rectangle {
@@ -66,9 +75,8 @@ fn hull(group: &[&Rectangle], get: fn(&Rectangle) -> [f64; 2]) -> [f64; 2] {
 /// Whether a level valley only touches the square's border with its end. It then belongs to another pair, or to the end
 /// of a curve, which is treated separately.
 fn ends_here(group: &[&Rectangle]) -> bool {
-    const POINT: f64 = 16.0 * BORDER;
     let (u, v) = (hull(group, |c| c.u), hull(group, |c| c.v));
-    let small = u[1] - u[0] < POINT && v[1] - v[0] < POINT;
+    let small = u[1] - u[0] < 16.0 * BORDER && v[1] - v[0] < 16.0 * BORDER;
     let ends = u[0] == 0.0 || u[1] == 1.0 || v[0] == 0.0 || v[1] == 1.0;
     small && ends && group.iter().all(|c| c.level)
 }
@@ -84,7 +92,7 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
         let at = DistanceDerivatives::new(a, b, u, v);
         let level = |d: &Vec3| at.w.dot(d).abs() <= LEVEL * at.w.norm() * d.norm() + 4.0 * f64::EPSILON * d.norm();
         let stationary = level(&at.da) && level(&at.db);
-        let saddle = at.det() < -1e-9 * (at.uu * at.vv).abs() || at.uu < 0.0 || at.vv < 0.0;
+        let saddle = at.det() < SADDLE * (at.uu * at.vv).abs() || at.uu < 0.0 || at.vv < 0.0;
         if stationary && !saddle && at.w.norm() <= *reach {
             points.push((at.w.norm(), u, v));
         }
@@ -97,7 +105,7 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
             let h = DistanceDerivatives::new(a, b, end.0, end.1);
             let angle = 0.5 * (2.0 * h.uv).atan2(h.uu - h.vv) + std::f64::consts::FRAC_PI_2;
             let (sin, cos) = angle.sin_cos();
-            let (du, dv) = (0.02 * cos, 0.02 * sin);
+            let (du, dv) = (OFF_SADDLE * cos, OFF_SADDLE * sin);
             for sign in [-1.0, 1.0] {
                 let from = ((end.0 + sign * du).clamp(hu[0], hu[1]), (end.1 + sign * dv).clamp(hv[0], hv[1]));
                 offer(descend(a, b, from, hu, hv));
@@ -106,7 +114,7 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
     }
     let least = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let off = |p: &(f64, f64, f64)| (p.1 - middle.0).abs() + (p.2 - middle.1).abs();
-    let nearest = points.iter().filter(|p| p.0 <= least * (1.0 + 1e-12) + 4.0 * (f64::EPSILON + noise));
+    let nearest = points.iter().filter(|p| p.0 <= least * (1.0 + ROUNDING) + 4.0 * (f64::EPSILON + noise));
     nearest.min_by(|x, y| off(x).total_cmp(&off(y))).map(|&(_, u, v)| Closest { u, v, radius: 0.0, flat: true })
 }
 
@@ -123,27 +131,21 @@ fn descend(a: &Cubic, b: &Cubic, start: (f64, f64), hu: [f64; 2], hv: [f64; 2]) 
     let value = |u: f64, v: f64| (a.point(u) - b.point(v)).norm_squared();
     let (mut u, mut v) = start;
     let mut here = value(u, v);
-    for _ in 0..60 {
+    // as many steps as bisections
+    for _ in 0..f64::MANTISSA_DIGITS {
         let h = DistanceDerivatives::new(a, b, u, v);
         let (gu, gv) = (h.gu, h.gv);
-        let convex = h.uu > 0.0 && h.vv > 0.0 && h.det() > 1e-12 * h.uu * h.vv;
+        let convex = h.uu > 0.0 && h.vv > 0.0 && h.det() > ROUNDING * h.uu * h.vv;
         let single = (-gu / (h.uu.abs() + h.uv.abs()), -gv / (h.vv.abs() + h.uv.abs()));
         let full = if convex { step(a, b, u, v) } else { single };
-        let mut moved = false;
-        for (du, dv) in [full, single] {
-            let mut part = 1.0;
-            while part > 1e-3 && !moved {
-                let (nu, nv) = ((u + part * du).clamp(hu[0], hu[1]), (v + part * dv).clamp(hv[0], hv[1]));
-                let there = value(nu, nv);
-                if there < here {
-                    (u, v, here, moved) = (nu, nv, there, true);
-                }
-                part *= 0.25;
-            }
-        }
-        if !moved {
-            break;
-        }
+        let shorter = |part: f64, (du, dv): (f64, f64)| {
+            let (u, v) = ((u + part * du).clamp(hu[0], hu[1]), (v + part * dv).clamp(hv[0], hv[1]));
+            (u, v, value(u, v))
+        };
+        let tries = [full, single].into_iter().flat_map(|step| SHORTER.map(|part| (part, step)));
+        let lower = tries.map(|(part, step)| shorter(part, step)).find(|(.., there)| *there < here);
+        let Some(lower) = lower else { break };
+        (u, v, here) = lower;
     }
     (u, v)
 }

@@ -11,7 +11,7 @@
 //! So the first point beyond is predicted with the overlap under which the contact law exerts the force expected there.
 
 use crate::error::SolveError;
-use crate::solve::measures::{ARC, HALVINGS, ROUGH};
+use crate::solve::measures::{ARC, HALVINGS, ROUGH, SLIGHT};
 use crate::solve::path::continuation::MAX_CHORD;
 use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
@@ -217,7 +217,7 @@ impl Tracer<'_> {
             pressed.subtract(&beyond.press, -amount);
             pressed
         };
-        let (mut low, mut high) = (-0.1 * radius / largest, 0.1 * radius / largest);
+        let (mut low, mut high) = (-SLIGHT * radius / largest, SLIGHT * radius / largest);
         for end in [low, high] {
             if (self.exerted(here, &with(end), beyond)? > force) != (end == high) {
                 return Ok(None);

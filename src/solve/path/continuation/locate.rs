@@ -2,7 +2,7 @@
 //! target.
 
 use crate::error::SolveError;
-use crate::solve::measures::{HALVINGS, MAX_ROUNDS, ROUGH};
+use crate::solve::measures::{HALVINGS, MAX_ROUNDS, ROUGH, SAME};
 use crate::solve::path::continuation::PointKind;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
 
@@ -222,7 +222,7 @@ impl Bracket {
     fn next(&self) -> f64 {
         let [low, high] = &self.ends;
         match (low.value, high.value) {
-            (Some(a), Some(b)) if a * b < 0.0 => low.distance + self.width() * (a / (a - b)).clamp(1e-3, 1.0 - 1e-3),
+            (Some(a), Some(b)) if a * b < 0.0 => low.distance + self.width() * (a / (a - b)).clamp(SAME, 1.0 - SAME),
             _ => 0.5 * (low.distance + high.distance),
         }
     }
