@@ -25,6 +25,7 @@ pub fn debye_length_nm(salt: f64) -> Result<f64, InputError> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "scenes", derive(schemars::JsonSchema))]
 pub enum Charge {
     /// Crossing lines have the second virial coefficient of hard rods of the effective diameter of
     /// [`SALT_TABLE`](super::SALT_TABLE), d = λ (ln w + γ + ln 2 − ½), w = 2πν²ℓ_B λ (Stigter 1977, Biopolymers

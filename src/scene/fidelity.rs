@@ -53,6 +53,7 @@ use super::{Contact, ContactLaw};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "scenes", derive(schemars::JsonSchema))]
 pub enum Fidelity {
     /// Exploration: shapes, order of events, forces to some percent.
     Draft,

@@ -11,6 +11,7 @@ mod memory;
 mod mesh;
 mod planes;
 mod poses;
+mod reference;
 mod section;
 mod set;
 mod shapes;
@@ -22,7 +23,8 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 
@@ -35,7 +37,10 @@ use words::in_a_users_words;
 
 #[cfg(feature = "sweeps")]
 pub(crate) use canonical::Canonical;
-pub use help::{Key, REFERENCE, help, keys};
+pub use help::help;
+#[cfg(feature = "runs")]
+pub(crate) use reference::schema_for_editors;
+pub use reference::{Key, keys, reference};
 #[cfg(feature = "sweeps")]
 pub(crate) use set::value_of;
 pub use templates::{TEMPLATES, Template};
@@ -101,16 +106,19 @@ pub struct Scene {
     pub notices: Vec<String>,
 }
 
-/// Solver settings of a scene; `None` leaves the solver's default.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+/// Solver settings of a scene. `None` leaves the solver's default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverChoice {
-    /// Converged when a full Newton step moves no node by more than this × node spacing and turns none by more (rad).
-    /// Legal: between 0 and 1.
+    /// Tolerance of convergence: a full Newton step moves no node by more than this × node spacing and turns none by more
+    /// (rad). Legal: between 0 and 1.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "x-default" = "1e-8, or by `fidelity`"))]
     pub tol_increment: Option<f64>,
-    /// Largest number of Newton iterations of a step. Legal: ≥ 1.
+    /// Largest number of Newton iterations of a step, after which it counts as failed. Legal: ≥ 1.
+    #[schemars(extend("minimum" = 1, "x-default" = "500"))]
     pub max_iterations: Option<usize>,
-    /// Threads. Legal: 1 to [`MOST_THREADS`]. Results do not depend on it.
+    /// Number of threads; results do not depend on it. Legal: 1 to [`MOST_THREADS`].
+    #[schemars(extend("minimum" = 1, "maximum" = MOST_THREADS, "x-default" = "all"))]
     pub threads: Option<usize>,
 }
 
@@ -118,50 +126,61 @@ pub struct SolverChoice {
 pub const MOST_THREADS: usize = 1024;
 
 /// Outputs of a run.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputChoice {
     /// Number of accepted steps from one VTK file to the next (the first and the last step always have one). Legal: ≥
     /// 1.
+    #[schemars(extend("minimum" = 1))]
     pub every: usize,
-    /// Write VTK files for ParaView.
+    /// Whether VTK files for ParaView are written.
     pub vtk: bool,
     /// VTK: number of nodes from one written node to the next (the last is always written); with `node_tolerance` the
     /// largest such number. Legal: ≥ 1.
+    #[schemars(extend("minimum" = 1))]
     pub node_every: usize,
-    /// VTK: nodes within this distance \[L\] of the drawn line are left out. Legal: ≥ 0.
+    /// VTK: distance from the drawn line within which nodes are left out, L. Legal: ≥ 0.
+    #[schemars(extend("x-unit" = "L", "minimum" = 0))]
     pub node_tolerance: Option<f64>,
-    /// Draw pictures.
+    /// Whether pictures are drawn.
     pub picture: bool,
-    /// Write `view.html`, a page for the browser that shows the steps that have a VTK file; without `vtk` there is none.
+    /// Whether `view.html` is written: the steps that have a VTK file, to turn and to step through in a browser.
+    #[schemars(extend("x-allowed" = "needs `vtk`"))]
     pub view: bool,
     /// Number of accepted steps from one checkpoint to the next. Legal: ≥ 1.
+    #[schemars(extend("minimum" = 1, "x-default" = "by time only"))]
     pub checkpoint_steps: Option<usize>,
     /// Time from one checkpoint to the next, s; 0: after every step. Legal: ≥ 0, infinite: never.
+    #[schemars(extend("x-unit" = "s", "minimum" = 0))]
     pub checkpoint_seconds: f64,
-    /// Estimate the error of the final state, see `observe::estimate_error`.
+    /// Whether the error of the final state is estimated, see `observe::estimate_error` in the library.
     pub error_estimate: bool,
-    /// Folder, relative to the working directory; the command line's `--out` takes precedence.
+    /// Folder of the files, relative to where the program runs; the command line's `--out` takes precedence.
+    #[schemars(extend("x-default" = "out/NAME"))]
     pub dir: Option<PathBuf>,
 }
 
-/// Settings of path following in the last stage, see `solve::FollowOptions`: through limit points, where load steps
-/// would jump.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+/// Following of a path through limit points, where load steps would jump, see `solve::FollowOptions` in the library. Arc
+/// lengths count relative changes: 1 is about the way of the ramp.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FollowChoice {
-    /// Initial direction.
+    /// Initial direction: towards the ramp's target or away from it; at a branch point onto the branch, along the critical
+    /// direction or against it.
     pub start: FollowStart,
     /// First step, arc length. Legal: > 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub step: f64,
     /// Longest step, arc length. Legal: ≥ `step`.
+    #[schemars(extend("x-allowed" = "at least `step`"))]
     pub max_step: f64,
     /// Largest number of points of the path. Legal: ≥ 1.
+    #[schemars(extend("minimum" = 1))]
     pub max_points: usize,
 }
 
 /// Initial direction of a path.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FollowStart {
     /// Towards the ramp's target.
@@ -193,28 +212,32 @@ impl FollowChoice {
 }
 
 /// Settings of pictures.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PictureChoice {
     /// Width and height of `picture.png`, pixels. Legal: 16 to 8000. `None`: 1600 wide and as high as the rods need, 320 to
     /// 1200.
+    #[schemars(extend("x-value" = "[width, height]", "x-unit" = "pixels", "x-allowed" = "16 to 8000", "x-default" = "1600 wide, as high as the rods need, up to 1200"))]
     pub size: Option<[usize; 2]>,
-    /// Direction from the rods to the eye, not zero; `None`: the direction of least extent of the final state,
-    /// or a little above the first plane.
+    /// Direction from the rods to the eye, one for all states of a film strip. Legal: not zero. `None`: from where no state
+    /// drawn is seen edge-on, with planes a little above the first.
+    #[schemars(extend("x-allowed" = "not zero", "x-default" = "from where no state drawn is seen edge-on; with planes a little above the first"))]
     pub camera: Option<[f64; 3]>,
-    /// Upward direction of the picture, not along `camera`. `None`: the one with the widest final state; with a
+    /// Direction that appears upwards. Legal: not along `camera`. `None`: the one with the widest final state; with a
     /// `camera`, z or else y.
+    #[schemars(extend("x-allowed" = "with `camera`; not along it", "x-default" = "z, or y"))]
     pub up: Option<[f64; 3]>,
-    /// Quantity that colours the rods.
+    /// Quantity that colours the rods; all but `strand` have a colour bar. Pressure is contact force per length, smoothed
+    /// over the width of the contact law or half an element.
     pub color_by: ColorBy,
-    /// Transparent background in `picture.png`.
+    /// Whether `picture.png` has no background.
     pub transparent: bool,
-    /// Draw a scale bar.
+    /// Whether a bar that shows a length is drawn.
     pub scale_bar: bool,
 }
 
 /// Quantity that colours the rods.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorBy {
     /// One colour for each rod.

@@ -4,6 +4,7 @@
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "scenes", derive(schemars::JsonSchema))]
 pub struct Units {
     /// Unit of length; default "L".
     pub length: String,

@@ -37,27 +37,39 @@ fn template(key: &Key) -> String {
     let planar = || "planar = true\n".to_owned() + &ring();
     match (key.table.as_str(), key.name.as_str()) {
         ("scene", "temperature") => "@\nunits = { length = \"nm\", force = \"pN\" }\n".to_owned() + &ring(),
-        ("scene", "rods") => String::new(),
+        ("scene", "rods") | ("rods.shape", "kind") => String::new(),
         ("scene", _) => "@\n".to_owned() + &ring(),
         ("rods", "elements") => ring().replace("elements = 12", "@"),
         ("rods", "closed") => line() + "@\n",
         ("rods", "twist") => line() + "@\n",
         ("rods", _) => ring() + "@\n",
-        ("rods.shape", "length") => shape("kind = \"line\"", ""),
-        ("rods.shape", "start" | "direction") => shape("kind = \"line\", length = 6.0", ""),
-        ("rods.shape", "center" | "normal") => shape("kind = \"circle\", length = 6.0", "closed = true\n"),
-        ("rods.shape", "radius") => shape("kind = \"arc\", turns = 0.25", ""),
-        ("rods.shape", "turns") => shape("kind = \"arc\", radius = 1.0", ""),
-        ("rods.shape", "tangent") => shape("kind = \"arc\", radius = 1.0, turns = 0.25, towards = [0, 1, 0]", ""),
-        ("rods.shape", "towards") => shape("kind = \"arc\", radius = 1.0, turns = 0.25, tangent = [1, 0, 0]", ""),
-        ("rods.shape", "axis") => shape("kind = \"helix\", radius = 1.0, pitch = 1.0, turns = 2.0", ""),
-        ("rods.shape", "aspect" | "phase") => {
-            shape("kind = \"torus_knot\", length = 6.0, windings = [2, 3]", "closed = true\n")
+        ("rods.shape", name) => {
+            let kind = key.kind.as_deref().unwrap();
+            let others = match (kind, name) {
+                ("line", "length") => "",
+                ("line", _) => "length = 6.0, ",
+                ("circle", "length" | "radius") => "",
+                ("circle", _) => "length = 6.0, ",
+                ("arc", "turns") => "radius = 1.0, ",
+                ("arc", "radius") => "turns = 0.25, ",
+                ("arc", "tangent") => "radius = 1.0, turns = 0.25, towards = [0, 1, 0], ",
+                ("arc", "towards") => "radius = 1.0, turns = 0.25, tangent = [1, 0, 0], ",
+                ("arc", _) => "radius = 1.0, turns = 0.25, ",
+                ("helix", "radius") => "pitch = 1.0, turns = 2.0, ",
+                ("helix", _) => "radius = 1.0, pitch = 1.0, turns = 2.0, ",
+                ("torus_knot", "length") => "windings = [2, 3], ",
+                ("torus_knot", _) => "length = 6.0, windings = [2, 3], ",
+                ("plectoneme", "angle") => "length = 6.0, distance = 0.2, ",
+                ("plectoneme", "distance") => "length = 6.0, turns = 3, ",
+                ("plectoneme", "length") => "distance = 1e-5, turns = 0.5, ",
+                ("plectoneme", _) => "length = 6.0, distance = 0.2, turns = 1, ",
+                ("points", _) => "file = \"oval.csv\", ",
+                ("state", _) => &format!("file = \"{}\", ", state()),
+                (kind, name) => panic!("no scene for {name} of a {kind}"),
+            };
+            let closed = ["circle", "points", "torus_knot", "plectoneme"].contains(&kind);
+            shape(&format!("{others}kind = \"{kind}\""), if closed { "closed = true\n" } else { "" })
         }
-        ("rods.shape", "angle") => shape("kind = \"plectoneme\", length = 6.0, distance = 0.2", "closed = true\n"),
-        ("rods.shape", "distance") => shape("kind = \"plectoneme\", length = 6.0, turns = 3", "closed = true\n"),
-        ("rods.shape", "rod") => shape(&format!("kind = \"state\", file = \"{}\"", state()), ""),
-        ("rods.shape", _) => shape("kind = \"points\", file = \"oval.csv\"", "closed = true\n"),
         ("rods.section", "contact_radius") => {
             section("bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, ")
         }
@@ -157,53 +169,46 @@ fn content(mut scene: Scene) -> String {
 }
 
 /// Defaults in words.
-const DEFAULTS_IN_WORDS: [&str; 29] = [
+const DEFAULTS_IN_WORDS: [&str; 30] = [
     "none",
     "stays",
     "the only rod",
+    "the only plane",
     "in place",
     "as before",
     "all",
+    "straight",
     "by the mesh",
     "by time only",
     "out/NAME",
-    "by salt_mM",
+    "by `salt_mM`",
     "Cowper's",
-    "the circle's",
-    "from dna",
+    "that of the `circle`",
+    "from `dna`",
+    "needed without moduli",
+    "needed without `letters`",
+    "needed without `strength`",
+    "those of its keys",
     "the only one",
     "x, y, z, or the only three",
     "twice the contact radius",
-    "that of least energy at excess_link",
-    "rod, of an only rod",
-    "plane, of an only plane",
+    "that of least energy at `excess_link`",
+    "`rod`, of an only rod",
+    "`plane`, of an only plane",
     "the writhe of the shape",
-    "by fidelity; those of a state",
-    "L, F; nm, pN with dna",
+    "by `fidelity`; those of a `state`",
+    "`L`, `F`; nm, pN with `dna`",
     "1600 wide, as high as the rods need, up to 1200",
-    "from where no state drawn is seen edge-on; with planes a little above the first",
     "z, or y",
-    "z; straight",
-    "towards the rods",
-    "",
-    "",
 ];
 
 /// A default as a value; none if it is told in words.
 fn default_value(key: &Key) -> Option<String> {
-    let told = key.default.split(", or by ").next().unwrap();
-    if DEFAULTS_IN_WORDS.contains(&key.default.as_str()) {
+    let in_words = |words: &str| DEFAULTS_IN_WORDS.contains(&words) || words.starts_with("from where no state");
+    if key.is_required || in_words(&key.default) {
         return None;
     }
-    Some(match told {
-        "origin" => "[0, 0, 0]".to_owned(),
-        "0" if key.value.starts_with("[x") => "[0, 0, 0]".to_owned(),
-        "x" => "[1, 0, 0]".to_owned(),
-        "y" => "[0, 1, 0]".to_owned(),
-        "z" => "[0, 0, 1]".to_owned(),
-        word if key.value.starts_with("word") => format!("\"{}\"", word.trim_matches('"')),
-        other => other.to_owned(),
-    })
+    Some(key.default.split(", or by ").next().unwrap().replace('`', ""))
 }
 
 #[test]
@@ -279,10 +284,10 @@ fn probes(key: &Key) -> Option<[Vec<String>; 2]> {
                 refused.extend(["0", "4"].map(str::to_owned));
                 taken.extend(["1", "2", "3"].map(str::to_owned));
             }
-            _ if key.value == "word" && !part.trim().is_empty() => {
+            _ if key.value == "word" && part.trim().starts_with('`') => {
                 refused.push("\"zzz\"".to_owned());
                 // other kinds of shapes need other keys
-                let words = part.split(',').map(|word| word.trim().trim_matches('"'));
+                let words = part.split(',').map(|word| word.trim().trim_matches(['`', '"']));
                 taken.extend(words.filter(|_| key.name != "kind").map(|word| format!("\"{word}\"")));
             }
             _ => {}

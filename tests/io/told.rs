@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use serde_json::Value;
 use supercoil::io::vtk::read_vtp;
 use supercoil::math::Vec3;
 
@@ -234,7 +235,7 @@ fn slips_are_warned_of() {
 #[test]
 fn the_schema_fits_the_examples() {
     let out = supercoil(&["help", "schema"]);
-    let schema: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let schema: Value = serde_json::from_slice(&out.stdout).unwrap();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut count = 0;
     for folder in ["examples", "assets/scenes"] {
@@ -253,28 +254,27 @@ fn the_schema_fits_the_examples() {
     assert_eq!(fits(&schema, &schema, &bad), Err(".rods[].elements".to_owned()));
     let unknown = serde_json::json!({ "stages": [{ "ramp": { "excess_lnk": {} } }] });
     assert!(fits(&schema, &schema, &unknown).is_err());
-    assert!(schema["$defs"]["rods"]["properties"]["excess_link"]["description"].as_str().unwrap().contains("turns"));
+    let without_rods = serde_json::json!({ "planar": true });
+    assert_eq!(fits(&schema, &schema, &without_rods), Err(".rods (missing)".to_owned()));
+    let too_many = serde_json::json!({ "rods": [], "solver": { "threads": 1025 } });
+    assert_eq!(fits(&schema, &schema, &too_many), Err(".solver.threads".to_owned()));
+    let described = schema["$defs"]["RodText"]["properties"]["excess_link"]["description"].as_str().unwrap();
+    assert!(described.contains("number, turns") && described.contains("closed rods"), "{described}");
 }
 
 /// As much of JSON Schema as the schema of scenes uses; the place that does not fit.
-fn fits(root: &serde_json::Value, schema: &serde_json::Value, value: &serde_json::Value) -> Result<(), String> {
-    use serde_json::Value;
+fn fits(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
     if let Some(name) = schema["$ref"].as_str() {
         return fits(root, &root["$defs"][name.rsplit('/').next().unwrap()], value);
     }
-    if let Some(ways) = schema["anyOf"].as_array() {
+    if let Some(ways) = schema["anyOf"].as_array().or(schema["oneOf"].as_array()) {
         let tried: Vec<_> = ways.iter().map(|way| fits(root, way, value)).collect();
         return tried.iter().find(|way| way.is_ok()).unwrap_or(&tried[0]).clone();
     }
-    if let Some(words) = schema["enum"].as_array() {
-        return if words.contains(value) { Ok(()) } else { Err(String::new()) };
-    }
-    let kinds: Vec<&str> = match &schema["type"] {
-        Value::String(kind) => vec![kind],
-        Value::Array(kinds) => kinds.iter().filter_map(Value::as_str).collect(),
-        _ => return Ok(()),
-    };
-    let is = |kind: &&str| match *kind {
+    let refused = |wrong: bool| if wrong { Err(String::new()) } else { Ok(()) };
+    refused(schema["enum"].as_array().is_some_and(|words| !words.contains(value)))?;
+    refused(schema.get("const").is_some_and(|word| word != value))?;
+    let is = |kind: &str| match kind {
         "object" => value.is_object(),
         "array" => value.is_array(),
         "string" => value.is_string(),
@@ -282,19 +282,29 @@ fn fits(root: &serde_json::Value, schema: &serde_json::Value, value: &serde_json
         "integer" => value.is_i64() || value.is_u64(),
         _ => value.is_number(),
     };
-    if !kinds.iter().any(is) {
-        return Err(String::new());
+    refused(schema["type"].as_str().is_some_and(|kind| !is(kind)))?;
+    if let Some(number) = value.as_f64() {
+        let bound = |name: &str| schema[name].as_f64();
+        refused(bound("minimum").is_some_and(|least| number < least))?;
+        refused(bound("maximum").is_some_and(|most| number > most))?;
+        refused(bound("exclusiveMinimum").is_some_and(|above| number <= above))?;
+        refused(bound("exclusiveMaximum").is_some_and(|below| number >= below))?;
     }
     if let (Some(items), Some(list)) = (schema.get("items"), value.as_array()) {
         list.iter().try_for_each(|item| fits(root, items, item)).map_err(|place| format!("[]{place}"))?;
+        refused(schema["minItems"].as_u64().is_some_and(|least| (list.len() as u64) < least))?;
+        refused(schema["maxItems"].as_u64().is_some_and(|most| list.len() as u64 > most))?;
     }
-    if let (Some(known), Some(table)) = (schema["properties"].as_object(), value.as_object()) {
-        for (key, value) in table {
-            let inner = known.get(key).ok_or_else(|| format!(".{key} (unknown)"))?;
-            fits(root, inner, value).map_err(|place| format!(".{key}{place}"))?;
+    let Some(table) = value.as_object() else { return Ok(()) };
+    for (key, value) in table {
+        match schema["properties"].get(key) {
+            Some(inner) => fits(root, inner, value).map_err(|place| format!(".{key}{place}"))?,
+            None if schema["additionalProperties"] == false => return Err(format!(".{key} (unknown)")),
+            None => {}
         }
     }
-    Ok(())
+    let mut required = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    required.find(|key| !table.contains_key(*key)).map_or(Ok(()), |key| Err(format!(".{key} (missing)")))
 }
 
 const ARCH: &str = r#"

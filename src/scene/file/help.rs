@@ -1,4 +1,4 @@
-//! The keys of a scene file as text, from the table in the documentation of [`Scene`](super::Scene).
+//! Help on the keys of a scene file.
 
 use std::fmt::Write as _;
 
@@ -6,51 +6,10 @@ use crate::error::InputError;
 
 use crate::text::likest;
 
-/// The keys of a scene file: Markdown tables, one heading for each table of a scene.
-pub const REFERENCE: &str = include_str!("../reference.md");
+use super::reference::{Key, keys};
 
 /// Largest width of a line, in columns.
 const WIDTH: usize = 100;
-
-/// A key of a scene file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Key {
-    /// The table of the key, as `rods.shape`; `scene` for the outermost.
-    pub table: String,
-    /// The key itself.
-    pub name: String,
-    /// Type and unit of the value.
-    pub value: String,
-    /// Legal values; may be empty.
-    pub allowed: String,
-    /// Default; empty if the key is required or its default depends on others.
-    pub default: String,
-    /// Meaning.
-    pub meaning: String,
-}
-
-impl Key {
-    /// The key with its table, as `rods.shape.length`.
-    pub fn path(&self) -> String {
-        if self.table == "scene" { self.name.clone() } else { format!("{}.{}", self.table, self.name) }
-    }
-}
-
-/// All keys of a scene file, in the order of the reference.
-pub fn keys() -> Vec<Key> {
-    let (mut table, mut all) = (String::new(), Vec::new());
-    for line in REFERENCE.lines() {
-        if let Some(heading) = line.strip_prefix("### ") {
-            heading.clone_into(&mut table);
-        }
-        let Some(row) = line.strip_prefix("| `") else { continue };
-        let mut cells = row.split('|').map(|cell| cell.replace('`', "").trim().to_owned());
-        let mut next = || cells.next().unwrap_or_default();
-        let (name, value, allowed, default, meaning) = (next(), next(), next(), next(), next());
-        all.push(Key { table: table.clone(), name, value, allowed, default, meaning });
-    }
-    all
-}
 
 /// Help on a key (`excess_link`, `rods.excess_link`), a table (`rods.dna`) or, without a key, on all keys.
 ///
@@ -78,17 +37,15 @@ pub fn help(key: Option<&str>) -> Result<String, InputError> {
 
 fn listing(keys: &[Key]) -> String {
     let mut text = String::new();
-    let mut table = "";
+    let mut heading = String::new();
     for key in keys {
-        if key.table != table {
-            let gap = if table.is_empty() { "" } else { "\n" };
-            writeln!(text, "{gap}{}", key.table).ok();
-            table = &key.table;
+        if key.heading() != heading {
+            let gap = if heading.is_empty() { "" } else { "\n" };
+            heading = key.heading();
+            writeln!(text, "{gap}{heading}").ok();
         }
-        let default = if key.default.is_empty() { String::new() } else { format!("default: {}", key.default) };
-        let more: Vec<&str> = [key.allowed.as_str(), &default].into_iter().filter(|part| !part.is_empty()).collect();
-        let more = if more.is_empty() { String::new() } else { format!(" ({})", more.join("; ")) };
-        push_wrapped(&mut text, &format!("  {:<20}", key.name), &format!("{}{more}: {}", key.value, key.meaning));
+        let words = format!("{}: {}", key.form(), key.meaning.replace('`', ""));
+        push_wrapped(&mut text, &format!("  {:<20}", key.name), &words);
     }
     text
 }

@@ -1,287 +1,180 @@
 //! The text of a scene file: one struct per table; unknown keys are refused. The parent module gives the meaning.
+//!
+//! Doc comments and attributes of the fields are the reference of keys (`supercoil help scene`), its page and the JSON
+//! Schema: a comment is the meaning, `x-unit` the unit, a bound or `x-allowed` the range, serde's default or `x-default`
+//! the default, `x-value` the form of a value where its type does not tell.
 
-use std::path::PathBuf;
+mod rods;
+mod shapes;
+mod stages;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::dna::salt::Charge;
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, FixedAxes, List, NaturalText, OneOrMany, Pair, RodNames, some_table, table, tables};
-use super::{FollowChoice, OutputChoice, PictureChoice, SolverChoice};
+use super::values::{At, FixedAxes, List, RodNames, some_table, table, tables};
+use super::{OutputChoice, PictureChoice, SolverChoice};
 
-#[derive(Deserialize)]
+pub(super) use rods::{DnaText, RodText, SectionText, SequenceText};
+pub(super) use shapes::ShapeText;
+pub(super) use stages::{PathText, PoseText, RampText, StageText, StagesText};
+
+/// Lengths are in one unit of length \[L\], forces in one unit of force \[F\]; all angles are in turns.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "scene of supercoil")]
 pub(super) struct SceneText {
+    /// Title, for reports.
     #[serde(default)]
+    #[schemars(extend("x-allowed" = "one line", "x-default" = "none"))]
     pub title: String,
+    /// Names of the units, for reports; nothing is converted.
     #[serde(default, deserialize_with = "table")]
+    #[schemars(extend("x-allowed" = "one line", "x-default" = "`L`, `F`; nm, pN with `dna`"))]
     pub units: Units,
+    /// Whether all rods lie in a plane of constant z, and stay there.
     #[serde(default)]
     pub planar: bool,
+    /// Temperature at which energies are also given in kT, where units are nm and pN.
+    #[schemars(extend("x-unit" = "K", "exclusiveMinimum" = 0, "x-allowed" = "units nm and pN", "x-default" = "300"))]
     pub temperature: Option<f64>,
+    /// Accuracy preset: sets elements, contact law and tolerances that are not given.
     pub fidelity: Option<Fidelity>,
+    /// The rods.
     #[serde(deserialize_with = "tables")]
+    #[schemars(extend("x-allowed" = "at least one"))]
     pub rods: Vec<RodText>,
+    /// Supports of nodes.
     #[serde(default, deserialize_with = "tables")]
     pub supports: Vec<SupportText>,
+    /// Nodes joined rigidly for good.
     #[serde(default, deserialize_with = "tables")]
     pub joints: Vec<JointText>,
+    /// Dead forces and moments at nodes.
     #[serde(default, deserialize_with = "tables")]
     pub loads: Vec<LoadText>,
+    /// Dead forces and moments per length.
     #[serde(default, deserialize_with = "tables")]
     pub line_loads: Vec<LineLoadText>,
+    /// Planes that rods touch on one side.
     #[serde(default, deserialize_with = "tables")]
     pub planes: Vec<PlaneText>,
+    /// Enforcement of contact.
     #[serde(default, deserialize_with = "table")]
+    #[schemars(extend("x-default" = "those of its keys"))]
     pub contact: ContactText,
+    /// Motions and changes, one stage after the other.
     #[serde(default, deserialize_with = "tables")]
     pub stages: Vec<StageText>,
+    /// Tolerances, threads.
     #[serde(default, deserialize_with = "table")]
+    #[schemars(extend("x-default" = "those of its keys"))]
     pub solver: SolverChoice,
+    /// Files of a run.
     #[serde(default, deserialize_with = "table")]
+    #[schemars(extend("x-default" = "those of its keys"))]
     pub output: OutputChoice,
+    /// Settings of pictures.
     #[serde(default, deserialize_with = "table")]
+    #[schemars(extend("x-default" = "those of its keys"))]
     pub picture: PictureChoice,
 }
 
-fn default_order() -> usize {
-    3
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RodText {
-    #[serde(default)]
-    pub name: String,
-    #[serde(default)]
-    pub closed: bool,
-    #[serde(deserialize_with = "table")]
-    pub shape: ShapeText,
-    #[serde(default, deserialize_with = "some_table")]
-    pub section: Option<SectionText>,
-    #[serde(default, deserialize_with = "some_table")]
-    pub dna: Option<DnaText>,
-    pub elements: Option<usize>,
-    #[serde(default = "default_order")]
-    pub order: usize,
-    #[serde(default)]
-    pub natural: NaturalText,
-    #[serde(default, deserialize_with = "some_table")]
-    pub sequence: Option<SequenceText>,
-    #[serde(default)]
-    pub roll: f64,
-    pub excess_link: Option<f64>,
-    pub link: Option<f64>,
-    pub sigma: Option<f64>,
-    pub twist: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DnaText {
-    pub base_pairs: usize,
-    #[serde(rename = "salt_mM")]
-    pub salt: Option<f64>,
-    pub diameter: Option<f64>,
-    pub helical_repeat: Option<f64>,
-    pub rise: Option<f64>,
-    pub bending_persistence: Option<f64>,
-    pub twist_persistence: Option<f64>,
-    pub stretch_modulus: Option<f64>,
-}
-
-fn one() -> usize {
-    1
-}
-
-fn unit_scale() -> f64 {
-    1.0
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SequenceText {
-    pub fasta: Option<PathBuf>,
-    pub letters: Option<String>,
-    pub steps: String,
-    pub proteins: Option<PathBuf>,
-    pub block: Option<usize>,
-}
-
-fn half() -> f64 {
-    0.5
-}
-
-fn axis_x() -> List<f64, 3> {
-    List([1.0, 0.0, 0.0])
-}
-
-fn axis_y() -> List<f64, 3> {
-    List([0.0, 1.0, 0.0])
-}
-
-fn axis_z() -> List<f64, 3> {
-    List([0.0, 0.0, 1.0])
-}
-
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum ShapeText {
-    Line {
-        #[serde(default)]
-        start: List<f64, 3>,
-        #[serde(default = "axis_x")]
-        direction: List<f64, 3>,
-        length: Option<f64>,
-    },
-    Circle {
-        length: Option<f64>,
-        radius: Option<f64>,
-        #[serde(default)]
-        center: List<f64, 3>,
-        #[serde(default = "axis_z")]
-        normal: List<f64, 3>,
-    },
-    Arc {
-        #[serde(default)]
-        start: List<f64, 3>,
-        #[serde(default = "axis_x")]
-        tangent: List<f64, 3>,
-        #[serde(default = "axis_y")]
-        towards: List<f64, 3>,
-        radius: f64,
-        turns: f64,
-    },
-    Helix {
-        #[serde(default)]
-        center: List<f64, 3>,
-        #[serde(default = "axis_z")]
-        axis: List<f64, 3>,
-        radius: f64,
-        pitch: f64,
-        turns: f64,
-    },
-    Points {
-        file: PathBuf,
-        columns: Option<Vec<String>>,
-        frame: Option<i64>,
-        chain: Option<String>,
-        #[serde(default = "one")]
-        every: usize,
-        #[serde(default = "unit_scale")]
-        scale: f64,
-        smooth: Option<f64>,
-    },
-    Frames {
-        file: PathBuf,
-    },
-    State {
-        file: PathBuf,
-        #[serde(default)]
-        rod: usize,
-    },
-    Plectoneme {
-        length: Option<f64>,
-        distance: Option<f64>,
-        turns: Option<f64>,
-        angle: Option<f64>,
-        center: Option<List<f64, 3>>,
-        direction: Option<List<f64, 3>>,
-        axis: Option<Box<ShapeText>>,
-    },
-    TorusKnot {
-        length: Option<f64>,
-        windings: List<i32, 2>,
-        #[serde(default = "half")]
-        aspect: f64,
-        #[serde(default)]
-        phase: f64,
-        #[serde(default)]
-        center: List<f64, 3>,
-        #[serde(default = "axis_z")]
-        normal: List<f64, 3>,
-    },
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SectionText {
-    pub table: Option<PathBuf>,
-    pub stiffness: Option<List<List<f64, 6>, 6>>,
-    pub bending: Option<Pair>,
-    pub twisting: Option<f64>,
-    pub stretching: Option<f64>,
-    pub shearing: Option<Pair>,
-    pub young: Option<f64>,
-    pub poisson: Option<f64>,
-    pub shear_modulus: Option<f64>,
-    pub circle: Option<f64>,
-    pub rectangle: Option<List<f64, 2>>,
-    pub shear_correction: Option<f64>,
-    pub contact_radius: Option<f64>,
-}
-
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SupportText {
+    /// Rod whose node is held.
     #[serde(default)]
+    #[schemars(extend("x-default" = "the only rod"))]
     pub rod: RodNames,
+    /// Node that is held.
     pub at: At,
+    /// Components of its position that are held.
     #[serde(default)]
     pub position: FixedAxes,
+    /// Axes about which its rotation is held; one alone is a joint of constant velocity.
     #[serde(default)]
     pub rotation: FixedAxes,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointText {
+    /// One node.
     #[serde(deserialize_with = "table")]
+    #[schemars(extend("x-allowed" = "at one place with `b`"))]
     pub a: EndText,
+    /// The other node, joined rigidly to it.
     #[serde(deserialize_with = "table")]
+    #[schemars(extend("x-allowed" = "of another element"))]
     pub b: EndText,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EndText {
+    /// Rod of the node.
+    #[schemars(extend("x-value" = "name", "x-default" = "the only rod"))]
     pub rod: Option<String>,
+    /// The node.
     pub at: At,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoadText {
+    /// Rod whose node is loaded.
+    #[schemars(extend("x-value" = "name", "x-default" = "the only rod"))]
     pub rod: Option<String>,
+    /// Node that is loaded.
     pub at: At,
+    /// Force; keeps its direction, times the load factor of the stages.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "F"))]
     pub force: List<f64, 3>,
+    /// Moment; keeps its direction, times the load factor of the stages.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "F L"))]
     pub moment: List<f64, 3>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LineLoadText {
+    /// Rod that is loaded.
+    #[schemars(extend("x-value" = "name", "x-default" = "the only rod"))]
     pub rod: Option<String>,
+    /// Force per reference length; keeps its direction, times the load factor of the stages.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "F/L"))]
     pub force: List<f64, 3>,
+    /// Moment per reference length; keeps its direction in space, times the load factor of the stages.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "F"))]
     pub moment: List<f64, 3>,
 }
 
-#[derive(Deserialize)]
+/// A plane pushes rods away along its normal, without friction, under the law of `[contact]`: their surfaces stay above
+/// it. It holds no rod by itself.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlaneText {
+    /// Name by which stages and reports call it.
     #[serde(default)]
+    #[schemars(extend("x-allowed" = "unlike the others", "x-default" = "`plane`, of an only plane"))]
     pub name: String,
+    /// A point on it.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "L", "x-allowed" = "no rod starts below"))]
     pub point: List<f64, 3>,
+    /// Unit normal, towards the rods.
+    #[schemars(extend("x-allowed" = "length 1; in the x-y plane of planar scenes"))]
     pub normal: List<f64, 3>,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, serde::Serialize, Default)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LawText {
     None,
@@ -290,151 +183,40 @@ pub(super) enum LawText {
     AugmentedLagrangian,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactText {
+    /// Way in which contact is enforced.
     #[serde(default)]
     pub law: LawText,
+    /// Stiffness κ ε⁴/B: B smallest bending stiffness, ε smallest contact radius.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-default" = "by the mesh"))]
     pub stiffness: Option<f64>,
+    /// Penetration left, over the smallest contact radius.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "x-default" = "1e-8, or by `fidelity`"))]
     pub tol_penetration: Option<f64>,
+    /// Screened repulsion of the strands, beside hard contact.
     #[serde(default, deserialize_with = "some_table")]
     pub electrostatics: Option<ElectrostaticsText>,
 }
 
-#[derive(Deserialize, Clone, Copy)]
+/// Two points of strands at a distance r have the energy A exp(−r/λ)/r per product of their lengths; up to r = 10 λ.
+/// Points of one rod do so from 4 to 8 λ along it on, beyond their energy on a straight rod.
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ElectrostaticsText {
+    /// Monovalent salt; gives A and λ. Rods with `dna` then have the bare contact diameter, 2 nm.
     #[serde(rename = "salt_mM")]
+    #[schemars(extend("x-unit" = "mmol/l", "minimum" = 10, "maximum" = 1000, "x-allowed" = "units nm and pN", "x-default" = "needed without `strength`"))]
     pub salt: Option<f64>,
+    /// Charge of the line: as effective diameters have it, or condensed by Manning's rule on a cylinder of 1 nm, see
+    /// `dna::salt` in the library.
+    #[schemars(extend("x-default" = "`\"diameter\"`"))]
     pub charge: Option<Charge>,
+    /// A, in place of `salt_mM`.
+    #[schemars(extend("x-unit" = "F", "exclusiveMinimum" = 0))]
     pub strength: Option<f64>,
+    /// λ, in place of `salt_mM`.
+    #[schemars(extend("x-unit" = "L", "x-allowed" = "0.01 to 100 contact radii"))]
     pub debye_length: Option<f64>,
-}
-
-/// Stages without a scene.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct StagesText {
-    pub stages: Vec<StageText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct StageText {
-    #[serde(default, deserialize_with = "table")]
-    pub ramp: RampText,
-    #[serde(default, deserialize_with = "tables")]
-    pub hold: Vec<SupportText>,
-    #[serde(default, deserialize_with = "tables")]
-    pub release: Vec<SupportText>,
-    #[serde(default, deserialize_with = "some_table")]
-    pub follow: Option<FollowChoice>,
-    #[serde(default = "one")]
-    pub steps: usize,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RampText {
-    #[serde(default)]
-    pub excess_link: OneOrMany<ScalarText>,
-    #[serde(default)]
-    pub link: OneOrMany<ScalarText>,
-    #[serde(default)]
-    pub sigma: OneOrMany<ScalarText>,
-    #[serde(default)]
-    pub rotation: OneOrMany<RotationText>,
-    #[serde(default)]
-    pub displacement: OneOrMany<DisplacementText>,
-    #[serde(default)]
-    pub pose: OneOrMany<PoseText>,
-    pub load: Option<f64>,
-    #[serde(default)]
-    pub pressure: OneOrMany<ScalarText>,
-    #[serde(default)]
-    pub plane: OneOrMany<PlaneRampText>,
-    #[serde(default)]
-    pub section: OneOrMany<SectionRampText>,
-    #[serde(default)]
-    pub length: OneOrMany<ScalarText>,
-    #[serde(default)]
-    pub natural: OneOrMany<NaturalRampText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PlaneRampText {
-    pub name: Option<String>,
-    pub to: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SectionRampText {
-    pub rod: Option<String>,
-    pub contact_radius: Option<f64>,
-    pub bending: Option<Pair>,
-    pub twisting: Option<f64>,
-    pub stretching: Option<f64>,
-    pub shearing: Option<Pair>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct NaturalRampText {
-    pub rod: Option<String>,
-    pub curvature: Option<List<f64, 2>>,
-    pub twist: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ScalarText {
-    pub rod: Option<String>,
-    pub to: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RotationText {
-    #[serde(default)]
-    pub rod: RodNames,
-    pub at: At,
-    pub axis: List<f64, 3>,
-    pub through: Option<List<f64, 3>>,
-    pub turns: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DisplacementText {
-    #[serde(default)]
-    pub rod: RodNames,
-    pub at: At,
-    pub to: List<f64, 3>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PoseText {
-    #[serde(default)]
-    pub rod: RodNames,
-    pub at: At,
-    pub position: Option<List<f64, 3>>,
-    pub quaternion: Option<List<f64, 4>>,
-    pub axis_angle: Option<List<f64, 4>>,
-    pub matrix: Option<List<List<f64, 3>, 3>>,
-    #[serde(default)]
-    pub relative: bool,
-    #[serde(default)]
-    pub path: PathText,
-    pub extra_turns: Option<f64>,
-}
-
-#[derive(Deserialize, Clone, Copy, Default)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum PathText {
-    #[default]
-    Straight,
-    Screw,
 }

@@ -1,17 +1,25 @@
 //! Values that may be written in more than one way. Visitors by hand instead of untagged enums, because their errors
 //! name the expected value and its position.
 
+mod schema;
+
 use std::fmt;
 use std::marker::PhantomData;
 use std::path::PathBuf;
 
-use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// A list of exactly `N` values; a longer list is an error, too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct List<T, const N: usize>(pub [T; N]);
+
+impl<T: Serialize, const N: usize> Serialize for List<T, N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.as_slice().serialize(serializer)
+    }
+}
 
 impl<T: Default + Copy, const N: usize> Default for List<T, N> {
     fn default() -> Self {
