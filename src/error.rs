@@ -182,6 +182,19 @@ pub enum SolveError {
         /// Largest relative rotation, turns.
         limit: f64,
     },
+    /// The matrices need more memory than there is.
+    #[error(
+        "{pairs} pairs of segments may touch: their matrices take at least {needed:.1} GiB, and {available:.1} GiB are \
+         available; use fewer elements where rods lie side by side"
+    )]
+    Memory {
+        /// Candidate pairs of segments.
+        pairs: usize,
+        /// Least memory of the tangent and its factor, GiB.
+        needed: f64,
+        /// Memory available, GiB.
+        available: f64,
+    },
     /// Not enough memory or index range for the factorisation.
     #[error("the sparse factorisation could not be set up: {reason}")]
     Symbolic {

@@ -107,13 +107,13 @@
 //! | `parallel` | threads; results are the same bits without | 5 |
 //! | `solver` | equilibria, paths, stability, observation; faer | 34 |
 //! | `serde` | states, restarts and reports can be written and read with serde | 3 |
-//! | `scenes` | scene files (TOML); `serde` | 10 |
+//! | `scenes` | scene files (TOML); `serde` | 22 |
 //! | `tables` | tables and states as CSV; `solver` | 40 |
 //! | `pictures` | pictures of tubes, plots | 26 |
 //! | `view` | films of rods as a page for the browser, as glTF; `pictures` | 36 |
-//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 79 |
-//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 89 |
-//! | `cli` | the command line; `sweeps` | 108 |
+//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 87 |
+//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 97 |
+//! | `cli` | the command line; `sweeps` | 116 |
 //!
 //! Without `solver` there are no modules `sparse`, `solve` and `observe`. Without features and with
 //! `solver` it builds for `wasm32-unknown-unknown` and runs in the browser (`live/` is a page with the solver in it).
@@ -135,6 +135,8 @@ pub mod error;
 pub mod internals;
 pub mod io;
 pub mod math;
+#[cfg(any(feature = "scenes", feature = "solver"))]
+mod memory;
 #[cfg(feature = "solver")]
 pub mod observe;
 pub mod rod;

@@ -34,11 +34,13 @@ pub struct StartOverlap {
 /// probably not intended.
 ///
 /// # Errors
-/// Models that [`Engine::new`] refuses; start shapes too coarse for contact.
+/// Models that [`Engine::new`] refuses; start shapes too coarse for contact, or with more candidates of contact than there
+/// is memory for.
 pub fn start_overlaps(model: &Model) -> Result<Vec<StartOverlap>, RunError> {
     let mut engine = Engine::new(model.clone(), None).map_err(RunError::Input)?;
     let state = engine.state().clone();
     engine.update_contact(&state)?;
+    engine.check_memory()?;
     let overlap = |rods: [usize; 2], arcs: [[f64; 2]; 2], gap: f64| {
         let radii = [0, 1].map(|k| engine.model().rods[rods[k]].contact_radius_at(arcs[k][0]));
         let contact_distance = radii[0] + radii[1];

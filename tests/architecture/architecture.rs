@@ -1,6 +1,6 @@
 //! Layers: lower ones know nothing of higher ones.
 //!
-//! math → {contact, rod → dna, sparse} → scene → solve → observe → io → main; `error` and `text` are open to all. Scans
+//! math → {contact, rod → dna, sparse} → scene → solve → observe → io → main; `error`, `memory` and `text` are open to all. Scans
 //! every `crate::` path in the sources outside comments.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
@@ -9,15 +9,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Each module of the crate's root and what it may use besides itself.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("error", &[]),
+    ("memory", &[]),
     ("text", &["error"]),
     ("math", &["error"]),
     ("contact", &["error", "math"]),
     ("rod", &["error", "math"]),
     ("sparse", &["error", "math"]),
-    ("scene", &["error", "math", "rod", "text", "dna"]),
-    ("solve", &["error", "math", "contact", "rod", "sparse", "scene"]),
+    ("scene", &["error", "math", "memory", "rod", "text", "dna"]),
+    ("solve", &["error", "math", "memory", "contact", "rod", "sparse", "scene"]),
     ("observe", &["error", "math", "contact", "rod", "scene", "solve"]),
     ("io", &["error", "math", "rod", "scene", "solve", "observe", "text", "dna"]),
     ("dna", &["error", "math", "rod", "text"]),

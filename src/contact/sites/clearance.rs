@@ -34,6 +34,9 @@ mod tests;
 /// contact that is level to rounding could be cut without end.
 const BUDGET_PER_PAIR: usize = 200;
 const BUDGET_MIN: usize = 200_000;
+/// Parts of the largest gap below which is looked, one after the other, because beside each other rods have a number of
+/// pairs of segments that grows with the root of the ceiling, and only those near the smallest gap matter.
+const CEILINGS: [f64; 3] = [1.0 / 256.0, 1.0 / 16.0, 1.0];
 /// Distance beyond the smallest one known, over the radii, within which a place is tried, because a smaller known distance
 /// leaves fewer pieces.
 const NEARBY: f64 = 1e-3;
@@ -82,13 +85,19 @@ pub fn smallest_clearance(set: &CurveSet, exclusion: &Exclusion, max_gap: f64, t
     if !max_gap.is_finite() || tol.is_nan() {
         return None;
     }
+    let ceilings: &[f64] = if max_gap > 0.0 { &CEILINGS } else { &[1.0] };
+    ceilings.iter().find_map(|part| clearance_below(set, exclusion, part * max_gap, tol))
+}
+
+/// Smallest gap below a ceiling.
+fn clearance_below(set: &CurveSet, exclusion: &Exclusion, ceiling: f64, tol: f64) -> Option<Clearance> {
     let mut broad = BroadPhase::new();
-    let pairs = broad.candidates(set, exclusion, max_gap, 0.0).ok()?;
+    let pairs = broad.candidates(set, exclusion, ceiling, 0.0).ok()?;
     let mut search = ClearanceSearch {
         set,
         exclusion,
         best: None,
-        upper: max_gap,
+        upper: ceiling,
         tol: tol.max(0.0),
         heap: BinaryHeap::new(),
         dropped: f64::INFINITY,
@@ -158,25 +167,23 @@ enum ExcludedPart {
 
 impl ClearanceSearch<'_> {
     fn run(&mut self, pairs: &[[u32; 2]]) -> Option<Clearance> {
-        let capsules: Vec<Capsule> = self.set.segments.iter().map(Capsule::new).collect();
-        for &[i, j] in pairs {
+        let (set, exclusion) = (self.set, self.exclusion);
+        let capsules: Vec<Capsule> = set.segments.iter().map(Capsule::new).collect();
+        let whole = |&[i, j]: &[u32; 2]| {
             let (a, b) = (i as usize, j as usize);
-            if !self.exclusion.excluded_bilateral(a, b) {
-                let lower = capsules[a].distance_lower_bound(&capsules[b]) - self.radii(a, b);
-                let whole = [0.0, 1.0];
-                self.heap.push(Box2 {
-                    lower,
-                    i,
-                    j,
-                    u: whole,
-                    v: whole,
-                    depth: 0,
-                    straddle: 0,
-                    last: false,
-                    cut: false,
-                });
-            }
+            let lower = capsules[a].distance_lower_bound(&capsules[b]) - (set.radius_of(a) + set.radius_of(b));
+            let [u, v] = [[0.0, 1.0]; 2];
+            Box2 { lower, i, j, u, v, depth: 0, straddle: 0, last: false, cut: false }
+        };
+        let apart = |[i, j]: &[u32; 2]| !exclusion.excluded_bilateral(*i as usize, *j as usize);
+        let open = || pairs.iter().filter(|pair| apart(pair)).map(whole);
+        // the nearest pair gives a gap above which the others need not be kept
+        let nearest = open().max();
+        if let Some(nearest) = nearest.filter(|piece| matches!(self.neighbours(piece), ExcludedPart::No)) {
+            self.offer_at(&nearest, 0.5, 0.5);
         }
+        let kept: Vec<Box2> = open().filter(|piece| piece.lower <= self.upper).collect();
+        self.heap = kept.into();
         let mut budget = BUDGET_MIN.max(BUDGET_PER_PAIR.saturating_mul(pairs.len()));
         let mut lower = f64::INFINITY;
         while let Some(top) = self.heap.pop() {

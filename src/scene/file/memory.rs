@@ -1,6 +1,7 @@
-//! Memory check before a run, because a program that runs out of memory is ended without a message.
+//! Memory check of a mesh before a run.
 
 use crate::error::InputError;
+use crate::memory::{GIB, available};
 use crate::rod::Rod;
 
 /// Smallest memory of a node in a run, bytes, in space and in the plane. Rings of 12000 nodes use 7500 to 10000 and
@@ -11,7 +12,6 @@ const BYTES_A_NODE: [f64; 2] = [7000.0, 4000.0];
 const BYTES_A_PAIR: f64 = 120.0;
 /// Neighbours of a rod whose pairs are counted, at most, because those of a strand's core are too few to matter.
 const NEIGHBOURS: usize = 2;
-const GIB: f64 = (1u64 << 30) as f64;
 
 /// Smallest memory of a run, bytes.
 pub(super) fn least(nodes: usize, planar: bool) -> f64 {
@@ -55,20 +55,4 @@ pub(super) fn check_pairs(rods: &[Rod]) -> Result<(), InputError> {
         }
     }
     Ok(())
-}
-
-/// Memory available to this process, bytes: free memory, and the rest of limits (containers, `ulimit -v`). Known on
-/// Linux; `None` elsewhere.
-fn available() -> Option<f64> {
-    let number = |path: &str, name: &str, unit: f64| {
-        let text = std::fs::read_to_string(path).ok()?;
-        let rest = text.lines().find_map(|line| line.strip_prefix(name))?;
-        rest.split_whitespace().next()?.parse::<f64>().ok().map(|value| unit * value)
-    };
-    let limits = [
-        number("/proc/meminfo", "MemAvailable:", 1024.0),
-        number("/proc/self/limits", "Max address space", 1.0),
-        number("/sys/fs/cgroup/memory.max", "", 1.0),
-    ];
-    limits.into_iter().flatten().reduce(f64::min)
 }

@@ -152,15 +152,15 @@ struct Reader<'a> {
     told: Vec<(String, String)>,
 }
 
-/// What a value refers to.
-struct Target<'a> {
+/// Definition that a value refers to.
+struct Referred<'a> {
     name: &'a str,
     definition: &'a Value,
     /// Whether it is a list of these.
     is_list: bool,
 }
 
-impl Target<'_> {
+impl Referred<'_> {
     fn is_table(&self) -> bool {
         self.definition.get("properties").is_some() || !kinds(self.definition).is_empty()
     }
@@ -190,12 +190,12 @@ impl<'a> Reader<'a> {
         Self { definitions: schema["$defs"].as_object(), keys: Vec::new(), intros: Vec::new(), told: Vec::new() }
     }
 
-    fn target(&self, property: &Value) -> Option<Target<'a>> {
+    fn referred(&self, property: &Value) -> Option<Referred<'a>> {
         let list = || Some((property["items"]["$ref"].as_str()?, true));
         let one = || Some((property["$ref"].as_str().or(property["anyOf"][0]["$ref"].as_str())?, false));
         let (reference, is_list) = one().or_else(list)?;
         let (name, definition) = self.definitions?.get_key_value(reference.rsplit('/').next()?)?;
-        Some(Target { name, definition, is_list })
+        Some(Referred { name, definition, is_list })
     }
 
     /// Puts form, unit, range and default of each key into its description.
@@ -221,13 +221,13 @@ impl<'a> Reader<'a> {
 
     /// A key of the outermost table.
     fn key(&self, path: &str, property: &Value, is_required: bool) -> Key {
-        let target = self.target(property);
+        let referred = self.referred(property);
         Key {
             table: "scene".to_owned(),
             kind: None,
             name: path.to_owned(),
-            value: value(path, property, target.as_ref()),
-            allowed: allowed(property, target.as_ref()),
+            value: value(path, property, referred.as_ref()),
+            allowed: allowed(property, referred.as_ref()),
             is_required,
             default: if is_required { String::new() } else { default(property) },
             meaning: description(property),
@@ -268,14 +268,14 @@ impl<'a> Reader<'a> {
                 name: name.clone(),
                 ..self.key(&path, property, required.contains(name))
             };
-            let target = self.target(property);
-            if let Some(target) = target.filter(|target| target.is_table() && !target.is_small()) {
-                let told = self.told.iter().find(|(of, _)| of == target.name);
+            let referred = self.referred(property);
+            if let Some(referred) = referred.filter(|referred| referred.is_table() && !referred.is_small()) {
+                let told = self.told.iter().find(|(of, _)| of == referred.name);
                 let place = told.map_or_else(|| format!("see `{path}`"), |(_, at)| format!("as `{at}`"));
                 key.allowed = joined(&place, &key.allowed);
                 if told.is_none() {
-                    self.told.push((target.name.to_owned(), path.clone()));
-                    inner.push((path, target.definition));
+                    self.told.push((referred.name.to_owned(), path.clone()));
+                    inner.push((path, referred.definition));
                 }
             }
             self.keys.push(key);
@@ -303,10 +303,10 @@ fn listed<'a>(words: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// Form and unit of a value.
-fn value(path: &str, property: &Value, target: Option<&Target>) -> String {
-    let form = match (property["x-value"].as_str(), target) {
+fn value(path: &str, property: &Value, referred: Option<&Referred>) -> String {
+    let form = match (property["x-value"].as_str(), referred) {
         (Some(form), _) => form.to_owned(),
-        (None, Some(target)) => of_target(path, target),
+        (None, Some(referred)) => of_definition(path, referred),
         (None, None) => match (property["type"].as_str(), property["minItems"].as_u64()) {
             (Some("array"), Some(3)) => "[x, y, z]".to_owned(),
             (Some("boolean"), _) => "true or false".to_owned(),
@@ -321,21 +321,21 @@ fn value(path: &str, property: &Value, target: Option<&Target>) -> String {
     }
 }
 
-fn of_target(path: &str, target: &Target) -> String {
-    if !target.is_table() {
+fn of_definition(path: &str, referred: &Referred) -> String {
+    if !referred.is_table() {
         return "word".to_owned();
     }
-    match target.definition["properties"].as_object().filter(|_| target.is_small()) {
+    match referred.definition["properties"].as_object().filter(|_| referred.is_small()) {
         Some(keys) => format!("`{{ {} }}`", keys.keys().cloned().collect::<Vec<_>>().join(", ")),
-        None if target.is_list && !path.contains('.') => format!("`[[{path}]]`"),
-        None if target.is_list => "list of tables".to_owned(),
+        None if referred.is_list && !path.contains('.') => format!("`[[{path}]]`"),
+        None if referred.is_list => "list of tables".to_owned(),
         None if !path.contains('.') => format!("`[{path}]`"),
         None => "table".to_owned(),
     }
 }
 
 /// Legal values: bounds or words, then conditions.
-fn allowed(property: &Value, target: Option<&Target>) -> String {
+fn allowed(property: &Value, referred: Option<&Referred>) -> String {
     let bound = |name: &str| property.get(name).filter(|bound| bound.is_number()).map(number);
     let [least, most] = ["minimum", "maximum"].map(bound);
     let [above, below] = ["exclusiveMinimum", "exclusiveMaximum"].map(bound);
@@ -346,7 +346,7 @@ fn allowed(property: &Value, target: Option<&Target>) -> String {
         (_, Some(least), _, Some(most)) => format!("{least} to {most}"),
         (_, Some(least), ..) => format!("at least {least}"),
         (_, _, _, Some(most)) => format!("up to {most}"),
-        _ => target.map_or_else(String::new, |target| listed(words(target.definition).into_iter())),
+        _ => referred.map_or_else(String::new, |referred| listed(words(referred.definition).into_iter())),
     };
     joined(&range, property["x-allowed"].as_str().unwrap_or_default())
 }

@@ -168,6 +168,9 @@ impl LoadStepping<'_, '_> {
         let mut report = self.solver.in_own_pool(|solver| solver.solve_step(&PrescribedMotion::default()));
         self.solver.judge_turning(&mut report);
         self.place.iterations = report.iterations;
+        if let Some(error) = wrong_mesh(&report) {
+            return Err(error.into());
+        }
         let settled = report.status == Status::Converged;
         if settled {
             self.solver.remember(&report);
@@ -223,7 +226,7 @@ impl LoadStepping<'_, '_> {
                 self.solver.restore(snapshot)?;
                 self.failure = failure.map(|failure| failure.failing_from(&self.solver.engine));
                 if report.status == Status::Stopped || gives_up {
-                    return ending(report, self.failure.as_ref());
+                    return ending(&report, self.failure.as_ref());
                 }
                 continue;
             }
@@ -273,13 +276,22 @@ impl LoadStepping<'_, '_> {
 }
 
 /// How a run ends with an attempt that failed and is not halved any more.
-fn ending(report: StepReport, failure: Option<&Failure>) -> Result<Status, RunError> {
-    let is_tight = failure.is_some_and(Failure::is_too_tight);
-    match (report.status, report.error) {
-        // what is wrong is the mesh
-        (_, Some(error @ SolveError::TooTwisted { .. })) => Err(error.into()),
-        (Status::BrokeDown | Status::MaxIterations | Status::Penetration, _) if is_tight => Ok(Status::TooTight),
-        (Status::BrokeDown | Status::MaxIterations, _) => Ok(Status::StepTooSmall),
-        (other, _) => Ok(other),
+fn ending(report: &StepReport, failure: Option<&Failure>) -> Result<Status, RunError> {
+    if let Some(error) = wrong_mesh(report) {
+        return Err(error.into());
     }
+    let is_tight = failure.is_some_and(Failure::is_too_tight);
+    Ok(match report.status {
+        Status::BrokeDown | Status::MaxIterations | Status::Penetration if is_tight => Status::TooTight,
+        Status::BrokeDown | Status::MaxIterations => Status::StepTooSmall,
+        other => other,
+    })
+}
+
+/// The error that no smaller step mends, because the mesh is too coarse or too fine.
+fn wrong_mesh(report: &StepReport) -> Option<SolveError> {
+    let is = |error: &SolveError| {
+        matches!(error, SolveError::TooTwisted { .. } | SolveError::Memory { .. } | SolveError::Symbolic { .. })
+    };
+    report.error.clone().filter(is)
 }

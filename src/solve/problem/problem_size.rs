@@ -1,6 +1,7 @@
 //! Size of a problem: unknowns, entries of its matrices, contact segments. A scene has only those that it needs.
 
 use crate::error::SolveError;
+use crate::memory::{GIB, available};
 use crate::solve::problem::engine::Engine;
 use crate::sparse::Factor;
 
@@ -23,7 +24,21 @@ pub struct ProblemSize {
     pub natural_strains: usize,
 }
 
+/// Memory that a pair of segments adds to the matrices, bytes: each couples two nodes that no other does, by a block of
+/// 6 × 6 numbers, 3 × 3 in the plane. The tangent has 12 bytes a number, its factor 8.
+const BYTES_A_PAIR: [f64; 2] = [36.0 * 20.0, 9.0 * 20.0];
+
 impl Engine {
+    /// Refuses candidates of contact whose part of the matrices needs more memory than there is.
+    pub(crate) fn check_memory(&self) -> Result<(), SolveError> {
+        let pairs = self.contact.as_ref().map_or(0, |side| side.broad_phase.pairs().len());
+        let needed = pairs as f64 * BYTES_A_PAIR[usize::from(self.model.planar)];
+        let short = available().filter(|available| needed > *available);
+        short.map_or(Ok(()), |available| {
+            Err(SolveError::Memory { pairs, needed: needed / GIB, available: available / GIB })
+        })
+    }
+
     /// Sizes of the problem with the candidates of the present state; analyses the pattern anew, which takes about as
     /// long as a Newton iteration.
     ///

@@ -72,6 +72,7 @@ impl Workspace {
         if self.pattern.is_none() || generation != self.generation {
             // freed first, because they are the largest allocations
             (self.factor, self.pattern) = (None, None);
+            engine.check_memory()?;
             timed(&mut self.timings.symbolic, || {
                 let (pattern, factor) = Factor::of(engine.build_pattern())?;
                 (self.pattern, self.factor) = (Some(pattern), Some(factor));
