@@ -115,6 +115,10 @@ fn tables_tell_planes_forces_and_sites() {
     }
     // pages and pictures show them
     let page = std::fs::read_to_string(dir.join("view.html")).unwrap();
-    assert!(page.contains("\"grid\":[{\"ends\":[[") && page.contains("\"heights\":[0.0,0.2]"));
+    assert!(
+        page.contains("\"grid\":[{\"plane\":")
+            && page.contains("\"ends\":[[")
+            && page.contains("\"heights\":[0.0,0.2]")
+    );
     std::fs::remove_dir_all(&dir).unwrap();
 }

@@ -32,7 +32,7 @@ mod tests;
 
 /// Pieces examined per candidate pair, and in all at least, before the search ends with a wider interval, because a line of
 /// contact that is level to rounding could be cut without end.
-const BUDGET_PER_PAIR: usize = 200;
+const BUDGET_PER_PAIR: usize = 2000;
 const BUDGET_MIN: usize = 200_000;
 /// Parts of the largest gap below which is looked, one after the other, because beside each other rods have a number of
 /// pairs of segments that grows with the root of the ceiling, and only those near the smallest gap matter.
@@ -76,7 +76,7 @@ pub struct Clearance {
 /// be a mutual closest pair (Fenchel). The open ends of a curve are also compared with their one-sided projections on
 /// that curve, from π/2 of total curvature on.
 ///
-/// Branch and bound, smallest lower bound first. The work is bounded (200 pieces per candidate pair, at least 200 000):
+/// Branch and bound, smallest lower bound first. The work is bounded (2000 pieces per candidate pair, at least 200 000):
 /// when it runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the squared
 /// segment size over the distance), the returned interval is wider than `tol` but still true. `exclusion` must be up to
 /// date with `set`.
