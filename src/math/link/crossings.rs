@@ -71,8 +71,7 @@ pub(super) struct Crossing {
 pub(super) fn list(points: &[Vec3]) -> Option<Vec<Crossing>> {
     let along = |d: &[f64; 3]| {
         let edges = project(points, Vec3::from(*d).normalize());
-        let mut found = crossed(&edges, |i, j| i < j && !adjacent(edges.len(), i, j))?;
-        found.sort_unstable();
+        let found = crossed(&edges, |i, j| i < j && !adjacent(edges.len(), i, j))?;
         Some(found.into_iter().map(|(i, j, sign)| placed(&edges, i as usize, j as usize, sign)).collect::<Vec<_>>())
     };
     DIRECTIONS.iter().filter_map(along).min_by_key(Vec::len)
@@ -126,12 +125,10 @@ fn crossed(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Opti
     let cells: Vec<&[(u64, u32)]> = entries.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1).collect();
     let in_cell = |cell: &[(u64, u32)]| {
         let mut found = Vec::new();
-        for (k, &(key, i)) in cell.iter().enumerate() {
+        for (k, &(_, i)) in cell.iter().enumerate() {
             for &(_, j) in &cell[k + 1..] {
-                let (a, b) = (&edges[i as usize], &edges[j as usize]);
-                // A pair that shares several cells is tested in one of them only.
-                if wanted(i as usize, j as usize) && grid.first_shared(a, b) == key {
-                    let sign = crossing(a, b)?;
+                if wanted(i as usize, j as usize) {
+                    let sign = crossing(&edges[i as usize], &edges[j as usize])?;
                     found.extend((sign != 0).then_some((i, j, sign)));
                 }
             }
@@ -140,7 +137,11 @@ fn crossed(edges: &[Edge], wanted: impl Fn(usize, usize) -> bool + Sync) -> Opti
     };
     let of_cells = |range: Range<usize>| -> Option<Vec<Vec<_>>> { cells[range].iter().copied().map(in_cell).collect() };
     let found: Option<Vec<Vec<Vec<_>>>> = parallel::map_ranges(cells.len(), CELLS, &of_cells).into_iter().collect();
-    Some(found?.into_iter().flatten().flatten().collect())
+    let mut found: Vec<_> = found?.into_iter().flatten().flatten().collect();
+    // edges that share several cells cross in each of them
+    found.sort_unstable();
+    found.dedup();
+    Some(found)
 }
 
 /// A uniform grid over the picture plane.
@@ -149,41 +150,48 @@ struct Grid {
     per_length: f64,
 }
 
+/// Width by which an edge is thicker than it is, over a cell, so that edges that cross on the border of two cells share one.
+const MARGIN: f64 = 1e-6;
+
 impl Grid {
-    /// Cells as large as the root mean square of the edges: an edge touches (1 + length/cell)² of them at most, so all
-    /// edges together touch a few times their number even if one is as long as the whole.
+    /// Cells as wide as the edges on the average: an edge touches a few more of them than its length over theirs, so all
+    /// edges together touch a few times their number, even if some are as long as the whole.
     fn new(edges: &[Edge]) -> Self {
         let (mut low, mut total) = ([f64::MAX; 2], 0.0);
         for [a, b] in edges {
-            total += (a.x - b.x).powi(2) + (a.y - b.y).powi(2);
+            total += (a.x - b.x).abs() + (a.y - b.y).abs();
             for k in 0..2 {
                 low[k] = low[k].min(a[k]);
             }
         }
-        Self { low, per_length: (edges.len() as f64 / total.max(f64::MIN_POSITIVE)).sqrt() }
+        Self { low, per_length: edges.len() as f64 / total.max(f64::MIN_POSITIVE) }
     }
 
-    /// Column and row of a picture point.
-    fn cell(&self, x: f64, y: f64) -> [u64; 2] {
-        [((x - self.low[0]) * self.per_length) as u64, ((y - self.low[1]) * self.per_length) as u64]
+    /// A picture point in widths of a cell from the grid's corner.
+    fn place(&self, point: &Vec3) -> [f64; 2] {
+        [0, 1].map(|k| (point[k] - self.low[k]) * self.per_length)
     }
 
-    /// Lowest and highest column and row that an edge's bounding rectangle touches.
-    fn range(&self, [a, b]: &Edge) -> [[u64; 2]; 2] {
-        [self.cell(a.x.min(b.x), a.y.min(b.y)), self.cell(a.x.max(b.x), a.y.max(b.y))]
+    /// Keys of all cells that an edge touches, column by column.
+    fn cells(&self, [a, b]: &Edge) -> impl Iterator<Item = u64> + use<> {
+        let (a, b) = (self.place(a), self.place(b));
+        let (a, b) = if a[0] <= b[0] { (a, b) } else { (b, a) };
+        let slope = (b[1] - a[1]) / (b[0] - a[0]);
+        let (first, last) = (cell(a[0] - MARGIN), cell(b[0] + MARGIN));
+        (first..=last).flat_map(move |column| {
+            let height = |x: f64| if slope.is_finite() { a[1] + (x.clamp(a[0], b[0]) - a[0]) * slope } else { b[1] };
+            // the ends themselves where the column has them
+            let left = if column == first { a[1] } else { height(column as f64 - MARGIN) };
+            let right = if column == last { b[1] } else { height(column as f64 + 1.0 + MARGIN) };
+            let rows = cell(left.min(right) - MARGIN)..=cell(left.max(right) + MARGIN);
+            rows.map(move |row| key([column, row]))
+        })
     }
+}
 
-    /// Keys of all cells an edge's bounding rectangle touches.
-    fn cells(&self, edge: &Edge) -> impl Iterator<Item = u64> + use<> {
-        let [low, high] = self.range(edge);
-        (low[0]..=high[0]).flat_map(move |column| (low[1]..=high[1]).map(move |row| key([column, row])))
-    }
-
-    /// Key of the lowest cell that two edges' rectangles share (meaningless if they share none).
-    fn first_shared(&self, a: &Edge, b: &Edge) -> u64 {
-        let (a, b) = (self.range(a)[0], self.range(b)[0]);
-        key([a[0].max(b[0]), a[1].max(b[1])])
-    }
+/// Column or row of a place; the margin of the lowest edge is in the first.
+fn cell(place: f64) -> u64 {
+    place.max(0.0) as u64
 }
 
 /// One number per cell. Columns and rows stay far below 2³² for up to 2³⁰ edges.
@@ -218,4 +226,38 @@ fn crossing([a, b]: &Edge, [c, d]: &Edge) -> Option<i64> {
         return None;
     }
     Some(if height * (u.x * v.y - u.y * v.x) > 0.0 { 1 } else { -1 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Random;
+
+    /// Edges a thousandth of the whole beside some as long as the whole, lattice directions among them: all pairs by the
+    /// grid and one by one.
+    #[test]
+    fn the_grid_misses_no_crossing() {
+        let mut random = Random(3);
+        for case in 0..60 {
+            let mut at = Vec3::zeros();
+            let points: Vec<Vec3> = (0..300)
+                .map(|k| {
+                    let step = Vec3::new(random.unit(), random.unit(), random.unit());
+                    let step = if case % 3 == 0 { step.map(|x| (2.0 * x).round() + 1e-3 * x) } else { step };
+                    at += step * if k % 50 == 0 { 0.5 } else { 0.01 };
+                    at
+                })
+                .collect();
+            let edges = project(&points, if case % 3 == 1 { Vec3::z() } else { Vec3::from(DIRECTIONS[1]).normalize() });
+            let wanted = |i: usize, j: usize| i < j && !adjacent(edges.len(), i, j);
+            let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| (i, j)));
+            let exact = pairs.filter(|&(i, j)| wanted(i, j)).filter_map(|(i, j)| {
+                let sign = crossing(&edges[i], &edges[j])?;
+                (sign != 0).then_some((i as u32, j as u32, sign))
+            });
+            let Some(found) = crossed(&edges, wanted) else { continue };
+            assert_eq!(found, exact.collect::<Vec<_>>(), "{case}");
+            assert!(found.len() > 20, "{case}: {}", found.len());
+        }
+    }
 }
