@@ -5,4 +5,4 @@ pub mod factor;
 pub mod pattern;
 
 pub use factor::Factor;
-pub use pattern::Pattern;
+pub use pattern::{NodeGraph, Pattern};

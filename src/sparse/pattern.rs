@@ -2,7 +2,7 @@
 //!
 //! A node has up to six unknowns (three positions, three rotations). Supported and out-of-plane ones are eliminated
 //! here; the factorisation does not see them. Equations are numbered in the order of elimination
-//! ([`Pattern::reordered`]), so that the factorisation takes the matrix as it is assembled.
+//! ([`NodeGraph::ordered`]), so that the factorisation takes the matrix as it is assembled.
 
 /// Marks an eliminated unknown.
 const NONE: u8 = u8::MAX;
@@ -28,18 +28,20 @@ pub struct Pattern {
     neighbours: Vec<(u32, u32)>,
 }
 
-impl Pattern {
-    /// Pattern of nodes with the given free unknowns, coupled in the given node pairs (any order, duplicates allowed;
-    /// the diagonal is always present).
-    #[cfg(test)]
-    pub fn new(free: &[[bool; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
-        let master: Vec<usize> = (0..free.len()).collect();
-        Self::joined(free, &master, pairs)
-    }
+/// Nodes, their free unknowns and the pairs of nodes that are coupled: a pattern whose nodes have no order yet.
+#[derive(Debug, Clone)]
+pub struct NodeGraph {
+    local: Vec<[u8; 6]>,
+    master: Vec<u32>,
+    /// Pairs of nodes, the lower first, each node with itself among them, ascending.
+    pairs: Vec<(u32, u32)>,
+}
 
-    /// As `Pattern::new` with nodes that share the unknowns of another: `master[b]` is `b` itself or the node that b is
-    /// joined to. Only the master's `free` counts; the others have the master's equations and blocks.
-    pub fn joined(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+impl NodeGraph {
+    /// Nodes with the given free unknowns, coupled in the given pairs (any order, duplicates allowed; the diagonal is always
+    /// present). Nodes may share the unknowns of another: `master[b]` is `b` itself or the node that b is joined to. Only
+    /// the master's `free` counts; the others have the master's equations and blocks.
+    pub fn new(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let num_nodes = free.len();
         let mut local = Vec::with_capacity(num_nodes);
         for (node, flags) in free.iter().enumerate() {
@@ -48,47 +50,69 @@ impl Pattern {
             free.zip(0..).for_each(|(k, here)| map[k] = here);
             local.push(map);
         }
-        let mut blocks: Vec<(u32, u32)> =
+        let mut pairs: Vec<(u32, u32)> =
             pairs.map(|(a, b)| (master[a] as u32, master[b] as u32)).map(|(a, b)| (a.min(b), a.max(b))).collect();
-        blocks.extend((0..num_nodes as u32).map(|a| (a, a)));
-        blocks.sort_unstable();
-        blocks.dedup();
-        let master = master.iter().map(|&m| m as u32).collect();
-        Self::of_blocks((0..num_nodes as u32).collect(), local, master, &blocks)
+        pairs.extend((0..num_nodes as u32).map(|a| (a, a)));
+        pairs.sort_unstable();
+        pairs.dedup();
+        Self { local, master: master.iter().map(|&m| m as u32).collect(), pairs }
     }
 
-    /// The same matrix with its nodes in another order.
-    #[must_use]
-    pub fn reordered(self, order: Vec<u32>) -> Self {
-        let Self { order: old, local, master, neighbour_ptr, neighbours, .. } = self;
-        let mut place = vec![0; order.len()];
-        order.iter().zip(0u32..).for_each(|(&node, at)| place[node as usize] = at);
-        let mut blocks = Vec::with_capacity(neighbours.len());
-        for (at, &node) in old.iter().enumerate() {
-            let here = place[node as usize];
-            let range = neighbour_ptr[at] as usize..neighbour_ptr[at + 1] as usize;
-            let others = neighbours[range].iter().map(|&(other, _)| place[old[other as usize] as usize]);
-            blocks.extend(others.map(|there| (here.min(there), here.max(there))));
-        }
-        drop(neighbours);
-        blocks.sort_unstable();
-        Self::of_blocks(order, local, master, &blocks)
+    /// Number of nodes.
+    pub fn num_nodes(&self) -> usize {
+        self.local.len()
     }
 
-    /// `blocks`: pairs of places, the earlier first, ascending.
-    fn of_blocks(order: Vec<u32>, local: Vec<[u8; 6]>, master: Vec<u32>, blocks: &[(u32, u32)]) -> Self {
+    /// The graph's matrix, upper triangle: column pointers and row indices, ascending within a column. Nodes without
+    /// unknowns couple nothing.
+    pub fn upper(&self) -> (Vec<u32>, Vec<u32>) {
+        let has_unknowns = |node: u32| self.local[node as usize].iter().any(|&slot| slot != NONE);
+        let couples = |&&(a, b): &&(u32, u32)| a == b || (has_unknowns(a) && has_unknowns(b));
+        let mut pairs: Vec<(u32, u32)> =
+            self.pairs.iter().filter(couples).map(|&(row, column)| (column, row)).collect();
+        pairs.sort_unstable();
+        let mut col_ptr = vec![0u32; self.num_nodes() + 1];
+        pairs.iter().for_each(|&(column, _)| col_ptr[column as usize + 1] += 1);
+        (1..col_ptr.len()).for_each(|k| col_ptr[k] += col_ptr[k - 1]);
+        (col_ptr, pairs.into_iter().map(|(_, row)| row).collect())
+    }
+
+    /// The pattern with its nodes in their own order.
+    #[cfg(test)]
+    pub fn natural(self) -> Pattern {
+        let order = (0..self.num_nodes() as u32).collect();
+        self.ordered(order)
+    }
+
+    /// The pattern with its nodes in an order of elimination.
+    pub fn ordered(self, order: Vec<u32>) -> Pattern {
+        let Self { local, master, mut pairs } = self;
         let num_nodes = order.len();
         let mut pattern =
-            Self { place: vec![0; num_nodes], first: vec![0; num_nodes], local, master, ..Self::default() };
+            Pattern { place: vec![0; num_nodes], first: vec![0; num_nodes], local, master, ..Pattern::default() };
         let mut count = 0;
         for (&node, at) in order.iter().zip(0u32..) {
             pattern.place[node as usize] = at;
             pattern.first[node as usize] = count;
             count += pattern.num_free(node);
         }
+        for pair in &mut pairs {
+            let (a, b) = (pattern.place[pair.0 as usize], pattern.place[pair.1 as usize]);
+            *pair = (a.min(b), a.max(b));
+        }
+        pairs.sort_unstable();
         pattern.order = order;
-        pattern.fill(blocks);
+        pattern.fill(&pairs);
         pattern
+    }
+}
+
+impl Pattern {
+    /// Pattern of nodes with the given free unknowns in their own order, coupled in the given node pairs.
+    #[cfg(test)]
+    pub fn new(free: &[[bool; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+        let master: Vec<usize> = (0..free.len()).collect();
+        NodeGraph::new(free, &master, pairs).natural()
     }
 
     fn fill(&mut self, blocks: &[(u32, u32)]) {
@@ -153,19 +177,6 @@ impl Pattern {
         (col_ptr, row_idx)
     }
 
-    /// Nodes in the order of their first equations in a list of all equations.
-    pub fn nodes_of(&self, equations: &[u32]) -> Vec<u32> {
-        let mut when = vec![u32::MAX; self.num_equations()];
-        equations.iter().zip(0u32..).for_each(|(&equation, at)| when[equation as usize] = at);
-        let mut order = self.order.clone();
-        // nodes without equations go last
-        order.sort_by_key(|&node| match self.num_free(node) {
-            0 => u32::MAX,
-            count => (0..count).map(|k| when[(self.first[node as usize] + k) as usize]).fold(u32::MAX, u32::min),
-        });
-        order
-    }
-
     /// Equation of unknown `k` (0..3 position, 3..6 rotation) of a node, `None` if eliminated.
     #[inline]
     pub fn equation(&self, node: usize, k: usize) -> Option<usize> {
@@ -225,13 +236,18 @@ impl Pattern {
     pub fn multiply(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         for column in 0..x.len() {
-            for entry in self.col_ptr[column] as usize..self.col_ptr[column + 1] as usize {
-                let row = self.row_idx[entry] as usize;
-                y[row] += values[entry] * x[column];
-                if row != column {
-                    y[column] += values[entry] * x[row];
-                }
+            let entries = self.col_ptr[column] as usize..self.col_ptr[column + 1] as usize;
+            let (Some((diagonal, values)), [_, rows @ ..]) =
+                (values[entries.clone()].split_first(), &self.row_idx[entries])
+            else {
+                continue;
+            };
+            let mut sum = y[column] + diagonal * x[column];
+            for (&row, value) in rows.iter().zip(values) {
+                y[row as usize] += value * x[column];
+                sum += value * x[row as usize];
             }
+            y[column] = sum;
         }
         y
     }
@@ -252,7 +268,7 @@ mod tests {
         let free = [[true, true, false, false, false, true]; 5];
         let pairs = [(0, 1), (1, 2), (3, 4), (1, 3), (3, 2)];
         let full = Pattern::new(&free, pairs.into_iter());
-        let joined = Pattern::joined(&free, &[0, 1, 2, 1, 4], pairs.into_iter());
+        let joined = NodeGraph::new(&free, &[0, 1, 2, 1, 4], pairs.into_iter()).natural();
         assert_eq!((full.num_equations(), joined.num_equations()), (15, 12));
         let (mut a, mut b) = (vec![0.0; full.num_entries()], vec![0.0; joined.num_entries()]);
         for (n, (p, q)) in pairs.into_iter().enumerate() {
@@ -311,8 +327,9 @@ mod tests {
         let mut free = [[true; 6]; 5];
         (free[1], free[3]) = ([true, true, false, false, false, true], [false; 6]);
         let pairs = [(0, 1), (1, 2), (3, 4), (1, 4), (4, 2), (0, 4)];
-        let natural = Pattern::joined(&free, &[0, 1, 2, 3, 4], pairs.into_iter());
-        let other = natural.clone().reordered(vec![4, 1, 3, 0, 2]);
+        let graph = NodeGraph::new(&free, &[0, 1, 2, 3, 4], pairs.into_iter());
+        let natural = graph.clone().natural();
+        let other = graph.ordered(vec![4, 1, 3, 0, 2]);
         assert_eq!((natural.num_equations(), natural.num_entries()), (other.num_equations(), other.num_entries()));
         let [a, b] = [&natural, &other].map(|pattern| {
             let mut values = vec![0.0; pattern.num_entries()];

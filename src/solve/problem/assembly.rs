@@ -15,7 +15,7 @@ use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
-use crate::sparse::Pattern;
+use crate::sparse::{NodeGraph, Pattern};
 
 /// Elastic energies by kind and the rest of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -169,8 +169,8 @@ impl Engine {
         out
     }
 
-    /// Sparsity pattern for the present candidates.
-    pub(crate) fn build_pattern(&self) -> Pattern {
+    /// Nodes and their couplings with the present candidates.
+    pub(crate) fn node_graph(&self) -> NodeGraph {
         let elements = self.elements.iter().flat_map(|element| {
             let count = self.model.rods[element.rod].order + 1;
             (0..count).flat_map(move |a| (a..count).map(move |c| (element.nodes[a], element.nodes[c])))
@@ -181,7 +181,7 @@ impl Engine {
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })
         });
-        Pattern::joined(&self.equations, &self.master, elements.chain(contacts))
+        NodeGraph::new(&self.equations, &self.master, elements.chain(contacts))
     }
 
     fn join(&self, out: &mut Residual) {

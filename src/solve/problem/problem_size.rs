@@ -47,7 +47,7 @@ impl Engine {
     pub fn problem_size(&mut self) -> Result<ProblemSize, SolveError> {
         let state = self.state.clone();
         self.update_contact(&state)?;
-        let (pattern, factor) = Factor::of(self.build_pattern())?;
+        let (pattern, factor) = Factor::of(self.node_graph())?;
         let side = self.contact.as_ref();
         Ok(ProblemSize {
             nodes: self.num_nodes(),

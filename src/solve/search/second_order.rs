@@ -193,7 +193,7 @@ mod tests {
         let mut engine = pair(across);
         let state = engine.state.clone();
         engine.update_contact(&state).unwrap();
-        let pattern = engine.build_pattern();
+        let pattern = engine.node_graph().natural();
         let residual =
             engine.linearise(&state, None, &PrescribedMotion::default(), (&pattern, &mut Tangent::default()));
         assert!(!residual.contact_pairs.is_empty());

@@ -74,7 +74,7 @@ impl Workspace {
             (self.factor, self.pattern) = (None, None);
             engine.check_memory()?;
             timed(&mut self.timings.symbolic, || {
-                let (pattern, factor) = Factor::of(engine.build_pattern())?;
+                let (pattern, factor) = Factor::of(engine.node_graph())?;
                 (self.pattern, self.factor) = (Some(pattern), Some(factor));
                 Ok(())
             })?;

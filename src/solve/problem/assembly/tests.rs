@@ -131,7 +131,7 @@ fn planes_are_surprised_by_turning_handles_only() {
     let mut engine = engine_on_planes();
     let state = engine.state.clone();
     engine.update_contact(&state).unwrap();
-    let pattern = engine.build_pattern();
+    let pattern = engine.node_graph().natural();
     let still = PrescribedMotion::default();
     let residual = engine.linearise(&state, None, &still, (&pattern, &mut Tangent::default()));
     let mut missed = |increment: &[f64]| {
@@ -159,7 +159,7 @@ fn check_derivatives(mut engine: Engine) {
     let residual = at(&mut engine, &state);
     assert!(residual.potential.contact > 0.0, "the case must have contact");
     engine.update_contact(&state).unwrap();
-    let pattern = engine.build_pattern();
+    let pattern = engine.node_graph().natural();
     let mut tangent = Tangent::default();
     engine.linearise(&state, None, &PrescribedMotion::default(), (&pattern, &mut tangent));
     let v = direction(engine.num_nodes(), 0.5);
