@@ -28,6 +28,11 @@ pub struct Pattern {
     neighbours: Vec<(u32, u32)>,
 }
 
+/// Number of unknowns of a node.
+fn num_free(slots: &[u8; 6]) -> u32 {
+    slots.iter().filter(|&&slot| slot != NONE).count() as u32
+}
+
 /// Nodes, their free unknowns and the pairs of nodes that are coupled: a pattern whose nodes have no order yet.
 #[derive(Debug, Clone)]
 pub struct NodeGraph {
@@ -63,18 +68,45 @@ impl NodeGraph {
         self.local.len()
     }
 
-    /// The graph's matrix, upper triangle: column pointers and row indices, ascending within a column. Nodes without
-    /// unknowns couple nothing.
+    /// First equation of each node, numbered in the nodes' own order, and their number in all.
+    fn first_equations(&self) -> Vec<u32> {
+        let mut firsts = vec![0];
+        for slots in &self.local {
+            firsts.push(firsts[firsts.len() - 1] + num_free(slots));
+        }
+        firsts
+    }
+
+    /// The matrix with its nodes in their own order, upper triangle: column pointers and row indices, ascending within a
+    /// column.
     pub fn upper(&self) -> (Vec<u32>, Vec<u32>) {
-        let has_unknowns = |node: u32| self.local[node as usize].iter().any(|&slot| slot != NONE);
-        let couples = |&&(a, b): &&(u32, u32)| a == b || (has_unknowns(a) && has_unknowns(b));
-        let mut pairs: Vec<(u32, u32)> =
-            self.pairs.iter().filter(couples).map(|&(row, column)| (column, row)).collect();
-        pairs.sort_unstable();
-        let mut col_ptr = vec![0u32; self.num_nodes() + 1];
-        pairs.iter().for_each(|&(column, _)| col_ptr[column as usize + 1] += 1);
-        (1..col_ptr.len()).for_each(|k| col_ptr[k] += col_ptr[k - 1]);
-        (col_ptr, pairs.into_iter().map(|(_, row)| row).collect())
+        let first = self.first_equations();
+        let mut columns: Vec<(u32, u32)> = self.pairs.iter().map(|&(row, column)| (column, row)).collect();
+        columns.sort_unstable();
+        let (mut col_ptr, mut row_idx) = (vec![0], Vec::new());
+        for blocks in columns.chunk_by(|a, b| a.0 == b.0) {
+            let node = blocks[0].0 as usize;
+            for equation in first[node]..first[node + 1] {
+                let rows = |&(_, row): &(u32, u32)| first[row as usize]..first[row as usize + 1].min(equation + 1);
+                row_idx.extend(blocks.iter().flat_map(rows));
+                col_ptr.push(row_idx.len() as u32);
+            }
+        }
+        (col_ptr, row_idx)
+    }
+
+    /// Nodes in the order of the first of their equations in a list of all.
+    pub fn nodes_of(&self, equations: &[u32]) -> Vec<u32> {
+        let first = self.first_equations();
+        let mut when = vec![u32::MAX; equations.len()];
+        equations.iter().zip(0u32..).for_each(|(&equation, at)| when[equation as usize] = at);
+        let mut order: Vec<u32> = (0..self.num_nodes() as u32).collect();
+        // nodes without equations go last
+        order.sort_by_key(|&node| {
+            let own = first[node as usize] as usize..first[node as usize + 1] as usize;
+            when[own].iter().copied().min().unwrap_or(u32::MAX)
+        });
+        order
     }
 
     /// The pattern with its nodes in their own order.
@@ -188,7 +220,7 @@ impl Pattern {
     }
 
     fn num_free(&self, node: u32) -> u32 {
-        self.local[node as usize].iter().filter(|&&slot| slot != NONE).count() as u32
+        num_free(&self.local[node as usize])
     }
 
     /// Adds the 6×6 block with rows of node `a` and columns of node `b` (and by symmetry its transpose).
