@@ -227,9 +227,19 @@ where
         .draw()
         .map_err(words)?;
     curves(&mut chart, plot).map_err(words)?;
-    if plot.series.iter().all(|s| s.name.is_empty()) {
-        return Ok(());
-    }
+    if plot.series.iter().any(|s| !s.name.is_empty()) { legend(&mut chart, corner).map_err(words) } else { Ok(()) }
+}
+
+/// Draws the legend.
+fn legend<'a, B, X, Y>(
+    chart: &mut ChartContext<'a, B, Cartesian2d<X, Y>>,
+    corner: SeriesLabelPosition,
+) -> Result<(), DrawError<B>>
+where
+    B: DrawingBackend + 'a,
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
     let mut legend = chart.configure_series_labels();
     legend
         .position(corner)
@@ -239,7 +249,6 @@ where
         .border_style(BLACK.mix(0.2).stroke_width(FINE))
         .label_font(font(14 * FINE))
         .draw()
-        .map_err(words)
 }
 
 type DrawError<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;

@@ -27,6 +27,9 @@ use crate::solve::search::trust_region::unseen;
 /// Depth of the core law relative to the contact distance, because with .1 instead pUC19 with its whole link in one
 /// step takes 464 iterations for 335, a minicircle 442 for 404, and tweezers do not converge.
 const DEPTH: f64 = 0.4;
+/// Overlap, over the contact radius, from which strands are first separated under a law without a core, because at 2
+/// [`DEPTH`] the core's energy is infinite.
+const TOO_DEEP: f64 = 0.8 * 2.0 * DEPTH;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
 /// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
@@ -174,14 +177,13 @@ impl Solver {
         let pressure = self.engine.pressure_scale();
         let core = Law::Core { pressure, depth: DEPTH };
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
-        let too_deep = 0.8 * 2.0 * DEPTH;
         let mut pressures = Vec::new();
-        if overlap >= too_deep {
+        if overlap >= TOO_DEEP {
             // strands deep inside each other are separated under a law without a core first
             self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
             self.search_roughly(true, &PrescribedMotion::default(), report)?;
             report.penetration = self.contact_errors().penetration;
-            if report.status == Status::Converged && report.penetration >= too_deep {
+            if report.status == Status::Converged && report.penetration >= TOO_DEEP {
                 report.status = Status::Penetration;
             }
             if report.status != Status::Converged {

@@ -1,6 +1,7 @@
 //! Mixed-integration-point Newton with an inertia-controlled shift and a passage-free step bound.
 
 use crate::error::SolveError;
+use crate::rod::element::Stress;
 use crate::solve::measures::{CONTRACTION, IN_VAIN};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
@@ -70,7 +71,8 @@ impl Workspace {
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
         let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
-        let (mut remaining, mut cut_steps, mut growing, mut last) = (1.0, 0, 0, f64::INFINITY);
+        let mut remaining = 1.0;
+        let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
         let mut state = engine.state.clone();
         let mut stress = engine.stress_with(&state, forces);
         for iteration in 0..options.max_iterations {
@@ -86,10 +88,7 @@ impl Workspace {
             let step = self.solve_step(engine, &residual, &drive_now, iteration)?;
             let increment = increment_size(engine, &step);
             let fraction = engine.step_fraction(&state, &step)?;
-            let predicted = engine.predicted_stress(&state, &step);
-            for (old, new) in stress.iter_mut().flatten().flatten().zip(predicted.iter().flatten().flatten()) {
-                *old += fraction * (new - *old);
-            }
+            blend(&mut stress, &engine.predicted_stress(&state, &step), fraction);
             report.iterations.push(Iteration {
                 increment,
                 residual: relative_residual(engine, &residual),
@@ -110,10 +109,7 @@ impl Workspace {
                 break;
             }
             // a search that diverges ends early if another one can follow
-            cut_steps = if fraction < 1.0 { cut_steps + 1 } else { 0 };
-            growing = if increment > CONTRACTION * last { growing + 1 } else { 0 };
-            last = increment;
-            if may_give_up && (cut_steps >= IN_VAIN || self.near_rest && growing >= IN_VAIN) {
+            if divergence.shows(increment, fraction, self.near_rest) && may_give_up {
                 return Ok(report);
             }
         }
@@ -126,6 +122,33 @@ impl Workspace {
     pub(crate) fn must_stop(&mut self, options: &NewtonOptions) -> bool {
         self.interrupted |= options.interrupt.is_raised();
         self.interrupted
+    }
+}
+
+/// Signs of divergence over the steps of a search.
+struct Divergence {
+    /// Steps in a row of which a part was taken.
+    cut_steps: usize,
+    /// Steps in a row that hardly shrank.
+    growing: usize,
+    /// Size of the last step.
+    last: f64,
+}
+
+impl Divergence {
+    /// Whether a search diverges, the step of this size and fraction included; near rest full steps must shrink, too.
+    fn shows(&mut self, increment: f64, fraction: f64, near_rest: bool) -> bool {
+        self.cut_steps = if fraction < 1.0 { self.cut_steps + 1 } else { 0 };
+        self.growing = if increment > CONTRACTION * self.last { self.growing + 1 } else { 0 };
+        self.last = increment;
+        self.cut_steps >= IN_VAIN || near_rest && self.growing >= IN_VAIN
+    }
+}
+
+/// Moves stresses by a fraction of their way to the predicted ones.
+fn blend(stress: &mut [[Stress; 3]], predicted: &[[Stress; 3]], fraction: f64) {
+    for (old, new) in stress.iter_mut().flatten().flatten().zip(predicted.iter().flatten().flatten()) {
+        *old += fraction * (new - *old);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::error::SolveError;
 use crate::solve::measures::MAX_ITERATIONS;
 use crate::solve::problem::engine::Engine;
-use crate::solve::search::workspace::Workspace;
+use crate::solve::search::workspace::{MAX_SHIFT, Workspace};
 
 impl Workspace {
     /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse
@@ -40,7 +40,7 @@ impl Workspace {
         let mut shift = 1.0;
         while self.factorise(engine, shift) != Some(0) {
             shift *= 2.0;
-            if shift > 1e30 {
+            if shift > MAX_SHIFT {
                 return Err(SolveError::Factorisation { iteration: 0, shift });
             }
         }

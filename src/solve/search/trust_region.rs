@@ -41,6 +41,10 @@ const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Factor on the shift after a step as long as the radius, because a shift that is too small costs one factorisation
 /// only.
 const RELAXING: f64 = 0.5;
+/// Factor on the shift after a rejected step, at least, because a step that is hardly shorter is rejected again.
+const RAISING: f64 = 4.0;
+/// Fraction of a rejected step that supports push that is tried next, because it costs an evaluation only.
+const SHORTENED: f64 = 0.4;
 /// Decrease of the potential, over the expected one, with which a step is accepted.
 const LEAST: f64 = 0.05;
 /// Roundings of the potential below which a decrease cannot be told from none.
@@ -55,18 +59,35 @@ struct Search {
     remaining: f64,
     trust: TrustRegion,
     rest: Convergence,
+    progress: SearchProgress,
     /// Steps rejected or stuck in a row.
     rejections: usize,
     report: NewtonReport,
 }
 
+/// How an attempt to go on from a state ends.
+enum Advance {
+    /// With an accepted step, or at rest.
+    Done,
+    /// Without any step that the potential confirms.
+    NoFarther,
+    Interrupted,
+}
+
 impl Search {
-    fn new(engine: &Engine, drive: &PrescribedMotion, forces: &[[[f64; 3]; 3]], rest: Convergence) -> Self {
+    fn new(
+        engine: &Engine,
+        drive: &PrescribedMotion,
+        forces: &[[[f64; 3]; 3]],
+        (options, rough): (&NewtonOptions, Option<f64>),
+    ) -> Self {
         let state = engine.state.clone();
         let stress = engine.stress_with(&state, forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
-        Self { state, stress, remaining, trust: TrustRegion::new(), rest, rejections: 0, report }
+        let progress = SearchProgress::new(options.max_iterations);
+        let rest = Convergence::new(options.tol_increment, rough);
+        Self { state, stress, remaining, trust: TrustRegion::new(), rest, progress, rejections: 0, report }
     }
 
     /// Whether supports are still to move. Their motion does work, so the potential may rise.
@@ -104,79 +125,92 @@ impl Workspace {
         options: &NewtonOptions,
         (forces, floor): (&[[[f64; 3]; 3]], f64),
     ) -> Result<NewtonReport, SolveError> {
-        let mut search = Search::new(engine, drive, forces, Convergence::new(options.tol_increment, self.rough));
+        let mut search = Search::new(engine, drive, forces, (options, self.rough));
         self.shift = 0.0;
-        let mut progress = SearchProgress::new(options.max_iterations);
-        'search: while !search.report.converged && !progress.is_over() {
+        while !search.report.converged && !search.progress.is_over() {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
             if residual.potential.total() < floor {
-                break 'search;
+                break;
             }
-            progress.see(&residual, search.remaining);
-            let noise = noise(&residual);
-            let unbalanced = relative_residual(engine, &residual);
-            let mut longest = 1.0;
-            loop {
-                if self.must_stop(options) {
-                    return Ok(search.report);
-                }
-                let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
-                let at = search.report.iterations.len();
-                let step = self.step_within(engine, (&residual, &drive_now), within, at)?;
-                let size = increment_size(engine, &step.increment);
-                let trial = self.try_step(engine, (&search, &residual), &step, (size, longest))?;
-                let shift = self.shift;
-                let is_accepted = search.accepts(engine, &residual, &trial, size)?;
-                progress.count();
-                search.report.iterations.push(Iteration {
-                    increment: size,
-                    residual: unbalanced,
-                    fraction: if is_accepted { trial.fraction } else { 0.0 },
-                    shift,
-                    potential: residual.potential.total(),
-                    rounds: trial.rounds,
-                });
-                if is_accepted {
-                    search.remaining *= 1.0 - trial.fraction;
-                    let accepted = Accepted { size, unbalanced, noise, shift, goes_on: search.is_pushed() };
-                    search.report.converged = search.rest.is_reached(engine, &residual, (&step, &trial), &accepted);
-                    let stuck = search.rest.is_stuck(&accepted);
-                    self.accept(engine, &mut search, &residual, (&step, trial));
-                    search.rejections = if stuck { search.rejections + 1 } else { 0 };
-                    if search.rejections > HALVINGS {
-                        break 'search;
-                    }
-                    break;
-                }
-                // the decrease that is left in a full step is below the rounding of the potential: no search gets
-                // farther (a step that was cut short shows nothing)
-                let unseen = trial.expected.abs() < noise * trial.fraction * (2.0 - trial.fraction);
-                if shift == 0.0 && !search.is_pushed() && unseen {
-                    search.report.converged = true;
-                    break;
-                }
-                search.rejections += 1;
-                if search.rejections > HALVINGS || progress.is_over() {
-                    break 'search;
-                }
-                if search.is_pushed() && step.extent > LARGEST {
-                    // no motion of a support leads that far: the tangent is nearly singular
-                    self.shift = self.shift_for(&step, step.extent / LARGEST).max(4.0 * self.shift);
-                } else if search.is_pushed() {
-                    // shifts do not shorten prescribed motions
-                    longest = 0.4 * trial.fraction;
-                    if longest < SAME {
-                        break 'search;
-                    }
-                } else {
-                    search.trust.reject(step.extent);
-                    self.shift = self.shift_for(&step, step.extent / search.trust.radius).max(4.0 * self.shift);
-                }
+            search.progress.see(&residual, search.remaining);
+            match self.advance(engine, &mut search, (&residual, &drive_now), options)? {
+                Advance::Done => {}
+                Advance::NoFarther => break,
+                Advance::Interrupted => return Ok(search.report),
             }
         }
         self.finish(engine, search)
+    }
+
+    /// Tries steps, each shorter than the one before, until one is accepted.
+    fn advance(
+        &mut self,
+        engine: &mut Engine,
+        search: &mut Search,
+        (residual, drive): (&Residual, &PrescribedMotion),
+        options: &NewtonOptions,
+    ) -> Result<Advance, SolveError> {
+        let unbalanced = relative_residual(engine, residual);
+        let mut longest = 1.0;
+        loop {
+            if self.must_stop(options) {
+                return Ok(Advance::Interrupted);
+            }
+            let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
+            let at = search.report.iterations.len();
+            let step = self.step_within(engine, (residual, drive), within, at)?;
+            let size = increment_size(engine, &step.increment);
+            let trial = self.try_step(engine, (search, residual), &step, (size, longest))?;
+            let shift = self.shift;
+            let is_accepted = search.accepts(engine, residual, &trial, size)?;
+            search.progress.count();
+            search.report.iterations.push(Iteration {
+                increment: size,
+                residual: unbalanced,
+                fraction: if is_accepted { trial.fraction } else { 0.0 },
+                shift,
+                potential: residual.potential.total(),
+                rounds: trial.rounds,
+            });
+            if is_accepted {
+                let accepted = Accepted { size, unbalanced, noise: noise(residual), shift, goes_on: false };
+                return Ok(self.accept(engine, search, (residual, accepted), (&step, trial)));
+            }
+            // the decrease that is left in a full step is below the rounding of the potential: no search gets
+            // farther (a step that was cut short shows nothing)
+            let unseen = trial.expected.abs() < noise(residual) * trial.fraction * (2.0 - trial.fraction);
+            if shift == 0.0 && !search.is_pushed() && unseen {
+                search.report.converged = true;
+                return Ok(Advance::Done);
+            }
+            search.rejections += 1;
+            let ends = search.rejections > HALVINGS || search.progress.is_over();
+            if ends || !self.shorten(search, &step, trial.fraction, &mut longest) {
+                return Ok(Advance::NoFarther);
+            }
+        }
+    }
+
+    /// Shortens the next try after a step of which a fraction was rejected; whether there is a shorter one. `longest` is
+    /// the fraction that is tried of a step that supports push.
+    fn shorten(&mut self, search: &mut Search, step: &ModelStep, fraction: f64, longest: &mut f64) -> bool {
+        let limit = match search.is_pushed() {
+            // no motion of a support leads that far: the tangent is nearly singular
+            true if step.extent > LARGEST => LARGEST,
+            // shifts do not shorten prescribed motions
+            true => {
+                *longest = SHORTENED * fraction;
+                return *longest >= SAME;
+            }
+            false => {
+                search.trust.reject(step.extent);
+                search.trust.radius
+            }
+        };
+        self.shift = self.shift_for(step, step.extent / limit).max(RAISING * self.shift);
+        true
     }
 
     /// A step after its corrections. If these neither converge nor decrease the potential enough, a fraction of the
@@ -200,8 +234,24 @@ impl Workspace {
         Ok(trial)
     }
 
-    /// Moves to the state of an accepted step.
+    /// Moves to the state of an accepted step, and tells whether the search is at rest there.
     fn accept(
+        &mut self,
+        engine: &mut Engine,
+        search: &mut Search,
+        (residual, accepted): (&Residual, Accepted),
+        (step, trial): (&ModelStep, CorrectedStep),
+    ) -> Advance {
+        search.remaining *= 1.0 - trial.fraction;
+        let accepted = Accepted { goes_on: search.is_pushed(), ..accepted };
+        search.report.converged = search.rest.is_reached(engine, residual, (step, &trial), &accepted);
+        search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
+        self.move_to(engine, search, residual, (step, trial));
+        if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done }
+    }
+
+    /// Takes over the state of a trial, and what the step tells of the next one.
+    fn move_to(
         &mut self,
         engine: &mut Engine,
         search: &mut Search,

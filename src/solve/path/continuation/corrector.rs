@@ -71,6 +71,25 @@ pub(super) struct Tracer<'a> {
     pub(super) eigenvalue_noise: f64,
 }
 
+/// Residuals that rounding keeps from shrinking.
+struct Stall {
+    /// In a row.
+    count: usize,
+    /// Smallest relative residual so far.
+    least: f64,
+}
+
+impl Stall {
+    /// Whether a path's point is at rest although increments do not shrink: near a branch point rounding makes increments
+    /// along the critical direction without end; the residual is their square, and tells rest.
+    fn is_reached(&mut self, residual: f64, increment: f64) -> bool {
+        let stalls = residual <= BALANCED && residual > CONTRACTION * self.least && increment <= BALANCED.sqrt();
+        self.count = if stalls { self.count + 1 } else { 0 };
+        self.least = self.least.min(residual);
+        self.count >= IN_VAIN
+    }
+}
+
 impl Tracer<'_> {
     /// Inner product of the arc length: ds² = mean |δr|²/L² + mean |θ|² over the nodes + (δparameter/range)².
     pub(super) fn dot(&self, a: &PathMotion, b: &PathMotion) -> f64 {
@@ -174,7 +193,7 @@ impl Tracer<'_> {
     ) -> Result<bool, SolveError> {
         let tol = self.solver.options.newton.tol_increment;
         let mut step = first.clone();
-        let (mut cut_in_a_row, mut stalled, mut least) = (0, 0, f64::INFINITY);
+        let (mut cut_in_a_row, mut stall) = (0, Stall { count: 0, least: f64::INFINITY });
         for iteration in 0..=MAX_ITERATIONS {
             let size =
                 increment_size(&self.solver.engine, &step.field).max(step.parameter.abs() / self.parameter.range());
@@ -183,12 +202,7 @@ impl Tracer<'_> {
             }
             let fraction = self.solver.engine.step_fraction(&point.state, &step.field)?;
             let taken = if fraction < 1.0 { step.scaled(fraction) } else { step };
-            let engine = &self.solver.engine;
-            let stress = self.parameter.predicted_stress(engine, &point.state, &taken.field, taken.parameter);
-            point.state = point.state.retract(&taken.field, 1.0);
-            self.parameter.advance(&mut point.state, taken.parameter);
-            point.value += taken.parameter;
-            moved.subtract(&taken, -1.0);
+            let stress = self.take(point, moved, &taken);
             cut_in_a_row = if fraction < 1.0 { cut_in_a_row + 1 } else { 0 };
             if iteration > 0 {
                 // a step has been taken under the offsets there are now
@@ -207,14 +221,7 @@ impl Tracer<'_> {
             point.iterations += 1;
             solver.workspace.timings.node_iterations += solver.engine.num_nodes();
             let residual = solver.workspace.linearise(&solver.engine, &point.state, &stress, &self.parameter.drive());
-            let size_of_residual = relative_residual(&solver.engine, &residual);
-            // near a branch point rounding makes increments along the critical direction that never shrink; the residual is
-            // their square, and tells rest
-            let stalls =
-                size_of_residual <= BALANCED && size_of_residual > CONTRACTION * least && size <= BALANCED.sqrt();
-            stalled = if stalls { stalled + 1 } else { 0 };
-            least = least.min(size_of_residual);
-            if stalled >= IN_VAIN {
+            if stall.is_reached(relative_residual(&solver.engine, &residual), size) {
                 return Ok(true);
             }
             if solver.workspace.factorise(&solver.engine, 0.0).is_none() {
@@ -224,6 +231,17 @@ impl Tracer<'_> {
             step = self.bordered_step(&along, &residual, moved, plane);
         }
         Ok(false)
+    }
+
+    /// Takes a step, and gives the stresses that it predicted.
+    fn take(&self, point: &mut Point, moved: &mut PathMotion, step: &PathMotion) -> Vec<[Stress; 3]> {
+        let engine = &self.solver.engine;
+        let stress = self.parameter.predicted_stress(engine, &point.state, &step.field, step.parameter);
+        point.state = point.state.retract(&step.field, 1.0);
+        self.parameter.advance(&mut point.state, step.parameter);
+        point.value += step.parameter;
+        moved.subtract(step, -1.0);
+        stress
     }
 
     /// The step to the plane; `along` is the motion per unit of the parameter.

@@ -10,7 +10,7 @@ use super::{STEP, displacement, rotation};
 use crate::error::SolveError;
 use crate::math::quaternion::{exp, nearest_turn};
 use crate::math::{Quat, Vec3};
-use crate::solve::measures::ARC;
+use crate::solve::measures::{ARC, NOTHING};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
@@ -60,7 +60,7 @@ impl Engine {
                 let [from, to] = [start, end].map(|s| s.frames[node] * Vec3::z());
                 let mut swing = Quat::rotation_between(&from, &to).map_or(before, |q| q.scaled_axis());
                 let angle = swing.norm();
-                let axis = if angle > 1e-9 { swing / angle } else { before.normalize() };
+                let axis = if angle > NOTHING { swing / angle } else { before.normalize() };
                 if (before - swing).norm() > PI {
                     swing = nearest_turn(&axis, angle, &before);
                 }

@@ -10,7 +10,7 @@ use super::{Keep, SegmentMotion};
 use crate::contact::curve::CurveSet;
 use crate::contact::potential::plane::{HalfSpace, least};
 use crate::math::bernstein::eval;
-use crate::solve::measures::MAX_ROUNDS;
+use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
 
 /// Largest t ≤ 1 for which no point of a strand comes nearer to a plane than is to be kept. Strands that are beyond one
 /// already are pushed back, and may move.
@@ -50,7 +50,7 @@ fn of_segment(
             return t;
         }
         let next = t - left / rate;
-        if next >= t * (1.0 - 1e-12) {
+        if next >= t * (1.0 - ROUNDING) {
             return next;
         }
         t = next;

@@ -14,7 +14,7 @@ use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
 use crate::math::{Vec3, parallel};
-use crate::solve::measures::{ARC, SLIGHT};
+use crate::solve::measures::{ARC, ROUNDING, SLIGHT};
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
@@ -200,7 +200,7 @@ impl<'a> PassageTree<'a> {
     }
 
     fn rounding(&self, curve: usize) -> f64 {
-        1e-12 * (1.0 + self.totals[curve])
+        ROUNDING * (1.0 + self.totals[curve])
     }
 
     fn far_apart(&self, p: &SegmentRun, q: &SegmentRun, t: f64) -> bool {

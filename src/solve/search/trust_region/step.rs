@@ -7,14 +7,20 @@ use crate::solve::measures::FEW;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
+use crate::solve::search::workspace::{MAX_SHIFT, NEUTRAL_SHIFT, Workspace};
 
-use super::unseen;
+use super::{RAISING, unseen};
 
 /// Smallest shift, in units of B/L⁴, because that is the eigenvalue of a rod's softest bending.
 const FIRST_SHIFT: f64 = 10.0;
-/// Largest shift, because a matrix that is not positive definite with it has broken down.
-const MAX_SHIFT: f64 = 1e30;
+/// Factor on a shift that leaves a negative eigenvalue, because a shift that is raised too far is lowered again by an
+/// estimate, and each try is a factorisation.
+const CLIMBING: f64 = 8.0;
+/// Margin of estimates: on the shift that the lowest eigenvalue asks for, and on the radius, because to meet either exactly
+/// takes more factorisations than a step saves.
+const MARGIN: f64 = 1.5;
+/// Part of a shift below which a lower one is worth its factorisation.
+const WORTHWHILE: f64 = 0.6;
 
 /// A step and the quadratic model along it.
 pub(super) struct ModelStep {
@@ -61,15 +67,15 @@ impl Workspace {
             return Ok(());
         }
         let lower = self.shift;
-        self.shift = (4.0 * self.shift).max(FIRST_SHIFT);
+        self.shift = (RAISING * self.shift).max(FIRST_SHIFT);
         while self.factorise(engine, self.shift) != Some(0) {
-            self.shift *= 8.0;
+            self.shift *= CLIMBING;
             if self.shift > MAX_SHIFT {
                 return Err(SolveError::Factorisation { iteration, shift: self.shift });
             }
         }
-        let estimate = (1.5 * (self.shift - self.lowest_above(engine, 4))).max(1.5 * lower);
-        if estimate < 0.6 * self.shift {
+        let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
+        if estimate < WORTHWHILE * self.shift {
             let safe = self.shift;
             self.shift = estimate.max(NEUTRAL_SHIFT);
             if self.factorise(engine, self.shift) != Some(0) {
@@ -109,7 +115,7 @@ impl Workspace {
         self.convexify(engine, at)?;
         let mut step = self.model_step(engine, residual, drive, at)?;
         for _ in 0..FEW {
-            if step.extent <= 1.5 * radius {
+            if step.extent <= MARGIN * radius {
                 break;
             }
             self.shift = self.shift_for(&step, step.extent / radius).max(2.0 * self.shift);
