@@ -58,6 +58,14 @@ pub(crate) struct NewtonReport {
     pub(crate) num_unstable: usize,
 }
 
+impl Iteration {
+    /// A step that is not yet known, from a state with this residual.
+    fn from(engine: &Engine, residual: &Residual) -> Self {
+        let (unbalanced, potential) = (relative_residual(engine, residual), residual.potential.total());
+        Self { increment: f64::NAN, residual: unbalanced, fraction: 0.0, shift: 0.0, potential, rounds: 0 }
+    }
+}
+
 /// Prescribed motions, and the shear forces and the tension of the first linearisation (empty: those of the state).
 pub(super) type SearchStart<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
 
@@ -89,14 +97,7 @@ impl Workspace {
             let increment = increment_size(engine, &step);
             let fraction = engine.step_fraction(&state, &step)?;
             blend(&mut stress, &engine.predicted_stress(&state, &step), fraction);
-            report.iterations.push(Iteration {
-                increment,
-                residual: relative_residual(engine, &residual),
-                fraction,
-                shift: 0.0,
-                potential: residual.potential.total(),
-                rounds: 0,
-            });
+            report.iterations.push(Iteration { increment, fraction, ..Iteration::from(engine, &residual) });
             state = state.retract(&step, fraction);
             remaining *= 1.0 - fraction;
             engine.state = state.clone();
