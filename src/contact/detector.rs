@@ -6,7 +6,7 @@ mod minima;
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
 use crate::contact::curves::input::{Curve, JOINT, Strands};
 use crate::contact::law::potential::PairForce;
-use crate::contact::measures::{CHEAP, ROUNDING};
+use crate::contact::measures::{CHEAP, SUM_ROUNDING};
 use crate::contact::options::{DetectorOptions, Neighbours};
 use crate::contact::sites::site::{Minimum, Site};
 use crate::contact::tree::broad_phase::BroadPhase;
@@ -228,7 +228,7 @@ impl Detector {
             let c = &strands.curves[curve];
             let mean = (this.start[c.first + c.count - 1] + this.lengths[c.first + c.count - 1]) / c.count as f64;
             // Far from the origin the rounding of the coordinates counts.
-            JOINT * mean + 4.0 * ROUNDING * far
+            JOINT * mean + 4.0 * SUM_ROUNDING * far
         };
         let zones = interval::join(&lists, strands.len(), tolerance, &mut joining);
         (self.parts, self.joining) = (lists, joining);

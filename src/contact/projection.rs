@@ -5,7 +5,7 @@
 //! relative to x, so the distance from the origin of coordinates costs nothing; there is no absolute tolerance.
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
-use crate::contact::measures::{SAME, SMOOTH, USUAL};
+use crate::contact::measures::{COINCIDENT, SMOOTH, USUAL};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, SignChange, product_with_quadratic, roots};
 
@@ -205,8 +205,8 @@ pub(crate) fn same_direction(a: &Vec3, b: &Vec3, far: f64) -> bool {
     // much less than 1e-6.
     let (aa, bb, cross_sq) = (a.norm_squared(), b.norm_squared(), a.cross(b).norm_squared());
     let shorter = aa.min(bb);
-    if USUAL.contains(&shorter) && USUAL.contains(&aa.max(bb)) && far * far * SAME * SAME < shorter {
-        if cross_sq > SAME * SAME * aa * bb {
+    if USUAL.contains(&shorter) && USUAL.contains(&aa.max(bb)) && far * far * COINCIDENT * COINCIDENT < shorter {
+        if cross_sq > COINCIDENT * COINCIDENT * aa * bb {
             return false;
         }
         if cross_sq < 0.1 * SMOOTH * SMOOTH * aa * bb && a.dot(b) > 0.0 {

@@ -4,7 +4,7 @@
 //! caller's choice; nothing here has an absolute tolerance.
 
 use crate::contact::curves::radius::Radius;
-use crate::contact::measures::{SAME, USUAL};
+use crate::contact::measures::{COINCIDENT, USUAL};
 use crate::error::InputError;
 use crate::math::Vec3;
 
@@ -125,10 +125,10 @@ impl Cubic {
         Self { b: self.b.map(|p| p - origin) }
     }
 
-    /// True if `next` starts where this curve ends, to [`SAME`] of their size (and the ulps of points far from the origin).
+    /// True if `next` starts where this curve ends, to [`COINCIDENT`] of their size (and the ulps of points far from the origin).
     pub(crate) fn joins(&self, next: &Self) -> bool {
         let size: f64 = self.edges().iter().chain(&next.edges()).map(Vec3::amax).sum();
-        (next.b[0] - self.b[3]).amax() <= SAME * size + 8.0 * f64::EPSILON * self.b[3].amax()
+        (next.b[0] - self.b[3]).amax() <= COINCIDENT * size + 8.0 * f64::EPSILON * self.b[3].amax()
     }
 
     /// Direction of the tangent at u = 0 (not normalised): the first non-zero edge; zero for a curve shrunk to a point.

@@ -3,7 +3,7 @@
 use super::Detector;
 use crate::contact::curves::curve::norm;
 use crate::contact::curves::input::Strands;
-use crate::contact::measures::{CHEAP, SAME};
+use crate::contact::measures::{CHEAP, COINCIDENT};
 use crate::contact::options::Neighbours;
 use crate::contact::pairs::capsule;
 use crate::contact::sites::closest;
@@ -80,8 +80,8 @@ impl Detector {
         if strands.curve_of(i) != strands.curve_of(j) {
             return false;
         }
-        let same_joint = (strands.next(i) == Some(j) && m.u > 1.0 - SAME && m.v < SAME)
-            || (strands.next(j) == Some(i) && m.v > 1.0 - SAME && m.u < SAME);
+        let same_joint = (strands.next(i) == Some(j) && m.u > 1.0 - COINCIDENT && m.v < COINCIDENT)
+            || (strands.next(j) == Some(i) && m.v > 1.0 - COINCIDENT && m.u < COINCIDENT);
         let turning = |from, to| self.exclusion.turning_between_pieces(strands, from, to);
         let (own, other) = ((i, m.u), (j, m.v));
         same_joint

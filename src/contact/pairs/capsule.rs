@@ -2,7 +2,7 @@
 //! length.
 
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::{ROUNDING, USUAL};
+use crate::contact::measures::{SUM_ROUNDING, USUAL};
 use crate::math::Vec3;
 
 /// Squared distance \[L²\] between the segments p0 p1 and q0 q1.
@@ -92,7 +92,7 @@ impl Capsule {
     pub fn distance_lower_bound(&self, other: &Self) -> f64 {
         let (d, e, r) = (self.end - self.start, other.end - other.start, self.start - other.start);
         let Scaled { size, scale, unit_sq } = scaled_distance_sq(&d, &e, &r);
-        (scale * unit_sq.sqrt() - self.bulge - other.bulge - ROUNDING * size).max(0.0)
+        (scale * unit_sq.sqrt() - self.bulge - other.bulge - SUM_ROUNDING * size).max(0.0)
     }
 }
 

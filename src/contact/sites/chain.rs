@@ -6,7 +6,7 @@
 use crate::contact::curves::arc::near;
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::law::potential::{ContactPair, ZonePiece};
-use crate::contact::measures::SAME;
+use crate::contact::measures::COINCIDENT;
 
 /// Largest distance of the feet of the ends of consecutive pieces on the master, over the contact distance, because feet
 /// are less accurate than the ends where the distance hardly changes along the master.
@@ -77,7 +77,7 @@ fn successors(set: &CurveSet, links: &[ChainPiece]) -> Vec<Option<usize>> {
     for same in links.chunk_by(|x, y| x.curves == y.curves) {
         for link in same {
             let distance = link.segments.map(|k| set.radius_of(k)).iter().sum::<f64>();
-            let (tol_arc, tol_foot) = (SAME * distance, TOL_FOOT * distance);
+            let (tol_arc, tol_foot) = (COINCIDENT * distance, TOL_FOOT * distance);
             let [period_a, period_b] = link.curves.map(|curve| set.period(curve));
             let mut best: Option<(f64, usize)> = None;
             for shift in [Some(0.0), period_a].into_iter().flatten() {

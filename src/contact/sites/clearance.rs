@@ -19,7 +19,7 @@ use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
-use crate::contact::measures::{MAX_STEPS, ROUNDING};
+use crate::contact::measures::{MAX_STEPS, SUM_ROUNDING};
 use crate::contact::pairs::capsule::{Capsule, distance_lower_bound};
 use crate::contact::projection::{Feet, end_is_local_min, local_minima};
 use crate::contact::tree::broad_phase::BroadPhase;
@@ -386,7 +386,7 @@ impl ClearanceSearch<'_> {
             let (gu, gv) = (-w.dot(&da), w.dot(&db));
             let (huu, hvv, huv) = (da.dot(&da) - w.dot(&dda), db.dot(&db) + w.dot(&ddb), -da.dot(&db));
             let det = huu * hvv - huv * huv;
-            let newton = if det > ROUNDING * huu.abs() * hvv.abs() && huu > 0.0 {
+            let newton = if det > SUM_ROUNDING * huu.abs() * hvv.abs() && huu > 0.0 {
                 (clamp(u - (hvv * gu - huv * gv) / det, piece.u), clamp(v - (huu * gv - huv * gu) / det, piece.v))
             } else {
                 // Flat along the line: projection only.

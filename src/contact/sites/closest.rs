@@ -32,7 +32,7 @@ mod valley;
 use cell::{BORDER, Bounds, CellParallelogram};
 
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::{MAX_STEPS, ROUNDING};
+use crate::contact::measures::{MAX_STEPS, SUM_ROUNDING};
 use crate::math::Vec3;
 
 /// Cells examined for one pair, times the sampling, because parallel curves of different speed have cells without end; the
@@ -73,7 +73,7 @@ pub(crate) fn minima(a: &Cubic, b: &Cubic, max_distance: f64, sampling: usize, m
     let search = MinimumSearch {
         a,
         b,
-        reach: max_distance / scale * (1.0 + ROUNDING),
+        reach: max_distance / scale * (1.0 + SUM_ROUNDING),
         noise: 16.0 * f64::EPSILON * (far / scale),
     };
     let mut found = search.run(CELLS * sampling);
@@ -360,7 +360,7 @@ fn convexity([tt, ut, uu]: &[[f64; 2]; 3]) -> f64 {
     if !(uu > 0.0 && tt > 0.0) {
         return 0.0;
     }
-    let det = uu * tt - mixed * mixed * (1.0 + ROUNDING);
+    let det = uu * tt - mixed * mixed * (1.0 + SUM_ROUNDING);
     2.0 * det / (uu + tt + ((uu - tt) * (uu - tt) + 4.0 * mixed * mixed).sqrt())
 }
 

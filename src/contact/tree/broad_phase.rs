@@ -32,7 +32,7 @@ use std::ops::Range;
 
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::curves::input::{CurveShape, Strands};
-use crate::contact::measures::{CHEAP, ROUNDING};
+use crate::contact::measures::{CHEAP, SUM_ROUNDING};
 use crate::contact::pairs::filter::keep_near;
 use crate::contact::tree::boxes::{Block, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
@@ -281,7 +281,7 @@ fn sort_pairs(lists: &[Vec<[u32; 2]>], rows: usize, starts: &mut Vec<u32>, sorte
 impl Built {
     fn still_holds(&self, strands: &Strands, exclusion: &Exclusion, range: f64, margin: f64) -> bool {
         // Rounded down: a few ulp less than half the margin (no movement is always allowed).
-        let allowed = 0.5 * margin * (1.0 - ROUNDING);
+        let allowed = 0.5 * margin * (1.0 - SUM_ROUNDING);
         let near = |(then, now): (&Vec3, &Vec3)| then == now || (now - then).norm() <= allowed;
         let same_curves = self.curves.iter().copied().eq(curves_of(strands));
         let same_curves = same_curves && self.radii.iter().eq(radii_of(strands));

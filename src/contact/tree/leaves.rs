@@ -6,7 +6,7 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 
 use crate::contact::curves::input::{Strands, lower, upper};
-use crate::contact::measures::{CHEAP, ROUNDING, USUAL};
+use crate::contact::measures::{CHEAP, SUM_ROUNDING, USUAL};
 use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::bytes;
 use crate::math::{Vec3, parallel};
@@ -173,7 +173,7 @@ fn outward((lo, hi): (Vec3, Vec3), r: f64, centre: &Vec3, size: f64) -> Box3 {
     }
     let scale = 1.0 / size;
     // Coordinates are within ±1 (to rounding): 2⁻²⁴ covers the cast, 1e-13 the f64 roundings before it.
-    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + ROUNDING);
+    let grow = r * scale + (0.5 * f64::from(f32::EPSILON) + SUM_ROUNDING);
     let below = |k: usize| ((lo[k] - centre[k]) * scale - grow) as f32;
     let above = |k: usize| ((hi[k] - centre[k]) * scale + grow) as f32;
     (std::array::from_fn(below), std::array::from_fn(above))

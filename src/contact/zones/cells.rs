@@ -15,7 +15,7 @@ use super::facing::convexity;
 use super::piece::falling_root;
 use super::{Branch, BranchPiece, FootKind, FootSide, NARROW, Sample, SegmentPair};
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::{MAX_STEPS, ROUNDING, SAME};
+use crate::contact::measures::{COINCIDENT, MAX_STEPS, SUM_ROUNDING};
 use crate::contact::pairs::capsule;
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
@@ -94,7 +94,7 @@ fn largest(vectors: &[Vec3]) -> f64 {
 fn sense(a: &Cubic, b: &Cubic) -> FunctionBounds {
     let [least, most] = convexity(a, b);
     let (size, edges) = (largest(&a.b).max(largest(&b.b)), largest(&b.edges()));
-    FunctionBounds { low: -most, high: -least, noise: 100.0 * ROUNDING * edges * edges.max(size) }
+    FunctionBounds { low: -most, high: -least, noise: 100.0 * SUM_ROUNDING * edges * edges.max(size) }
 }
 
 /// `joined`: whether the part of the master ends at a smooth joint. The common tangent decides there, not the rounding
@@ -105,7 +105,7 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
     }
     let (p, e) = (a.edges(), b.edges());
     let size = largest(&a.b).max(largest(&b.b));
-    let noise = 100.0 * ROUNDING * size * largest(&e);
+    let noise = 100.0 * SUM_ROUNDING * size * largest(&e);
     if !joined && FunctionBounds::of(a.b.iter().flat_map(|x| stationarity(b, x)), noise).sign() != 0.0 {
         return BranchVerdict::Empty;
     }
@@ -114,7 +114,7 @@ fn judge(a: &Cubic, b: &Cubic, joined: bool, reach: f64) -> BranchVerdict {
         return BranchVerdict::Along(-along.sign());
     }
     // At a joint the tangents of the two segments may differ by the rounding of coordinates far from the origin.
-    let noise = if joined { SAME } else { 10.0 * ROUNDING };
+    let noise = if joined { COINCIDENT } else { 10.0 * SUM_ROUNDING };
     let across =
         FunctionBounds::of(p.iter().flat_map(|p| e.iter().map(|e| p.dot(e))), noise * largest(&p) * largest(&e));
     if across.evenness() > EVEN {

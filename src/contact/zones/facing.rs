@@ -17,7 +17,7 @@
 use super::{Branch, BranchPiece, FootSide, NARROW, Projection, Sample, SegmentPair, unit};
 use crate::contact::curves::curve::Cubic;
 use crate::contact::curves::input::JOINT;
-use crate::contact::measures::{LAST_STEP, MAX_STEPS, ROUNDING, SAME};
+use crate::contact::measures::{COINCIDENT, LAST_STEP, MAX_STEPS, SUM_ROUNDING};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, product_with_quadratic, roots};
 
@@ -158,7 +158,7 @@ impl Facing {
         let (least, largest) = squares.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), &c| (lo.min(c), hi.max(c)));
         let reach = [pair.reach_at(first.u), pair.reach_at(last.u)];
         let (shortest, longest) = (reach[0].min(reach[1]), reach[0].max(reach[1]));
-        if shortest > 0.0 && largest < shortest * shortest * (1.0 - ROUNDING) {
+        if shortest > 0.0 && largest < shortest * shortest * (1.0 - SUM_ROUNDING) {
             return Some(true);
         }
         if least <= longest * longest {
@@ -171,7 +171,7 @@ impl Facing {
         let slope = [blossom(v[0], v[0] * v[0]), blossom(mean, v[0] * v[1]), blossom(v[1], v[1] * v[1])];
         let products = product_with_quadratic(|i, j| w[i].dot(&slope[j]));
         let harm = products.iter().fold(0.0f64, |most, c| most.max(c.abs()));
-        (least * (1.0 - ROUNDING) - harm * harm / self.convexity > longest * longest).then_some(false)
+        (least * (1.0 - SUM_ROUNDING) - harm * harm / self.convexity > longest * longest).then_some(false)
     }
 }
 
@@ -202,7 +202,7 @@ pub(super) fn convexity(slave: &Cubic, master: &Cubic) -> [f64; 2] {
 
 /// Whether the whole curve lies clearly beyond a point along a direction.
 fn beyond(curve: &Cubic, point: &Vec3, along: &Vec3) -> bool {
-    let least = SAME * SAME * along.norm_squared();
+    let least = COINCIDENT * COINCIDENT * along.norm_squared();
     curve.b.iter().all(|p| {
         let from = p - point;
         let way = from.dot(along);

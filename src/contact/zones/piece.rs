@@ -1,6 +1,6 @@
 //! Parts of contact zones: branches of the projection, their pieces within reach, points of these.
 
-use crate::contact::measures::SAME;
+use crate::contact::measures::COINCIDENT;
 use crate::math::Vec3;
 
 /// Samples per branch interval, because bracketing then misses only dips narrower than the oscillations of a cubic between
@@ -123,7 +123,7 @@ impl BranchPiece {
     /// Calls `keep` with the parts on which a condition does not hold. The condition is evaluated at samples; bisection
     /// locates its changes between them.
     pub(in crate::contact) fn parts_without(&self, holds: impl Fn(f64) -> bool, mut keep: impl FnMut(Self)) {
-        let at = |k: usize| (k as f64 / NUM_SAMPLES as f64).clamp(SAME, 1.0 - SAME);
+        let at = |k: usize| (k as f64 / NUM_SAMPLES as f64).clamp(COINCIDENT, 1.0 - COINCIDENT);
         let mut before = holds(at(0));
         let mut start = if before { None } else { Some(0.0) };
         for k in 1..=NUM_SAMPLES {

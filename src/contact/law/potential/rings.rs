@@ -3,7 +3,7 @@
 use super::ContactGeometry;
 use super::integral::Projector;
 use super::pressure::PairLaw;
-use crate::contact::measures::SAME;
+use crate::contact::measures::COINCIDENT;
 use crate::contact::projection::{smooth_joint, stationarity};
 use crate::contact::zones::{BranchPiece, FootKind};
 use crate::math::Vec3;
@@ -32,7 +32,7 @@ impl ContactGeometry<'_> {
             let foot = own.point(touch.u) - touch.normal * touch.distance;
             let here = |(segment, v): (usize, f64)| match piece.branch.kind {
                 FootKind::Held => segment == master && piece.branch.may_be_at(v),
-                _ => (self.strands.cubic(segment).point(v) - foot).norm() <= SAME * reach,
+                _ => (self.strands.cubic(segment).point(v) - foot).norm() <= COINCIDENT * reach,
             };
             weight < 0.0 && self.farthest(&own.point(touch.u), curve, reach).is_some_and(here)
         };
@@ -73,7 +73,7 @@ impl ContactGeometry<'_> {
             points.extend(found.as_slice().iter().map(|&v| (k, v, (cubic.point(v) - x).norm())));
         }
         let farthest = points.iter().map(|p| p.2).fold(0.0, f64::max);
-        let first = points.iter().find(|p| p.2 >= farthest - SAME * reach)?;
+        let first = points.iter().find(|p| p.2 >= farthest - COINCIDENT * reach)?;
         (farthest < reach).then_some((first.0, first.1))
     }
 }

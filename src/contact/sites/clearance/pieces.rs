@@ -1,7 +1,7 @@
 //! Bounds for one pair of cubic pieces; the mathematics is in the parent's header.
 
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::{MAX_STEPS, ROUNDING};
+use crate::contact::measures::{MAX_STEPS, SUM_ROUNDING};
 use crate::contact::projection::stationarity;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, derivative, eval, product_with_quadratic, roots};
@@ -43,7 +43,7 @@ impl PowerForm {
                 largest = largest.max(c.abs());
             }
         }
-        least - ROUNDING * largest
+        least - SUM_ROUNDING * largest
     }
 
     /// Parameters of a, ascending, where its foot on b passes an end of b: roots of (b(v_end) − a(u))·b′(v_end), linear
@@ -82,7 +82,7 @@ impl PowerForm {
             }
             let next = v - value / eval(&slope[..5], v);
             let next = if next >= lo && next <= hi { next } else { 0.5 * (lo + hi) };
-            if (next - v).abs() <= ROUNDING {
+            if (next - v).abs() <= SUM_ROUNDING {
                 return next;
             }
             v = next;
@@ -120,7 +120,7 @@ impl PowerForm {
         let slope = [blossom(v[0], v[0]), blossom(v[0], v[1]), blossom(v[1], v[1])];
         let harmful = harmful_slope(&w, &slope, v);
         // Coordinates are of order 1, so each component of w carries a few ulp of 1.
-        let lower_sq = least - harmful * harmful / m - ROUNDING * (size_sq + size_sq.sqrt());
+        let lower_sq = least - harmful * harmful / m - SUM_ROUNDING * (size_sq + size_sq.sqrt());
         let place = v[0] + (v[1] - v[0]) * u;
         DistanceBound {
             lower: self.scale * lower_sq.max(0.0).sqrt(),

@@ -12,7 +12,7 @@
 //! may be long and thin, instead of as small as the valley is level.
 
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::ROUNDING;
+use crate::contact::measures::SUM_ROUNDING;
 use crate::math::Vec3;
 
 /// β, as a segment's parameter: cells overlap by twice this, because rounding could lose a minimum on a border.
@@ -145,7 +145,7 @@ impl Bounds {
         let speed = fastest(&mut d.iter().flatten()).max(fastest(&mut edges.iter()));
         // The error of w times the speed, and ulps of the speed times w.
         let far = fastest(&mut w.iter().flatten());
-        let rounding = ROUNDING * (1.0 + far) * speed * (1.0 + cell.slope.abs());
+        let rounding = SUM_ROUNDING * (1.0 + far) * speed * (1.0 + cell.slope.abs());
         Self { w, q, g, width: [du, dt], rounding, speed }
     }
 
@@ -153,7 +153,7 @@ impl Bounds {
     /// middle.
     pub(super) fn beyond(&self, reach: f64) -> bool {
         let middle = self.w[1][1] + self.w[1][2] + self.w[2][1] + self.w[2][2];
-        let limit = (reach + 4.0 * ROUNDING) * middle.norm() * (1.0 + ROUNDING);
+        let limit = (reach + 4.0 * SUM_ROUNDING) * middle.norm() * (1.0 + SUM_ROUNDING);
         self.w.iter().flatten().all(|w| w.dot(&middle) > limit)
     }
 

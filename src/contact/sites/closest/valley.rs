@@ -3,7 +3,7 @@
 use super::cell::{BORDER, CellParallelogram};
 use super::{Closest, DistanceDerivatives, MinimumSearch};
 use crate::contact::curves::curve::Cubic;
-use crate::contact::measures::ROUNDING;
+use crate::contact::measures::SUM_ROUNDING;
 use crate::math::Vec3;
 
 /// Step off a saddle, as parameters, because the slope at the saddle itself is rounding.
@@ -114,7 +114,7 @@ fn deepest(search: &MinimumSearch, group: &[&Rectangle]) -> Option<Closest> {
     }
     let least = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let off = |p: &(f64, f64, f64)| (p.1 - middle.0).abs() + (p.2 - middle.1).abs();
-    let nearest = points.iter().filter(|p| p.0 <= least * (1.0 + ROUNDING) + 4.0 * (f64::EPSILON + noise));
+    let nearest = points.iter().filter(|p| p.0 <= least * (1.0 + SUM_ROUNDING) + 4.0 * (f64::EPSILON + noise));
     nearest.min_by(|x, y| off(x).total_cmp(&off(y))).map(|&(_, u, v)| Closest { u, v, radius: 0.0, flat: true })
 }
 
@@ -135,7 +135,7 @@ fn descend(a: &Cubic, b: &Cubic, start: (f64, f64), hu: [f64; 2], hv: [f64; 2]) 
     for _ in 0..f64::MANTISSA_DIGITS {
         let h = DistanceDerivatives::new(a, b, u, v);
         let (gu, gv) = (h.gu, h.gv);
-        let convex = h.uu > 0.0 && h.vv > 0.0 && h.det() > ROUNDING * h.uu * h.vv;
+        let convex = h.uu > 0.0 && h.vv > 0.0 && h.det() > SUM_ROUNDING * h.uu * h.vv;
         let single = (-gu / (h.uu.abs() + h.uv.abs()), -gv / (h.vv.abs() + h.uv.abs()));
         let full = if convex { step(a, b, u, v) } else { single };
         let shorter = |part: f64, (du, dv): (f64, f64)| {
