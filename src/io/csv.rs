@@ -105,7 +105,7 @@ pub struct ExplainedColumn {
     pub name: String,
     /// Name of its unit; may be empty.
     pub unit: String,
-    /// What it holds.
+    /// Meaning of the column.
     pub meaning: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! What decides the numbers of a run, condensed: equal for equal problems, another for any changed number.
+//! Fingerprint of all input that decides the numbers of a run: equal for equal problems, another one for any changed number.
 
 use std::fmt::Debug;
 

@@ -1,4 +1,4 @@
-//! What a run leaves behind: tables, final state, VTK files, pictures, summary. Fed with snapshots.
+//! Files of a run: tables, final state, VTK, pictures, summary; written from snapshots.
 
 mod files;
 mod pictures;
@@ -472,7 +472,7 @@ impl Record {
         self.pvd.push(frame.step as f64, &path)
     }
 
-    /// What a VTK file tells of its step: the numbers of the table, how far the run is, units.
+    /// Field data of a step's VTK file: the numbers of the table, how far the run is, units.
     fn vtk_step<'a>(&'a self, step: &'a Observation) -> VtkStep<'a> {
         let (time, value) = self.columns.progress(step);
         let mut told = VtkStep { numbers: vec![("TimeValue", value)], units: vec![("TimeValue", time)] };

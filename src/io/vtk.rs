@@ -27,7 +27,7 @@ pub struct VtkRod<'a> {
     pub vectors: Vec<(&'a str, Vec<Vec3>)>,
 }
 
-/// What a `.vtp` file tells of the whole step.
+/// Field data of a `.vtp` file: numbers of the whole step.
 #[derive(Debug, Clone, Default)]
 pub struct VtkStep<'a> {
     /// Named numbers (load, link …). `TimeValue` is where ParaView looks for the time.

@@ -90,7 +90,7 @@ fn site(set: &CurveSet, planes: &[HalfSpace], run: &PlaneRun, rods: &[usize], la
     }
 }
 
-/// What each plane exerts on all rods.
+/// Force of each plane on all rods.
 pub(super) fn plane_reactions(planes: &[HalfSpace], contacts: &[PlaneContact]) -> Vec<PlaneReaction> {
     let of = |(index, plane): (usize, &HalfSpace)| {
         let zones = contacts.iter().filter(|contact| contact.plane == index).flat_map(|contact| &contact.zones);

@@ -151,7 +151,7 @@ pub struct PlaneSite {
     pub nearest: [f64; 3],
 }
 
-/// What a plane exerts on all rods together.
+/// Force of a plane on all rods together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlaneReaction {
@@ -326,7 +326,7 @@ pub struct Observation {
     /// Contact sites of rods with planes.
     #[cfg_attr(feature = "serde", serde(default))]
     pub plane_sites: Vec<PlaneSite>,
-    /// What planes exert, one entry a plane.
+    /// Forces of planes, one entry a plane.
     #[cfg_attr(feature = "serde", serde(default))]
     pub plane_reactions: Vec<PlaneReaction>,
     /// Integral of the contact pressure: sum of the forces of all sites, those with planes included \[F\].

@@ -102,7 +102,7 @@ pub struct Scene {
     pub text: String,
     /// Values that were replaced, as `KEY=VALUE`, see [`Scene::read_with`].
     pub set: Vec<String>,
-    /// What the file leaves open and a user may not expect, in words.
+    /// Choices that the file leaves open and whose outcome a user may not expect, in words.
     pub notices: Vec<String>,
 }
 

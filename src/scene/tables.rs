@@ -29,7 +29,7 @@ pub fn read_natural(path: &Path) -> Result<Along<NaturalStrains>, InputError> {
     read(path, parse_natural)
 }
 
-/// What a table tells of the section along a rod.
+/// Section along a rod, as read from a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectionTable {
     /// Stiffness, for [`Rod::with_stiffness`](crate::rod::Rod::with_stiffness).

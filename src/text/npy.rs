@@ -46,7 +46,7 @@ impl NpyArray {
     }
 }
 
-/// What follows a key up to the next quote.
+/// Text between a key and the next quote.
 fn field<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     header.split_once(key).and_then(|(_, rest)| rest.split('\'').next())
 }

@@ -299,7 +299,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     Ok(rod)
 }
 
-/// What a rod is meshed from.
+/// Shape, section and counts from which a rod is meshed.
 struct GivenRod<'a> {
     scene: &'a SceneText,
     text: &'a RodText,

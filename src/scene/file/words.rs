@@ -67,7 +67,7 @@ fn in_table(table: &DeTable, at: usize) -> Option<String> {
     })
 }
 
-/// What follows the key of a value in which the place is.
+/// Text after the key of the value that contains the place.
 fn in_value(value: &Spanned<DeValue>, at: usize) -> Option<String> {
     let inside = match value.get_ref() {
         DeValue::Table(table) => in_table(table, at).map(|inner| format!(".{inner}")),

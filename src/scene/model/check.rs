@@ -75,7 +75,7 @@ impl Model {
     /// Refuses stages that this model cannot follow.
     ///
     /// # Errors
-    /// Whatever [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
+    /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
     /// node that is not clamped; motions of

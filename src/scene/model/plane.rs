@@ -20,7 +20,7 @@ const POINTS: usize = 8;
 /// parted from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
-    /// What reports call it.
+    /// Name in reports.
     pub name: String,
     /// A point p on the plane \[L\].
     pub point: Vec3,

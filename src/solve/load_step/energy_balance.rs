@@ -38,7 +38,7 @@ const CLOSED: f64 = 0.05;
 /// Units in the last place of a strain that are its rounding, because it is the sum of that many products of shape functions.
 const LAST_PLACES: f64 = 10.0;
 
-/// What a step prescribes, as changes.
+/// Changes that a step prescribes.
 #[derive(Debug)]
 pub(in crate::solve) struct Changes {
     drive: PrescribedMotion,

@@ -241,7 +241,7 @@ mod tests {
         assert!((report.stiffness_reduction - 10.0).abs() < 1e-12, "{}", report.stiffness_reduction);
     }
 
-    /// What a coarse mesh does not see is not lost on it: a bend or a turn of frames between its nodes, supports there,
+    /// A step stays on the whole mesh where the coarse one would miss something: a bend or a turn of frames between its nodes, supports there,
     /// more turns than it can bear. Steps of one turn are not worth it.
     #[test]
     fn what_a_coarse_mesh_does_not_see_is_left_alone() {

@@ -140,7 +140,7 @@ impl Engine {
     /// Checks the model and builds elements, contact curves and the start state.
     ///
     /// # Errors
-    /// Whatever [`Model::check`] refuses; threads that cannot be started.
+    /// All that [`Model::check`] refuses; threads that cannot be started.
     pub fn new(mut model: Model, threads: Option<usize>) -> Result<Self, InputError> {
         model.check()?;
         let law_asked = model.contact.law;
