@@ -6,6 +6,10 @@ use crate::contact::curves::input::JOINT;
 use crate::contact::measures::MAX_STEPS;
 use crate::math::Vec3;
 
+/// Newton step, of a segment's parameter, below which a step that does not shrink by much is rounding, because where the
+/// connection is longer than the segment, rounding keeps the last steps above a few units in the last place.
+const STALLED: f64 = 1e-12;
+
 /// Function whose root is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum RootOf {
@@ -83,9 +87,7 @@ impl SegmentPair<'_> {
             if v < low - border || v > high + border {
                 break;
             }
-            // Where the connection is longer than the segment, rounding keeps the last steps above a few ulp;
-            // convergence shows as steps that no longer shrink.
-            let noise = step.abs() < 1e-12 && step.abs() >= 0.25 * last;
+            let noise = step.abs() < STALLED && step.abs() >= 0.25 * last;
             if step.abs() <= 4.0 * f64::EPSILON || noise {
                 return v.clamp(low, high);
             }

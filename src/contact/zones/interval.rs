@@ -9,6 +9,7 @@ use std::cell::OnceCell;
 
 use crate::contact::curves::curve::angle;
 use crate::contact::curves::input::Strands;
+use crate::contact::measures::COINCIDENT;
 use crate::contact::pairs::capsule::segment_distance;
 use crate::contact::tree::exclusion::bytes;
 use crate::contact::zones::straight::{chord, cut};
@@ -120,7 +121,9 @@ impl<A: Fn(usize, f64) -> f64> PartSearch<'_, A> {
         let near = |k: usize| strands.cubic(k).relative_to(&origin);
         let (slave, master) = (near(i), near(j));
         let corner = |before: Option<usize>, after: Option<usize>| match (before, after) {
-            (Some(p), Some(n)) => angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > 1e-6,
+            (Some(p), Some(n)) => {
+                angle(&strands.cubic(p).end_tangent(), &strands.cubic(n).start_tangent()) > COINCIDENT
+            }
             _ => true,
         };
         let [before, after] = self.neighbours(j);

@@ -198,7 +198,7 @@ pub(in super::super) struct PoseText {
     #[schemars(extend("x-value" = "[w, x, y, z]", "x-allowed" = "length 1", "x-default" = "stays"))]
     pub quaternion: Option<List<f64, 4>>,
     /// The same as an axis and an angle.
-    #[schemars(extend("x-value" = "[x, y, z, angle]", "x-unit" = "turns", "x-allowed" = "-0.5 to 0.5 turns", "x-default" = "stays"))]
+    #[schemars(extend("x-value" = "[x, y, z, turns]", "x-allowed" = "-0.5 to 0.5 turns", "x-default" = "stays"))]
     pub axis_angle: Option<List<f64, 4>>,
     /// The same with columns d1, d2, d3.
     #[schemars(extend("x-value" = "three rows", "x-allowed" = "a rotation", "x-default" = "stays"))]
