@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::observe::report::Observation;
-use crate::observe::{self, ErrorEstimate, smoothed_contact_forces};
+use crate::observe::{self, EndLinks, ErrorEstimate, smoothed_contact_forces};
 use crate::scene::file::{FollowChoice, FollowStart};
 use crate::scene::{Ramp, Scene};
 use crate::solve::{
@@ -158,10 +158,11 @@ impl SceneRun {
     ) -> Result<Outcome, RunError> {
         let mut options = options(&self.scene);
         options.newton.interrupt = self.interrupt.clone();
+        let links = EndLinks::new(&self.scene.model, &self.scene.stages);
         let mut keeper = Keeper::new(&self, record, from.clone(), seconds_before);
         let mut failed: Option<InputError> = None;
         let mut observer = |progress: &Progress, waypoint: &Waypoint| {
-            let observation = observe::observe(progress);
+            let observation = links.told(observe::observe(progress), keeper.record.steps().first());
             let seen = watch(&observation);
             match keeper.take_in(observation, progress.engine, waypoint) {
                 Ok(()) => seen,

@@ -196,7 +196,7 @@ fn size(rod: &Rod) -> RodSize {
 }
 
 /// Angle between the tangents at both ends, rad, up to which they count as parallel.
-const PARALLEL: f64 = 1e-3;
+pub(super) const PARALLEL: f64 = 1e-3;
 /// Length of the straight extensions of an open rod for its writhe, over the rod's, because the rest adds less than
 /// 1e-6 turns.
 const CONTINUED: f64 = 1e4;

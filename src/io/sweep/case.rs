@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::InputError;
 use crate::observe::report::Observation;
-use crate::observe::{ending, observe};
+use crate::observe::{EndLinks, ending, observe};
 use crate::scene::file::value_of;
 use crate::solve::{self, Interrupt, Progress, RunError, Status};
 
@@ -71,12 +71,13 @@ impl Plan {
             return Err(InputError::Inconsistent { field: "stages.follow".to_owned(), reason }.into());
         }
         *columns = Some(Columns::of_scene(&scene));
+        let links = EndLinks::new(&scene.model, &scene.stages);
         let mut options = options(&scene);
         options.newton.interrupt = interrupt.clone();
         options.threads = Some(1);
         solve::run(scene.model, &scene.stages, &options, &mut |progress: &Progress| {
             // sites have no columns
-            steps.push(Observation { sites: Vec::new(), ..observe(progress) });
+            steps.push(Observation { sites: Vec::new(), ..links.told(observe(progress), steps.first()) });
             ControlFlow::Continue(())
         })
     }

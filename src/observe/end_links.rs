@@ -1,0 +1,198 @@
+//! Loops that pass over an end of an open rod.
+//!
+//! A rod ends in a point, and nothing is in the way of a loop beyond it. Where both ends hold their frames, the link between
+//! them is what was prescribed for as long as no loop passes over an end, which changes it by two turns: what an end is
+//! fixed to (a bead, a wall) would not let that happen.
+
+use crate::math::Vec3;
+use crate::scene::ramped::{Prescribed, place_name, prescribed};
+use crate::scene::{ContactLaw, Model, NodeRef, Ramp, Stage};
+
+use super::report::Observation;
+use super::state::PARALLEL;
+
+/// Largest distance from two turns, because link is measured on polygons, where it is exact but for rounding.
+const TOL_TURNS: f64 = 1e-3;
+
+/// The link that stages prescribe between the ends of open rods.
+///
+/// ```no_run
+/// # fn main() -> Result<(), supercoil::error::Error> {
+/// # let scene: supercoil::scene::Scene = todo!();
+/// use std::ops::ControlFlow;
+/// use supercoil::observe::report::Observation;
+/// use supercoil::observe::{EndLinks, observe};
+///
+/// let links = EndLinks::new(&scene.model, &scene.stages);
+/// let mut steps: Vec<Observation> = Vec::new();
+/// supercoil::solve::run(scene.model, &scene.stages, &Default::default(), &mut |progress| {
+///     steps.push(links.told(observe(progress), steps.first()));
+///     ControlFlow::Continue(())
+/// })?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct EndLinks {
+    rods: Vec<HeldEnds>,
+}
+
+/// An open rod whose ends hold their frames, and turn about their tangents only.
+#[derive(Debug, Clone)]
+struct HeldEnds {
+    rod: usize,
+    name: String,
+    /// What turns its ends, with the sign that it has in the link.
+    turned: Vec<(Prescribed, f64)>,
+}
+
+impl EndLinks {
+    /// Of the open rods with contact whose ends are held throughout and turned about their tangents, if at all.
+    pub fn new(model: &Model, stages: &[Stage]) -> Self {
+        let all = prescribed(model, stages);
+        let held = |rod: usize| {
+            let turned = turned_ends(model, stages, rod)?;
+            let column = |(name, sign): (String, f64)| Some((all.iter().find(|of| of.name == name)?.clone(), sign));
+            let turned = turned.into_iter().map(column).collect::<Option<_>>()?;
+            Some(HeldEnds { rod, name: model.rods[rod].name.clone(), turned })
+        };
+        let touches = !matches!(model.contact.law, ContactLaw::None);
+        Self { rods: (0..model.rods.len()).filter(|_| touches).filter_map(held).collect() }
+    }
+
+    /// An observation, with a note for each rod whose link is no longer that of the `start` (the first observation of the
+    /// run) and of the turns prescribed since.
+    #[must_use]
+    pub fn told(&self, mut now: Observation, start: Option<&Observation>) -> Observation {
+        let notes: Vec<String> = start.map_or_else(Vec::new, |start| self.notes(&now, start));
+        now.notes.extend(notes);
+        now
+    }
+
+    fn notes(&self, now: &Observation, start: &Observation) -> Vec<String> {
+        let link = |of: &Observation, rod: usize| of.ends.iter().find(|ends| ends.rod == rod)?.link;
+        let note = |held: &HeldEnds| {
+            let turned = |(of, sign): &(Prescribed, f64)| sign * of.at(now.stage, now.fraction);
+            let due = link(start, held.rod)? + held.turned.iter().map(turned).sum::<f64>();
+            let off = link(now, held.rod)? - due;
+            let loops = (0.5 * off).round();
+            (loops != 0.0 && (off - 2.0 * loops).abs() < TOL_TURNS).then(|| {
+                let than = if loops < 0.0 { "less" } else { "more" };
+                format!(
+                    "the link of rod \"{}\" is {} turns {than} than prescribed: a loop has passed over an end, where nothing is \
+                     in its way",
+                    held.name,
+                    2.0 * loops.abs()
+                )
+            })
+        };
+        self.rods.iter().filter_map(note).collect()
+    }
+}
+
+/// Names of the columns of what turns the ends of a rod, and signs; `None` if these are free, or do anything else.
+fn turned_ends(model: &Model, stages: &[Stage], rod: usize) -> Option<Vec<(String, f64)>> {
+    let of = &model.rods[rod];
+    if of.closed || of.section.contact_radius <= 0.0 {
+        return None;
+    }
+    let ends = [(NodeRef { rod, node: 0 }, -1.0), (NodeRef { rod, node: of.num_nodes() - 1 }, 1.0)];
+    let mut turned: Vec<(String, f64)> = Vec::new();
+    for (node, sign) in ends {
+        let holds = |k: usize| model.supports.iter().any(|support| support.node == node && support.rotation[k]);
+        if !(0..3).all(holds) {
+            return None;
+        }
+        let tangent = of.frames[node.node] * Vec3::z();
+        for ramp in stages.iter().flat_map(|stage| &stage.ramps) {
+            match ramp {
+                Ramp::Rotation { node: at, axis, .. } if *at == node => {
+                    let along = axis.normalize().dot(&tangent);
+                    if axis.cross(&tangent).norm() > PARALLEL * axis.norm() {
+                        return None;
+                    }
+                    let name = format!("{}_turned", place_name(model, node));
+                    if turned.iter().all(|(other, _)| *other != name) {
+                        turned.push((name, sign * along.signum()));
+                    }
+                }
+                Ramp::RotationAbout { node: at, .. } | Ramp::Pose { node: at, .. } if *at == node => return None,
+                Ramp::Hold(support) | Ramp::Release(support) if support.node == node => return None,
+                _ => {}
+            }
+        }
+    }
+    Some(turned)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::observe::observe;
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
+    use crate::scene::Support;
+    use crate::solve::{self, Options};
+
+    /// A straight rod along −x whose ends are turned about ±x, in three steps.
+    fn turned(ramps: Vec<Ramp>, supports: Vec<Support>) -> (EndLinks, Vec<Observation>) {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
+        let shape = Shape::Line { start: Vec3::zeros(), direction: -Vec3::x(), length: 1.0 };
+        let rods = vec![Rod::new("rod", &shape, RodMesh::open(6, 3), section, Natural::Straight).unwrap()];
+        let model = Model { rods, supports, ..Model::default() };
+        let stages = vec![Stage { ramps, steps: 3 }];
+        let links = EndLinks::new(&model, &stages);
+        let mut seen = Vec::new();
+        let solution = solve::run(model, &stages, &Options::default(), &mut |progress| {
+            seen.push(observe(progress));
+            ControlFlow::Continue(())
+        });
+        assert_eq!(solution.unwrap().status, solve::Status::Converged);
+        (links, seen)
+    }
+
+    fn ends() -> [NodeRef; 2] {
+        [0, 18].map(|node| NodeRef { rod: 0, node })
+    }
+
+    fn told(links: &EndLinks, seen: &[Observation], slipped: f64) -> Vec<String> {
+        let mut last = seen.last().unwrap().clone();
+        last.ends[0].link = last.ends[0].link.map(|link| link + slipped);
+        last.notes.clear();
+        links.told(last, seen.first()).notes
+    }
+
+    #[test]
+    fn a_loop_over_an_end_is_told() {
+        let [start, end] = ends();
+        let ramps = vec![
+            Ramp::Rotation { node: end, axis: Vec3::x() * 3.0, to: 0.7 },
+            Ramp::Rotation { node: start, axis: Vec3::x(), to: -0.4 },
+        ];
+        let (links, seen) = turned(ramps, ends().map(Support::clamp).to_vec());
+        assert!(
+            (seen.last().unwrap().ends[0].link.unwrap() + 1.1).abs() < 1e-6,
+            "the end about −x, the start against it"
+        );
+        assert_eq!(told(&links, &seen, 0.0), Vec::<String>::new());
+        assert_eq!(told(&links, &seen, 1.0), Vec::<String>::new(), "no loop takes one turn with it");
+        for (slipped, words) in [(-2.0, "2 turns less than"), (4.0, "4 turns more than")] {
+            let notes = told(&links, &seen, slipped);
+            assert!(notes.len() == 1 && notes[0].contains(words), "{notes:?}");
+        }
+    }
+
+    /// Nobody knows the link between ends that are free to spin, or are let go.
+    #[test]
+    fn free_ends_have_no_link_to_keep() {
+        let [start, end] = ends();
+        let turn = |node| Ramp::Rotation { node, axis: Vec3::x(), to: 0.3 };
+        let pin = Support::pin(end);
+        let (links, seen) = turned(vec![turn(start)], vec![Support::clamp(start), pin]);
+        assert_eq!(told(&links, &seen, 2.0), Vec::<String>::new());
+        let release = vec![Ramp::Release(Support { position: [false; 3], ..Support::clamp(end) })];
+        let (links, seen) = turned(release, ends().map(Support::clamp).to_vec());
+        assert_eq!(told(&links, &seen, 2.0), Vec::<String>::new());
+    }
+}
