@@ -131,14 +131,18 @@ pub enum ContactLaw {
 
 /// Spacing of nodes in layers (B/κ)^¼ that determines [`ContactLaw::stiffness_by_mesh`].
 const LAYERS_BETWEEN_NODES: f64 = 2.0;
+/// Nodes of a rod beyond which the spacing is one layer, because ripples of lines of contact add up along a rod, and what
+/// resists them, EA/L² against waves of sliding and B/L⁴ against bends, falls with its length: under two layers a plectoneme
+/// of 30 000 nodes rests, one of 100 000 does not (`docs/PERFORMANCE.md`).
+const MANY_NODES: usize = 30_000;
 /// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind
 /// tightly enough for a stiffer law to change the result.
 const MOST_BY_MESH: f64 = 1e4;
 
 impl ContactLaw {
     /// The largest dimensionless stiffness κ ε⁴/B that a mesh of these rods resolves along lines of contact: the
-    /// spacing of nodes is two contact layers (B/κ)^¼, on the rod with the most layers. Clamped to `least` and 10⁴ (or
-    /// `least`, if larger); 100 for a spacing of .63 contact radii. With a stiffer law pressure concentrates between
+    /// spacing of nodes is two contact layers (B/κ)^¼, one on rods of more than 30 000 nodes, on the rod with the most
+    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of .63 contact radii. With a stiffer law pressure concentrates between
     /// nodes and a line breaks up into points; with a softer law points of contact a few radii apart merge
     /// (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
@@ -148,7 +152,8 @@ impl ContactLaw {
         let bending = rods.iter().map(|rod| rod.section.smaller_bending()).fold(f64::INFINITY, f64::min);
         // powers of ratios do not overflow in any unit
         let carried = |rod: &Rod| {
-            rod.section.smaller_bending() / bending * (LAYERS_BETWEEN_NODES * radius / rod.spacing()).powi(4)
+            let layers = if rod.num_nodes() > MANY_NODES { 1.0 } else { LAYERS_BETWEEN_NODES };
+            rod.section.smaller_bending() / bending * (layers * radius / rod.spacing()).powi(4)
         };
         if radius.is_finite() { smallest(&carried).min(MOST_BY_MESH).max(least) } else { least }
     }

@@ -34,6 +34,14 @@ fn nodes_are_two_layers_apart() {
     }
 }
 
+/// Of rods with more than 30 000 nodes a single layer, though the same mesh on a shorter rod has two.
+#[test]
+fn nodes_of_long_rods_are_one_layer_apart() {
+    let of = |elements: usize| by_mesh(&[rod("a", elements, [elements as f64, 1.0, 0.6])]);
+    let [short, long] = [9_999, 10_000].map(of);
+    assert!((short / long - 16.0).abs() < 1e-9, "{short} {long}");
+}
+
 #[test]
 fn between_a_least_and_a_largest() {
     assert_eq!(by_mesh(&[rod("a", 5, [1.0, 1.0, 0.01])]), 10.0);
