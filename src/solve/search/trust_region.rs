@@ -213,8 +213,8 @@ impl Workspace {
         true
     }
 
-    /// A step after its corrections. If these do not decrease the potential enough, a fraction of the step, which costs no
-    /// factorisation. At most the fraction `longest` of the step, whose size is `size`.
+    /// A step after its corrections. If these neither converge nor decrease the potential enough, a fraction of the
+    /// step, which costs no factorisation. At most the fraction `longest` of the step, whose size is `size`.
     fn try_step(
         &mut self,
         engine: &mut Engine,
@@ -226,7 +226,7 @@ impl Workspace {
         let mut trial = self.trial(engine, from, step, longest)?;
         for &shorter in if from.pushed { [].as_slice() } else { &SHORTER } {
             let falls = gain(residual, &trial) >= LEAST * trial.expected - noise(residual);
-            if falls || search.rest.is_tiny(size, &trial) {
+            if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
             trial = self.trial(engine, from, step, shorter)?;
