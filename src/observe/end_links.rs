@@ -60,8 +60,8 @@ impl EndLinks {
         Self { rods: (0..model.rods.len()).filter(|_| touches).filter_map(held).collect() }
     }
 
-    /// An observation, with a note for each rod whose link is no longer that of the `start` (the first observation of the
-    /// run) and of the turns prescribed since.
+    /// An observation, with a note for each rod whose link is no longer that of the `start` (an earlier observation, the
+    /// first of the run as a rule) and of the turns prescribed since.
     #[must_use]
     pub fn told(&self, mut now: Observation, start: Option<&Observation>) -> Observation {
         let notes: Vec<String> = start.map_or_else(Vec::new, |start| self.notes(&now, start));
@@ -72,7 +72,9 @@ impl EndLinks {
     fn notes(&self, now: &Observation, start: &Observation) -> Vec<String> {
         let link = |of: &Observation, rod: usize| of.ends.iter().find(|ends| ends.rod == rod)?.link;
         let note = |held: &HeldEnds| {
-            let turned = |(of, sign): &(Prescribed, f64)| sign * of.at(now.stage, now.fraction);
+            let turned = |(of, sign): &(Prescribed, f64)| {
+                sign * (of.at(now.stage, now.fraction) - of.at(start.stage, start.fraction))
+            };
             let due = link(start, held.rod)? + held.turned.iter().map(turned).sum::<f64>();
             let off = link(now, held.rod)? - due;
             let loops = (0.5 * off).round();

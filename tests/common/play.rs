@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use supercoil::io::run::options;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
+use supercoil::observe::{EndLinks, observe};
 use supercoil::scene::{ContactLaw, NodeRef, Ramp, Scene, Stage};
 use supercoil::solve::{Engine, Interrupt, Progress, RunError, Solution, Status, StepReport, run_from};
 
@@ -246,6 +246,8 @@ pub fn play_watched(family: &str, case: &str, scene: Scene, limit: Limit, watch:
     options.newton.interrupt = interrupt.clone();
     let law = scene.model.contact.law;
     let targets = link_targets(&scene);
+    let ends = EndLinks::new(&scene.model, &scene.stages);
+    let mut start: Option<Observation> = None;
     let before = Engine::new(scene.model.clone(), Some(1)).ok().map(|engine| Topology::of(&engine));
     let mut counter = Counter::new(full);
     let clock = Watch::new(limit.clock);
@@ -253,6 +255,7 @@ pub fn play_watched(family: &str, case: &str, scene: Scene, limit: Limit, watch:
         catch_unwind(AssertUnwindSafe(|| {
             run_from(scene.model, &scene.stages, &options, None, &mut |progress, waypoint| {
                 counter.accepted(progress, waypoint.place().iterations);
+                start.get_or_insert_with(|| observe(progress));
                 watch(progress);
                 ControlFlow::Continue(())
             })
@@ -276,7 +279,16 @@ pub fn play_watched(family: &str, case: &str, scene: Scene, limit: Limit, watch:
         Ok(Err(error)) => return Played { row: row.refused("numbers broke down", error.to_string()), seen: None },
         Ok(Ok(solution)) => solution,
     };
-    judge(row, &solution, &mut counter, (before.as_ref(), law, &targets), interrupt.is_raised())
+    let mut played = judge(row, &solution, &mut counter, (before.as_ref(), law, &targets), interrupt.is_raised());
+    if let Some(seen) = played.seen.take() {
+        let told = seen.notes.len();
+        let seen = ends.told(seen, start.as_ref());
+        if let ([note, ..], true) = (&seen.notes[told..], played.row.passed) {
+            (played.row.passed, played.row.reason) = (false, note.clone());
+        }
+        played.seen = Some(seen);
+    }
+    played
 }
 
 /// Excess link that each closed rod must have in the end, where the scene prescribes it.
@@ -333,7 +345,7 @@ fn judge(
         let (stage, done) = (counter.stage + 1, 100.0 * counter.fraction);
         row.reason = format!("stage {stage} at {done:.1} % when time was up");
     } else if converged {
-        row.reason = objections(&row, law, seen.num_unstable).join("; ");
+        row.reason = objections(&row, law, &seen).join("; ");
         row.passed = row.reason.is_empty();
     }
     Played { row, seen: Some(seen) }
@@ -345,7 +357,7 @@ pub fn within_limit(x: f64, limit: f64) -> bool {
 }
 
 /// What speaks against a state that the solver calls converged.
-fn objections(row: &Row, law: ContactLaw, unstable: usize) -> Vec<String> {
+fn objections(row: &Row, law: ContactLaw, seen: &Observation) -> Vec<String> {
     let mut found = Vec::new();
     let left = match law {
         ContactLaw::AugmentedLagrangian { tol_penetration, .. } | ContactLaw::ByMesh { tol_penetration, .. } => {
@@ -353,7 +365,8 @@ fn objections(row: &Row, law: ContactLaw, unstable: usize) -> Vec<String> {
         }
         _ => f64::INFINITY,
     };
-    if let Some(gap) = row.gap.filter(|gap| *gap < -(2.0 * left + TOL_GAP)) {
+    // what a run only notes, the rounded end of a rod beside itself, is no overlap of tubes
+    if let Some(gap) = row.gap.filter(|gap| *gap < -(2.0 * left + TOL_GAP) && seen.overlaps()) {
         found.push(format!("strands are {:.1e} contact radii inside each other", -gap));
     }
     if let Some(error) = row.link_error.filter(|error| !within_limit(*error, TOL_LINK)) {
@@ -368,8 +381,8 @@ fn objections(row: &Row, law: ContactLaw, unstable: usize) -> Vec<String> {
     if row.tightness > 1.0 {
         found.push(format!("bent {:.2} times as tightly as a contact radius allows", row.tightness));
     }
-    if unstable > 0 {
-        found.push(format!("{unstable} unstable directions"));
+    if seen.num_unstable > 0 {
+        found.push(format!("{} unstable directions", seen.num_unstable));
     }
     found
 }
