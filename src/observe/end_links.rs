@@ -17,7 +17,7 @@ const TOL_TURNS: f64 = 1e-3;
 /// The link that stages prescribe between the ends of open rods.
 ///
 /// ```no_run
-/// # fn main() -> Result<(), supercoil::error::Error> {
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let scene: supercoil::scene::Scene = todo!();
 /// use std::ops::ControlFlow;
 /// use supercoil::observe::report::Observation;
