@@ -1,6 +1,7 @@
 //! Results of a state: [`observe()`] computes an [`Observation`](report::Observation), the plain data of [`report`];
 //! [`estimate_error`] estimates its error, [`strains()`] gives strains and stress resultants.
 
+#[cfg(feature = "tables")]
 mod end_links;
 mod error_estimate;
 mod knots;
@@ -11,6 +12,7 @@ mod start;
 mod state;
 mod strains;
 
+#[cfg(feature = "tables")]
 pub use end_links::EndLinks;
 pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
 pub use start::{StartOverlap, start_overlaps};
