@@ -158,11 +158,11 @@ impl SceneRun {
     ) -> Result<Outcome, RunError> {
         let mut options = options(&self.scene);
         options.newton.interrupt = self.interrupt.clone();
-        let links = EndLinks::new(&self.scene.model, &self.scene.stages);
         let mut keeper = Keeper::new(&self, record, from.clone(), seconds_before);
         let mut failed: Option<InputError> = None;
         let mut observer = |progress: &Progress, waypoint: &Waypoint| {
-            let observation = links.told(observe::observe(progress), keeper.record.steps().first());
+            let mut observation = observe::observe(progress);
+            keeper.note_links(&mut observation);
             let seen = watch(&observation);
             match keeper.take_in(observation, progress.engine, waypoint) {
                 Ok(()) => seen,
@@ -214,6 +214,7 @@ struct Keeper {
     latest: Option<Restart>,
     started: Instant,
     seconds_before: f64,
+    links: EndLinks,
     /// Whether the error of the final state is to be estimated.
     estimates: bool,
 }
@@ -234,8 +235,14 @@ impl Keeper {
             latest: from,
             started,
             seconds_before,
+            links: EndLinks::new(&scene.model, &scene.stages),
             estimates: scene.output.error_estimate,
         }
+    }
+
+    fn note_links(&self, now: &mut Observation) {
+        let notes = self.links.notes(now, self.record.steps().first());
+        now.notes.extend(notes);
     }
 
     fn take_in(&mut self, observation: Observation, engine: &Engine, waypoint: &Waypoint) -> Result<(), InputError> {
@@ -278,6 +285,7 @@ impl Keeper {
             let mut observation = observe::observe(&point.progress);
             observation.stage = *index;
             observation.step = self.record.steps().len();
+            self.note_links(&mut observation);
             observation.notes.extend(kind_in_words(point));
             let seen = watch(&observation);
             match self.record.push(observation, snapshots(point.engine())) {

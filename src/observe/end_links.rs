@@ -5,8 +5,8 @@
 //! fixed to (a bead, a wall) would not let that happen.
 
 use crate::math::Vec3;
-use crate::scene::ramped::{Prescribed, place_name, prescribed};
-use crate::scene::{ContactLaw, Model, NodeRef, Ramp, Stage};
+use crate::scene::ramped::{Prescribed, prescribed, ramped_name};
+use crate::scene::{Model, NodeRef, Ramp, Stage};
 
 use super::report::Observation;
 use super::state::PARALLEL;
@@ -17,8 +17,7 @@ const TOL_TURNS: f64 = 1e-3;
 /// The link that stages prescribe between the ends of open rods.
 ///
 /// ```no_run
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let scene: supercoil::scene::Scene = todo!();
+/// # fn watched(scene: supercoil::scene::Scene) -> Result<(), Box<dyn std::error::Error>> {
 /// use std::ops::ControlFlow;
 /// use supercoil::observe::report::Observation;
 /// use supercoil::observe::{EndLinks, observe};
@@ -26,7 +25,9 @@ const TOL_TURNS: f64 = 1e-3;
 /// let links = EndLinks::new(&scene.model, &scene.stages);
 /// let mut steps: Vec<Observation> = Vec::new();
 /// supercoil::solve::run(scene.model, &scene.stages, &Default::default(), &mut |progress| {
-///     steps.push(links.told(observe(progress), steps.first()));
+///     let now = observe(progress);
+///     links.notes(&now, steps.first()).iter().for_each(|note| println!("step {}: {note}", now.step));
+///     steps.push(now);
 ///     ControlFlow::Continue(())
 /// })?;
 /// # Ok(())
@@ -56,20 +57,14 @@ impl EndLinks {
             let turned = turned.into_iter().map(column).collect::<Option<_>>()?;
             Some(HeldEnds { rod, name: model.rods[rod].name.clone(), turned })
         };
-        let touches = !matches!(model.contact.law, ContactLaw::None);
-        Self { rods: (0..model.rods.len()).filter(|_| touches).filter_map(held).collect() }
+        let rods = if model.contact.law.is_on() { 0..model.rods.len() } else { 0..0 };
+        Self { rods: rods.filter_map(held).collect() }
     }
 
-    /// An observation, with a note for each rod whose link is no longer that of the `start` (an earlier observation, the
-    /// first of the run as a rule) and of the turns prescribed since.
-    #[must_use]
-    pub fn told(&self, mut now: Observation, start: Option<&Observation>) -> Observation {
-        let notes: Vec<String> = start.map_or_else(Vec::new, |start| self.notes(&now, start));
-        now.notes.extend(notes);
-        now
-    }
-
-    fn notes(&self, now: &Observation, start: &Observation) -> Vec<String> {
+    /// A note for each rod whose link is no longer that of the `start` (an earlier observation, the first of the run as a
+    /// rule) and of the turns prescribed since.
+    pub fn notes(&self, now: &Observation, start: Option<&Observation>) -> Vec<String> {
+        let Some(start) = start else { return Vec::new() };
         let link = |of: &Observation, rod: usize| of.ends.iter().find(|ends| ends.rod == rod)?.link;
         let note = |held: &HeldEnds| {
             let turned = |(of, sign): &(Prescribed, f64)| {
@@ -101,25 +96,24 @@ fn turned_ends(model: &Model, stages: &[Stage], rod: usize) -> Option<Vec<(Strin
     let ends = [(NodeRef { rod, node: 0 }, -1.0), (NodeRef { rod, node: of.num_nodes() - 1 }, 1.0)];
     let mut turned: Vec<(String, f64)> = Vec::new();
     for (node, sign) in ends {
-        let holds = |k: usize| model.supports.iter().any(|support| support.node == node && support.rotation[k]);
-        if !(0..3).all(holds) {
+        if model.fixed(node).1 != [true; 3] {
             return None;
         }
-        let tangent = of.frames[node.node] * Vec3::z();
+        let (tangent, joined) = (of.frames[node.node] * Vec3::z(), model.joined_nodes(node));
         for ramp in stages.iter().flat_map(|stage| &stage.ramps) {
             match ramp {
                 Ramp::Rotation { node: at, axis, .. } if *at == node => {
-                    let along = axis.normalize().dot(&tangent);
-                    if axis.cross(&tangent).norm() > PARALLEL * axis.norm() {
+                    let (name, way) = (ramped_name(model, ramp)?, sign * axis.dot(&tangent).signum());
+                    let known = turned.iter().find(|(other, _)| *other == name).map(|(_, way)| *way);
+                    if axis.cross(&tangent).norm() > PARALLEL * axis.norm() || known.is_some_and(|known| known != way) {
                         return None;
                     }
-                    let name = format!("{}_turned", place_name(model, node));
-                    if turned.iter().all(|(other, _)| *other != name) {
-                        turned.push((name, sign * along.signum()));
+                    if known.is_none() {
+                        turned.push((name, way));
                     }
                 }
                 Ramp::RotationAbout { node: at, .. } | Ramp::Pose { node: at, .. } if *at == node => return None,
-                Ramp::Hold(support) | Ramp::Release(support) if support.node == node => return None,
+                Ramp::Hold(support) | Ramp::Release(support) if joined.contains(&support.node) => return None,
                 _ => {}
             }
         }
@@ -161,8 +155,7 @@ mod tests {
     fn told(links: &EndLinks, seen: &[Observation], slipped: f64) -> Vec<String> {
         let mut last = seen.last().unwrap().clone();
         last.ends[0].link = last.ends[0].link.map(|link| link + slipped);
-        last.notes.clear();
-        links.told(last, seen.first()).notes
+        links.notes(&last, seen.first())
     }
 
     #[test]

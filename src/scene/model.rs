@@ -142,9 +142,9 @@ const MOST_BY_MESH: f64 = 1e4;
 impl ContactLaw {
     /// The largest dimensionless stiffness κ ε⁴/B that a mesh of these rods resolves along lines of contact: the
     /// spacing of nodes is two contact layers (B/κ)^¼, one on rods of more than 30 000 nodes, on the rod with the most
-    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of .63 contact radii. With a stiffer law pressure concentrates between
-    /// nodes and a line breaks up into points; with a softer law points of contact a few radii apart merge
-    /// (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
+    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of .63 contact radii. With a stiffer
+    /// law pressure concentrates between nodes and a line breaks up into points; with a softer law points of contact a few
+    /// radii apart merge (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
         let touching = || rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
         let smallest = |of: &dyn Fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);

@@ -279,16 +279,18 @@ pub fn play_watched(family: &str, case: &str, scene: Scene, limit: Limit, watch:
         Ok(Err(error)) => return Played { row: row.refused("numbers broke down", error.to_string()), seen: None },
         Ok(Ok(solution)) => solution,
     };
-    let mut played = judge(row, &solution, &mut counter, (before.as_ref(), law, &targets), interrupt.is_raised());
-    if let Some(seen) = played.seen.take() {
-        let told = seen.notes.len();
-        let seen = ends.told(seen, start.as_ref());
-        if let ([note, ..], true) = (&seen.notes[told..], played.row.passed) {
-            (played.row.passed, played.row.reason) = (false, note.clone());
-        }
-        played.seen = Some(seen);
-    }
-    played
+    let due = Due { before: before.as_ref(), law, targets, ends, start };
+    judge(row, &solution, &mut counter, &due, interrupt.is_raised())
+}
+
+/// What a state is judged by.
+struct Due<'a> {
+    before: Option<&'a Topology>,
+    law: ContactLaw,
+    /// See [`link_targets`].
+    targets: BTreeMap<usize, f64>,
+    ends: EndLinks,
+    start: Option<Observation>,
 }
 
 /// Excess link that each closed rod must have in the end, where the scene prescribes it.
@@ -297,13 +299,7 @@ fn link_targets(scene: &Scene) -> BTreeMap<usize, f64> {
     ramps.filter_map(|ramp| if let Ramp::ExcessLink { rod, to } = ramp { Some((*rod, *to)) } else { None }).collect()
 }
 
-fn judge(
-    mut row: Row,
-    solution: &Solution,
-    counter: &mut Counter,
-    (before, law, targets): (Option<&Topology>, ContactLaw, &BTreeMap<usize, f64>),
-    out_of_time: bool,
-) -> Played {
+fn judge(mut row: Row, solution: &Solution, counter: &mut Counter, due: &Due, out_of_time: bool) -> Played {
     row.iterations = solution.iterations;
     row.status = solution.status.to_string();
     if let Some(failure) = &solution.failure {
@@ -333,19 +329,20 @@ fn judge(
     row.tightness =
         rods.map(|(k, rod)| engine.largest_curvature(k)[0] * rod.section.contact_radius).fold(0.0, f64::max);
     let converged = solution.status == Status::Converged;
-    let due = |rod: usize, prescribed: f64| {
-        if converged { targets.get(&rod).copied().unwrap_or(prescribed) } else { prescribed }
+    let link_due = |rod: usize, prescribed: f64| {
+        if converged { due.targets.get(&rod).copied().unwrap_or(prescribed) } else { prescribed }
     };
     let natural = |rod: usize| engine.model().rods[rod].natural_link();
-    let off = seen.links.iter().map(|link| (link.link - natural(link.rod) - due(link.rod, link.excess_link)).abs());
+    let off =
+        seen.links.iter().map(|link| (link.link - natural(link.rod) - link_due(link.rod, link.excess_link)).abs());
     row.link_error = off.reduce(f64::max);
-    row.topology_kept = before.map(|before| before.is_kept_in(&Topology::of(engine)));
+    row.topology_kept = due.before.map(|before| before.is_kept_in(&Topology::of(engine)));
     if out_of_time && solution.status == Status::Stopped {
         row.status = "out of time".to_owned();
         let (stage, done) = (counter.stage + 1, 100.0 * counter.fraction);
         row.reason = format!("stage {stage} at {done:.1} % when time was up");
     } else if converged {
-        row.reason = objections(&row, law, &seen).join("; ");
+        row.reason = objections(&row, due, &seen).join("; ");
         row.passed = row.reason.is_empty();
     }
     Played { row, seen: Some(seen) }
@@ -357,9 +354,9 @@ pub fn within_limit(x: f64, limit: f64) -> bool {
 }
 
 /// What speaks against a state that the solver calls converged.
-fn objections(row: &Row, law: ContactLaw, seen: &Observation) -> Vec<String> {
-    let mut found = Vec::new();
-    let left = match law {
+fn objections(row: &Row, due: &Due, seen: &Observation) -> Vec<String> {
+    let mut found = due.ends.notes(seen, due.start.as_ref());
+    let left = match due.law {
         ContactLaw::AugmentedLagrangian { tol_penetration, .. } | ContactLaw::ByMesh { tol_penetration, .. } => {
             tol_penetration
         }

@@ -77,7 +77,9 @@ impl Plan {
         options.threads = Some(1);
         solve::run(scene.model, &scene.stages, &options, &mut |progress: &Progress| {
             // sites have no columns
-            steps.push(Observation { sites: Vec::new(), ..links.told(observe(progress), steps.first()) });
+            let mut now = Observation { sites: Vec::new(), ..observe(progress) };
+            now.notes.extend(links.notes(&now, steps.first()));
+            steps.push(now);
             ControlFlow::Continue(())
         })
     }
