@@ -128,15 +128,20 @@ mod tests {
     use super::*;
     use crate::observe::observe;
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
-    use crate::scene::Support;
+    use crate::scene::{ContactLaw, Pose, PosePath, Support};
     use crate::solve::{self, Options};
 
-    /// A straight rod along −x whose ends are turned about ±x, in three steps.
-    fn turned(ramps: Vec<Ramp>, supports: Vec<Support>) -> (EndLinks, Vec<Observation>) {
+    /// A straight rod along −x.
+    fn model(supports: Vec<Support>) -> Model {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
         let shape = Shape::Line { start: Vec3::zeros(), direction: -Vec3::x(), length: 1.0 };
         let rods = vec![Rod::new("rod", &shape, RodMesh::open(6, 3), section, Natural::Straight).unwrap()];
-        let model = Model { rods, supports, ..Model::default() };
+        Model { rods, supports, ..Model::default() }
+    }
+
+    /// The rod after its ends were turned in three steps.
+    fn turned(ramps: Vec<Ramp>, supports: Vec<Support>) -> (EndLinks, Vec<Observation>) {
+        let model = model(supports);
         let stages = vec![Stage { ramps, steps: 3 }];
         let links = EndLinks::new(&model, &stages);
         let mut seen = Vec::new();
@@ -178,16 +183,42 @@ mod tests {
         }
     }
 
-    /// Nobody knows the link between ends that are free to spin, or are let go.
+    /// A rod that is turned twice at one end spins with it if the other is free, which takes the same two turns as a loop.
     #[test]
-    fn free_ends_have_no_link_to_keep() {
+    fn a_free_end_has_no_link_to_keep() {
         let [start, end] = ends();
-        let turn = |node| Ramp::Rotation { node, axis: Vec3::x(), to: 0.3 };
-        let pin = Support::pin(end);
-        let (links, seen) = turned(vec![turn(start)], vec![Support::clamp(start), pin]);
-        assert_eq!(told(&links, &seen, 2.0), Vec::<String>::new());
-        let release = vec![Ramp::Release(Support { position: [false; 3], ..Support::clamp(end) })];
-        let (links, seen) = turned(release, ends().map(Support::clamp).to_vec());
-        assert_eq!(told(&links, &seen, 2.0), Vec::<String>::new());
+        let turn = Ramp::Rotation { node: start, axis: Vec3::x(), to: 2.0 };
+        let (links, seen) = turned(vec![turn], vec![Support::clamp(start), Support::pin(end)]);
+        assert!(seen.last().unwrap().ends[0].link.unwrap().abs() < 1e-6);
+        assert_eq!(told(&links, &seen, 0.0), Vec::<String>::new());
+    }
+
+    /// Whose link is known: that of ends turned about their tangents, always the same way, and of nothing else.
+    #[test]
+    fn ends_that_move_otherwise_are_left_alone() {
+        let [start, end] = ends();
+        let about = |node, axis| Ramp::Rotation { node, axis, to: 1.0 };
+        let round = |node| Ramp::RotationAbout { node, axis: Vec3::x(), through: Vec3::zeros(), to: 1.0 };
+        let release = Ramp::Release(Support { position: [false; 3], ..Support::clamp(end) });
+        let turns =
+            Pose { position: None, frame: None, path: PosePath::default(), turns: Some(2.0), half_turn: Vec3::zeros() };
+        let middle = NodeRef { rod: 0, node: 9 };
+        let cases = [
+            (vec![about(start, Vec3::x()), about(end, -Vec3::x())], 1),
+            (vec![about(end, Vec3::x()), about(end, Vec3::x())], 1),
+            (vec![round(middle)], 1),
+            (vec![about(end, Vec3::x()), about(end, -Vec3::x())], 0),
+            (vec![about(end, Vec3::new(1.0, 0.01, 0.0))], 0),
+            (vec![round(end)], 0),
+            (vec![Ramp::Pose { node: start, pose: turns }], 0),
+            (vec![release], 0),
+        ];
+        for (k, (ramps, followed)) in cases.into_iter().enumerate() {
+            let mut model = model(ends().map(Support::clamp).to_vec());
+            let stages: Vec<Stage> = ramps.into_iter().map(|ramp| Stage { ramps: vec![ramp], steps: 1 }).collect();
+            assert_eq!(EndLinks::new(&model, &stages).rods.len(), followed, "{k}");
+            model.contact.law = ContactLaw::None;
+            assert!(EndLinks::new(&model, &stages).rods.is_empty(), "{k}: strands pass each other");
+        }
     }
 }
