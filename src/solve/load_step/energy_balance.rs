@@ -23,7 +23,7 @@ use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{ROUNDING, SLIGHT};
+use crate::solve::measures::{LAST_PLACES, ROUNDING, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
@@ -35,8 +35,6 @@ const DIFFERENCE: f64 = 1e-4;
 /// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a ring
 /// of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
-/// Units in the last place of a strain that are its rounding, because it is the sum of that many products of shape functions.
-const LAST_PLACES: f64 = 10.0;
 
 /// Changes that a step prescribes.
 #[derive(Debug)]

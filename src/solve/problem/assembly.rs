@@ -11,6 +11,7 @@ pub(in crate::solve) use elements::symmetric;
 use crate::contact::potential::plane::PlaneContact;
 use crate::contact::potential::{ContactPair, Request};
 use crate::rod::element::Strain;
+use crate::solve::measures::LAST_PLACES;
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
@@ -46,6 +47,8 @@ pub(crate) struct Residual {
     pub(crate) magnitude: Vec<f64>,
     /// Potential.
     pub(crate) potential: Potential,
+    /// Rounding error of the potential \[F·L\].
+    pub(crate) rounding: f64,
     /// Where there is contact.
     pub(crate) contact_pairs: Vec<ContactPair>,
     /// Where there is contact with planes.
@@ -187,6 +190,16 @@ impl Engine {
     fn join(&self, out: &mut Residual) {
         give_to_masters(&mut out.gradient, &self.master);
         give_to_masters(&mut out.magnitude, &self.master);
+        out.rounding = self.rounding_of_potential(out);
+    }
+
+    /// Rounding error of the potential \[F·L\]: of its parts, and of the strains and gaps that forces do work on, each of
+    /// them a few units in the last place of a node spacing or of 1 rad.
+    fn rounding_of_potential(&self, at: &Residual) -> f64 {
+        let parts = at.potential.total().abs() + at.potential.elastic.iter().sum::<f64>();
+        let way = |k: usize| if k % 6 < 3 { self.scales.lever } else { 1.0 };
+        let work: f64 = at.magnitude.iter().enumerate().map(|(k, force)| force * way(k)).sum();
+        LAST_PLACES * f64::EPSILON * (parts + work)
     }
 
     pub(in crate::solve) fn start_residual(&self, state: &State) -> Residual {

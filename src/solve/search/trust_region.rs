@@ -22,7 +22,7 @@ mod step;
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{HALVINGS, ROUNDING, SAME};
+use crate::solve::measures::{HALVINGS, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -109,7 +109,7 @@ impl Search {
         } else if self.is_pushed() || !engine.is_conservative() {
             trial.settled
         } else {
-            gain(residual, trial) >= LEAST * trial.expected - noise(residual)
+            gain(residual, trial) >= LEAST * trial.expected - residual.rounding
         };
         Ok(acceptable && (trial.rounds == 0 || engine.keeps_apart(&self.state, &trial.increment)?))
     }
@@ -175,12 +175,12 @@ impl Workspace {
                 rounds: trial.rounds,
             });
             if is_accepted {
-                let accepted = Accepted { size, unbalanced, noise: noise(residual), shift, goes_on: false };
+                let accepted = Accepted { size, unbalanced, noise: residual.rounding, shift, goes_on: false };
                 return Ok(self.accept(engine, search, (residual, accepted), (&step, trial)));
             }
             // the decrease that is left in a full step is below the rounding of the potential: no search gets
             // farther (a step that was cut short shows nothing)
-            let unseen = trial.expected.abs() < noise(residual) * trial.fraction * (2.0 - trial.fraction);
+            let unseen = trial.expected.abs() < residual.rounding * trial.fraction * (2.0 - trial.fraction);
             if shift == 0.0 && !search.is_pushed() && unseen {
                 search.report.converged = true;
                 return Ok(Advance::Done);
@@ -225,7 +225,7 @@ impl Workspace {
         let from = StepStart { state: &search.state, residual, pushed: search.is_pushed() };
         let mut trial = self.trial(engine, from, step, longest)?;
         for &shorter in if from.pushed { [].as_slice() } else { &SHORTER } {
-            let falls = gain(residual, &trial) >= LEAST * trial.expected - noise(residual);
+            let falls = gain(residual, &trial) >= LEAST * trial.expected - residual.rounding;
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
@@ -304,10 +304,5 @@ fn gain(residual: &Residual, trial: &CorrectedStep) -> f64 {
 
 /// Changes of the potential that cannot be distinguished from zero.
 pub(in crate::solve) fn unseen(residual: &Residual) -> f64 {
-    UNSEEN * noise(residual)
-}
-
-/// Rounding error of the potential.
-fn noise(residual: &Residual) -> f64 {
-    ROUNDING * (residual.potential.total().abs() + residual.potential.elastic.iter().sum::<f64>())
+    UNSEEN * residual.rounding
 }

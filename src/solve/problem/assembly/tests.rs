@@ -71,6 +71,22 @@ fn far_from_the_origin_forces_are_the_same() {
     assert!(difference(&here.contact_gradient, &there.contact_gradient) < 1e-12 * pressed);
 }
 
+/// What counts as rounding of the potential is some times its scatter between states that are next to the same. With 10⁻¹¹
+/// of the energy, 10³ to 10⁴ times that, searches did not see what they gained along soft slides, and went to and fro.
+#[test]
+fn rounding_of_the_potential_is_its_scatter() {
+    for mut engine in [engine(), engine_on_planes()] {
+        let (state, by) = (engine.state.clone(), direction(engine.num_nodes(), 0.7));
+        let rounding = at(&mut engine, &state).rounding;
+        let moved = |k: usize| at(&mut engine, &state.retract(&by, 1e-14 * k as f64)).potential.total();
+        let potentials: Vec<f64> = (0..60).map(moved).collect();
+        // second differences have no part of the slope, and six times the variance
+        let squares: Vec<f64> = potentials.windows(3).map(|u| (u[0] - 2.0 * u[1] + u[2]).powi(2) / 6.0).collect();
+        let scatter = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        assert!(3.0 * scatter < rounding && rounding < 500.0 * scatter, "{rounding:e} {scatter:e}");
+    }
+}
+
 #[test]
 fn gradient_and_tangent_of_the_whole_problem_match_finite_differences() {
     check_derivatives(engine());
