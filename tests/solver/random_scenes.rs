@@ -71,16 +71,6 @@ fn scenes_can_be_run() {
     }
 }
 
-/// A ring with two bending stiffnesses that rolls and slides along itself for next to nothing, before its strands touch:
-/// steps of a thousandth of a radian, five hundred at each load, until none was left, while corrections followed that slide.
-#[test]
-fn a_ring_that_rolls_comes_to_rest() {
-    let family = families::Family::named("anisotropic_rings").unwrap();
-    let row = play(family.name, "1003", family.case(1003).scene(folder()).unwrap(), LIMIT).row;
-    assert!(row.passed, "{row:?}");
-    assert!(row.iterations < 2500, "{row:?}");
-}
-
 #[test]
 #[ignore = "slow: 700 runs, hours"]
 fn families_come_to_rest() {

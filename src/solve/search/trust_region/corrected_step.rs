@@ -158,11 +158,13 @@ impl Workspace {
     }
 
     /// Factorises with a larger shift if the correction of a step, of more energy than the step, is not small beside it, so
-    /// that another one moves less; whether it did. The correction of least energy goes along slides and rolls by as much
-    /// as the step does, because they cost nothing, and leaves errors as large as those it mends. A correction should be a
+    /// that another one moves less; whether it did. Under contact the correction of least energy slides strands along each other by as much as the
+    /// step does, because that costs nothing, and leaves errors as large as those it mends. A correction should be a
     /// tenth of the step ([`SLIGHT`]). The shift is at most that of bends as wide as the contact distance d, B/d⁴: with
-    /// more of it strands would evade each other by kinks. Without contact d is the node spacing.
+    /// more of it strands would evade each other by kinks.
     fn localise(&mut self, engine: &Engine, linear: &LinearStep, correction: &[f64]) -> bool {
+        let is_in_contact = !linear.from.residual.contact_pairs.is_empty();
+        let Some(side) = engine.contact.as_ref().filter(|_| is_in_contact) else { return false };
         let energy = self.energy_norm_sq(engine, correction);
         if energy <= linear.energy {
             return false;
@@ -171,8 +173,7 @@ impl Workspace {
         let [step, moved] = [&linear.increment, correction].map(inertia);
         let shorter = (moved / step).sqrt() / SLIGHT;
         let stiffness = energy / moved;
-        let narrowest = engine.contact.as_ref().map_or(engine.scales.lever, |side| 2.0 * side.min_radius);
-        let largest = (engine.scales.length / narrowest).powi(4);
+        let largest = (engine.scales.length / (2.0 * side.min_radius)).powi(4);
         // that of a single mode of this stiffness, shift included
         let shift = (self.shift + stiffness * (shorter - 1.0)).min(largest);
         let is_larger = shorter > 1.0 && shift > self.factorised;
