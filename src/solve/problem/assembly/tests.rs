@@ -72,7 +72,7 @@ fn far_from_the_origin_forces_are_the_same() {
 }
 
 /// What counts as rounding of the potential is some times its scatter between states that are next to the same. With 10⁻¹¹
-/// of the energy, 10³ to 10⁴ times that, searches did not see what they gained along soft slides, and went to and fro.
+/// of the energy, far more than that, searches did not see what they gained along soft slides, and went to and fro.
 #[test]
 fn rounding_of_the_potential_is_its_scatter() {
     for mut engine in [engine(), engine_on_planes()] {
