@@ -6,8 +6,8 @@
 //!    force is the sum over all its zones, because each view carries half of it.
 //! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
 //!    within an element of the next, are fragments of one (`fragments`).
-//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`], and,
-//!    if it is in fragments, longer than an element: where in an element pressure gathers is not known.
+//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`], and
+//!    longer than an element: where in an element pressure gathers is not known.
 
 use crate::contact::arc::{self, ascending, near};
 use crate::contact::chain::{ChainPiece, TOL_FOOT, chains};
@@ -27,6 +27,9 @@ pub(super) use lines::{lines, spread};
 
 /// Largest relative gap of a zone that counts as going all round a closed strand.
 const TOL_ARC: f64 = 1e-6;
+/// Length of the zone of a point contact that opens, over the spread of its pressure: 2a/√(∫ws² ds/∫w ds) of the solution w
+/// in [`shortest_line`].
+const ZONE_OVER_SPREAD: f64 = 4.369_219_575_688_655;
 
 /// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -324,11 +327,12 @@ impl<'a> ContactZones<'a> {
         self.seen_from(0).map(|z| z.push).sum::<Vec3>() - self.seen_from(1).map(|z| z.push).sum::<Vec3>()
     }
 
-    /// Whether it is long enough for a line.
-    fn kind(self, layer: &Layer, length: f64) -> SiteKind {
+    /// Whether it is long enough for a line: by its spread, so that what a mesh leaves of pressure beside a point hardly
+    /// counts.
+    fn kind(self, layer: &Layer, spread: f64) -> SiteKind {
         let [a, b] = self.curves();
-        let in_fragments = [0, 1].into_iter().any(|strand| self.seen_from(strand).count() > 1);
-        let element = if in_fragments { layer.elements[a].max(layer.elements[b]) } else { 0.0 };
+        let length = ZONE_OVER_SPREAD * spread;
+        let element = layer.elements[a].max(layer.elements[b]);
         if length > layer.shortest_line(a, b).max(element) { SiteKind::Line } else { SiteKind::Point }
     }
 }
@@ -336,7 +340,7 @@ impl<'a> ContactZones<'a> {
 /// The site of a contact, and whether its strand b is the first zone's own.
 fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bool) {
     let (curves, first) = (contact.curves(), contact.first());
-    let [(arc_a, width_a), (arc_b, width_b)] = contact.arcs();
+    let [arc_a, arc_b] = contact.arcs().map(|(arc, _)| arc);
     let loads = [0, 1].map(|strand| contact.load(strand));
     let center = |strand: usize, feet: [f64; 2]| {
         let center = if loads[strand].force > 0.0 { loads[strand].center } else { 0.5 * (feet[0] + feet[1]) };
@@ -354,7 +358,7 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
         arc_a: a.1,
         rod_b: b.0,
         arc_b: b.1,
-        kind: contact.kind(layer, 0.5 * (width_a + width_b)),
+        kind: contact.kind(layer, 0.5 * (loads[0].spread() + loads[1].spread())),
         gap: nearest.gap,
         force: loads[0].force + loads[1].force,
         center: [a.2, b.2],

@@ -38,7 +38,10 @@ use supercoil::solve::{Engine, Status, run};
 const BENDING: f64 = 205.7;
 const TWISTING: f64 = 411.4;
 const RADIUS: f64 = 2.5;
-const LENGTH: f64 = 320.0;
+const LENGTH: f64 = 440.0;
+/// Turns between the two states that are compared. A plectoneme rests where its points of contact lie well on the mesh, up
+/// to half an element from where an exact one would: over one turn that is .4 % of the approach, over three a third of it.
+const MORE: f64 = 2.0;
 
 /// Cost of an angle of the end when the superhelix has the angle α \[pN nm\].
 fn cost(alpha: f64, pull: f64) -> f64 {
@@ -92,7 +95,7 @@ fn states(pull: f64, turns: f64, more: &[String]) -> [Seen; 2] {
     let Ramp::Rotation { node, axis, .. } = scene.stages[1].ramps[0] else { panic!("the second stage turns") };
     let turn = |to: f64, steps: usize| Stage { ramps: vec![Ramp::Rotation { node, axis, to }], steps };
     scene.stages.truncate(1);
-    scene.stages.extend([turn(turns, turns.ceil() as usize), turn(turns + 1.0, 2)]);
+    scene.stages.extend([turn(turns, turns.ceil() as usize), turn(turns + MORE, 2 * MORE as usize)]);
     let mut ends = Vec::new();
     let solution = run(scene.model.clone(), &scene.stages, &options(&scene), &mut |progress| {
         if progress.stage > 0 && progress.fraction == 1.0 {
@@ -120,12 +123,12 @@ fn compare(pull: f64, turns: f64, more: &[String], tolerances: [f64; 4]) {
     verify(&case, "torque over the closed form's", after.torque / torque, 1.0, tolerances[0]);
     verify(&case, "helix angle α", after.alpha, alpha, tolerances[1] * alpha);
     // what the change of the torque puts into twist is not wound up
-    let wound = 1.0 - (after.torque - before.torque) * LENGTH / (TAU * TWISTING);
+    let wound = MORE - (after.torque - before.torque) * LENGTH / (TAU * TWISTING);
     let approach = wound * 2.0 * TAU * RADIUS / (2.0 * alpha).sin();
     let found = before.extension - after.extension;
     verify(&case, "approach of the ends by a turn over the closed form's", found / approach, 1.0, tolerances[2]);
     // exact: the work of the turn is the gain of energy and of the weight that pulls
-    let work = 0.5 * (before.torque + after.torque) * TAU;
+    let work = 0.5 * (before.torque + after.torque) * MORE * TAU;
     let gain = after.energy - before.energy + pull * found;
     verify(&case, "energy gained by a turn over the work done", gain / work, 1.0, tolerances[3]);
 }
@@ -145,13 +148,13 @@ fn the_least_cost_is_the_closed_form() {
 #[test]
 #[ignore = "slow: minutes"]
 fn a_turn_in_the_plectoneme() {
-    compare(1.0, 4.5, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
-    compare(2.0, 6.0, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
-    compare(4.0, 8.0, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
+    compare(1.0, 6.0, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
+    compare(2.0, 8.3, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
+    compare(4.0, 11.0, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
 }
 
 #[test]
 #[ignore = "slow: minutes"]
 fn on_a_finer_mesh() {
-    compare(2.0, 6.0, &["rods.0.elements=180".to_owned()], [3e-3, 1e-2, 2e-3, 2e-3]);
+    compare(2.0, 8.3, &["rods.0.elements=248".to_owned()], [3e-3, 1e-2, 2e-3, 2e-3]);
 }

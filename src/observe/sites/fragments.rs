@@ -47,6 +47,13 @@ fn is_alike(x: &ContactView, y: &ContactView, length: f64) -> bool {
     })
 }
 
+/// Whether the weaker of two contacts is a ripple beside the stronger one: shorter than half an element, and far weaker. A
+/// point force within an element bends it in a way that the element does not have; it touches once more beside the point.
+fn is_ripple(x: &ContactView, y: &ContactView, element: f64) -> bool {
+    let (weak, strong) = if x.force < y.force { (x, y) } else { (y, x) };
+    weak.length < 0.5 * element && ALIKE * weak.force < strong.force
+}
+
 /// Fewest contacts, each within an element of the next, that are fragments of a line.
 const ROW: usize = 3;
 
@@ -57,24 +64,35 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
         let near = near(curves);
         [0, 1].map(|k| near[k].max(layer.elements[curves[k]]))
     };
-    let groups = merged(set, zones, groups, near, 1);
-    merged(set, zones, groups, within_an_element, ROW)
+    let next = neighbours(set, zones, &groups, (&near, &is_alike));
+    let groups = merged(&groups, &next, 1);
+    let next = neighbours(set, zones, &groups, (&within_an_element, &is_alike));
+    let groups = merged(&groups, &next, ROW);
+    let next = neighbours(set, zones, &groups, (&within_an_element, &is_ripple));
+    merged(&groups, &with_the_strongest(zones, &groups, &next), 1)
 }
 
-/// Groups merged where at least `least` of them follow each other, alike and no further apart than `reach` of their
-/// curves \[L\].
-fn merged(
-    set: &CurveSet,
-    zones: &[SiteZone],
-    groups: Vec<Members>,
-    reach: impl Fn([usize; 2]) -> [f64; 2],
-    least: usize,
-) -> Vec<Members> {
-    let next = neighbours(set, zones, &groups, reach);
+/// Of the neighbours of each group only the strongest, if it is stronger: a ripple between a point and a line does not join
+/// them.
+fn with_the_strongest(zones: &[SiteZone], groups: &[Members], next: &[Members]) -> Vec<Members> {
+    let force = |group: usize| groups[group].iter().map(|&(zone, _)| zones[zone].load.force).sum::<f64>();
+    let mut chosen: Vec<Members> = vec![Vec::new(); groups.len()];
+    for (group, others) in next.iter().enumerate() {
+        let strongest = others.iter().max_by(|x, y| force(x.0).total_cmp(&force(y.0)));
+        if let Some(&(other, turned)) = strongest.filter(|other| force(other.0) > force(group)) {
+            chosen[group].push((other, turned));
+            chosen[other].push((group, turned));
+        }
+    }
+    chosen
+}
+
+/// Groups merged where at least `least` of them hang together.
+fn merged(groups: &[Members], next: &[Members], least: usize) -> Vec<Members> {
     let mut used = vec![false; groups.len()];
     let mut all = Vec::new();
     for start in 0..groups.len() {
-        let row = row_of(start, &next, &mut used);
+        let row = row_of(start, next, &mut used);
         if row.is_empty() {
             continue;
         }
@@ -90,12 +108,13 @@ fn merged(
     all
 }
 
-/// For each group those that follow it or that it follows, and whether they see the two strands the other way round.
+/// For each group those that are one with it, no further apart than `reach` of their curves \[L\], and whether they see the
+/// two strands the other way round.
 fn neighbours(
     set: &CurveSet,
     zones: &[SiteZone],
     groups: &[Members],
-    reach: impl Fn([usize; 2]) -> [f64; 2],
+    (reach, is_one): (&dyn Fn([usize; 2]) -> [f64; 2], &dyn Fn(&ContactView, &ContactView, f64) -> bool),
 ) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
@@ -111,7 +130,7 @@ fn neighbours(
             let after = (1..class.len()).map(|offset| &class[(i + offset) % class.len()]);
             for other in after
                 .take_while(|other| is_near(side, other, 0))
-                .filter(|other| is_near(side, other, 1) && is_alike(side, other, reach[0].max(reach[1])))
+                .filter(|other| is_near(side, other, 1) && is_one(side, other, reach[0].max(reach[1])))
             {
                 if side.group != other.group {
                     let turned = side.flipped != other.flipped;

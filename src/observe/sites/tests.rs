@@ -202,6 +202,24 @@ fn sites_of_elements(set: &CurveSet, length: f64) -> (Vec<SiteReport>, Vec<crate
     (sites(set, &terms, &[3, 7], &layer), lines(set, &terms, &[3, 7], &layer))
 }
 
+/// A ripple between a point and a line is part of the point, which is stronger, and does not join the two; on a mesh of
+/// short elements it is a contact of its own.
+#[test]
+fn a_ripple_beside_a_point_is_part_of_it() {
+    // heights above contact along b; in between straight
+    let heights = [(0.0, 1e-2), (0.9, 1e-2), (1.0, -1e-2), (1.1, 1e-2), (1.5, 1e-4), (1.55, -1e-4), (1.6, 1e-4)];
+    let line = [(2.0, 1e-4), (2.1, -2e-4), (5.0, -2e-4), (5.1, 1e-2), (6.0, 1e-2)];
+    let b: Vec<Vec3> = heights.iter().chain(&line).map(|&(x, above)| Vec3::new(x, 0.0, 1.0 + above)).collect();
+    let a: Vec<Vec3> = (0..=6).map(|k| Vec3::x() * f64::from(k)).collect();
+    let set = CurveSet::from_polylines(&[(&a, 0.5, false), (&b, 0.5, false)]).unwrap();
+    let [fine, coarse] = [0.1, 1.0].map(|length| sites_of_elements(&set, length).0);
+    assert_eq!((fine.len(), coarse.len()), (3, 2), "{coarse:?}");
+    assert_eq!(coarse[1], fine[2]);
+    assert!(
+        (coarse[0].force / (fine[0].force + fine[1].force) - 1.0).abs() < 1e-12 && coarse[0].force > coarse[1].force
+    );
+}
+
 /// Contacts in a row, one an element, are one line; two are points, and so are rows wider than the elements. Whatever the
 /// sites, their forces add up to the same, also if a strand runs the other way or the strands are swapped; the pressure
 /// along the line is even and adds up to its force.

@@ -339,6 +339,7 @@ impl Solver {
             outcome.num_unstable = 0;
         }
         report.num_unstable = outcome.num_unstable;
+        report.error.clone_from(&outcome.obstacle);
         report.status = match (outcome.converged, outcome.num_unstable) {
             (false, _) => Status::MaxIterations,
             (true, 0) => Status::Converged,

@@ -72,7 +72,7 @@ pub struct StepReport {
     pub iterations_on_other_meshes: usize,
     /// Whether the step converged from the predicted state.
     pub predicted: bool,
-    /// The error of a breakdown.
+    /// The error of a breakdown, or what kept the last step of a search from being taken as a whole.
     pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
     pub history: Vec<Vec<Iteration>>,
@@ -105,7 +105,7 @@ impl StepReport {
 
     /// Another attempt from where the last one began: iterations stay counted.
     pub(in crate::solve) fn start_again(&mut self) {
-        (self.status, self.num_unstable) = (Status::Converged, 0);
+        (self.status, self.num_unstable, self.error) = (Status::Converged, 0, None);
         (self.augmentations, self.escapes) = (0, 0);
     }
 }

@@ -56,6 +56,15 @@ pub(crate) struct NewtonReport {
     pub(crate) iterations: Vec<Iteration>,
     /// Unstable directions of the last tangent (without shift).
     pub(crate) num_unstable: usize,
+    /// What kept the last step from being taken as a whole, if the search did not converge.
+    pub(crate) obstacle: Option<SolveError>,
+}
+
+impl NewtonReport {
+    /// Of a search that begins.
+    pub(super) fn begun() -> Self {
+        Self { converged: false, iterations: Vec::new(), num_unstable: 0, obstacle: None }
+    }
 }
 
 impl Iteration {
@@ -78,7 +87,7 @@ impl Workspace {
         options: &NewtonOptions,
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
-        let mut report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
+        let mut report = NewtonReport::begun();
         let mut remaining = 1.0;
         let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
         let mut state = engine.state.clone();

@@ -84,10 +84,18 @@ impl Search {
         let state = engine.state.clone();
         let stress = engine.stress_with(&state, forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
-        let report = NewtonReport { converged: false, iterations: Vec::new(), num_unstable: 0 };
         let progress = SearchProgress::new(options.max_iterations);
         let rest = Convergence::new(options.tol_increment, rough);
-        Self { state, stress, remaining, trust: TrustRegion::new(), rest, progress, rejections: 0, report }
+        Self {
+            state,
+            stress,
+            remaining,
+            trust: TrustRegion::new(),
+            rest,
+            progress,
+            rejections: 0,
+            report: NewtonReport::begun(),
+        }
     }
 
     /// Whether supports are still to move. Their motion does work, so the potential may rise.
@@ -165,6 +173,7 @@ impl Workspace {
             let trial = self.try_step(engine, (search, residual), &step, (size, longest))?;
             let shift = self.shift;
             let is_accepted = search.accepts(engine, residual, &trial, size)?;
+            search.report.obstacle.clone_from(&trial.obstacle);
             search.progress.count();
             search.report.iterations.push(Iteration {
                 increment: size,
@@ -229,7 +238,9 @@ impl Workspace {
             if trial.settled || falls || search.rest.is_tiny(size, &trial) {
                 break;
             }
+            let obstacle = trial.obstacle;
             trial = self.trial(engine, from, step, shorter)?;
+            trial.obstacle = trial.obstacle.or(obstacle);
         }
         Ok(trial)
     }
@@ -285,6 +296,7 @@ impl Workspace {
 
     fn finish(&mut self, engine: &mut Engine, search: Search) -> Result<NewtonReport, SolveError> {
         let mut report = search.report;
+        report.obstacle = report.obstacle.filter(|_| !report.converged);
         engine.state = search.state;
         if let Some(side) = &mut engine.contact {
             side.before = None;

@@ -2,7 +2,7 @@
 //! the step.
 
 use super::gain;
-use super::step::ModelStep;
+use super::step::{ModelStep, largest_turn};
 use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::solve::measures::{CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
@@ -26,6 +26,8 @@ pub(super) struct CorrectedStep {
     pub(super) contact_change: f64,
     /// The corrections shrank.
     pub(super) settled: bool,
+    /// Why contact could not be resolved there, or at longer parts of the step that were tried before.
+    pub(super) obstacle: Option<SolveError>,
     /// C e of the last correction. Its sum with the linear prediction are the stresses that balance the step.
     pub(super) excess: Option<Vec<[Stress; 3]>>,
 }
@@ -62,6 +64,7 @@ impl LinearStep<'_> {
             rounds: 0,
             contact_change: 0.0,
             settled: false,
+            obstacle: None,
             excess: None,
         }
     }
@@ -116,7 +119,10 @@ impl Workspace {
     /// Residual of a trial, and its potential and change of contact. `None` where contact cannot be resolved: the step is
     /// too long.
     fn evaluate(&mut self, engine: &mut Engine, before: &Residual, trial: &mut CorrectedStep) -> Option<Residual> {
-        timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).ok()?;
+        trial.obstacle = timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).err();
+        if trial.obstacle.is_some() {
+            return None;
+        }
         let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
         trial.potential = there.potential.total();
         trial.contact_change = relative_change(&before.contact_gradient, &there.contact_gradient);
@@ -158,13 +164,18 @@ impl Workspace {
     }
 
     /// Factorises with a larger shift if the correction of a step, of more energy than the step, is not small beside it, so
-    /// that another one moves less; whether it did. Under contact the correction of least energy slides strands along each other by as much as the
-    /// step does, because that costs nothing, and leaves errors as large as those it mends. A correction should be a
-    /// tenth of the step ([`SLIGHT`]). The shift is at most that of bends as wide as the contact distance d, B/d⁴: with
-    /// more of it strands would evade each other by kinks.
+    /// that another one moves less; whether it did. The correction of least energy slides strands in contact along each
+    /// other, and rods along what is soft in them, by as much as the step does, because that costs nothing, and leaves
+    /// errors as large as those it mends. A correction should be a tenth of the step ([`SLIGHT`]); without contact this
+    /// holds for steps that turn no node by more than a tenth of a radian only, because a correction is the second order
+    /// of its step. The shift is at most that of bends as wide as the contact distance d, or, without contact, as the node
+    /// spacing, B/d⁴: with more of it strands would evade each other by kinks.
     fn localise(&mut self, engine: &Engine, linear: &LinearStep, correction: &[f64]) -> bool {
         let is_in_contact = !linear.from.residual.contact_pairs.is_empty();
-        let Some(side) = engine.contact.as_ref().filter(|_| is_in_contact) else { return false };
+        if !is_in_contact && largest_turn(&linear.increment) > SLIGHT {
+            return false;
+        }
+        let width = engine.contact.as_ref().map_or(engine.scales.lever, |side| 2.0 * side.min_radius);
         let energy = self.energy_norm_sq(engine, correction);
         if energy <= linear.energy {
             return false;
@@ -173,7 +184,7 @@ impl Workspace {
         let [step, moved] = [&linear.increment, correction].map(inertia);
         let shorter = (moved / step).sqrt() / SLIGHT;
         let stiffness = energy / moved;
-        let largest = (engine.scales.length / (2.0 * side.min_radius)).powi(4);
+        let largest = (engine.scales.length / width).powi(4);
         // that of a single mode of this stiffness, shift included
         let shift = (self.shift + stiffness * (shorter - 1.0)).min(largest);
         let is_larger = shorter > 1.0 && shift > self.factorised;
