@@ -7,13 +7,16 @@ use crate::families;
 use crate::play;
 use crate::tally;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use families::{CASES, FAMILIES};
 use play::{Clock, Limit, Row, play};
+use supercoil::error::SolveError;
+use supercoil::io::run::options;
 use supercoil::observe::start_overlaps;
 use supercoil::scene::Scene;
-use supercoil::solve::{Options, Solver};
+use supercoil::solve::{Options, Solver, run};
 
 /// Time for a case on a quiet core.
 const LIMIT: Limit = Limit { seconds: 100.0, clock: Clock::Wall };
@@ -103,4 +106,15 @@ fn a_ring_that_rolls_comes_to_rest() {
     let family = families::Family::named("anisotropic_rings").unwrap();
     let row = play(family.name, "1003", family.case(1003).scene(folder()).unwrap(), LIMIT).row;
     assert!(row.passed && row.iterations < 2500, "{row:?}");
+}
+
+/// A plectoneme whose loop turns by more than a right angle within a segment of its draft mesh: the failure says so.
+#[test]
+fn a_mesh_too_coarse_is_named() {
+    let scene = families::Family::named("clamped").unwrap().case(5028).scene(folder()).unwrap();
+    let solution =
+        run(scene.model.clone(), &scene.stages, &options(&scene), &mut |_| ControlFlow::Continue(())).unwrap();
+    let failure = solution.failure.unwrap();
+    assert!(matches!(failure.error, Some(SolveError::TooCoarse { .. })), "{failure}");
+    assert!(failure.to_string().ends_with("What may help: more elements"), "{failure}");
 }

@@ -14,13 +14,13 @@
 //! (½ + 1/cos 2α), M = 2B sin³α cos α/(R cos 2α), which `plectoneme_under_tension` has. Bending B = 205.7 and twisting 411.4
 //! pN nm², T = 1, 2, 4 pN.
 //!
-//! The scene is `tests/scenes/tweezers.toml`, 320 nm long: the straight rod snaps at Φ = 2π·3.6, 5.1, 7.1, then has a
-//! plectoneme of some three turns. End loop and tails are the same after one turn more, so that differences of a turn are
-//! those of the superhelix; the angle is that between the strands, in the middle half of the longest line.
+//! The scene is `tests/scenes/tweezers.toml`, 440 nm long, and hardly to be stretched or sheared (EA = GA = 1e5 pN: with the
+//! scene's 1100 pN the ends approach by .3 % less and the torque is .1 % lower): the straight rod snaps into a plectoneme,
+//! which then has some three turns. End loop and tails are the same after two turns more, so that differences are those of
+//! the superhelix; the angle is that between the strands, in the middle half of the longest line.
 //!
-//! Mesh error: `balanced` winds up .6 % too little, half its element length .07 %. Model error: EA = 1100 pN leaves T/EA = .1 to .4 % of
-//! length; a plectoneme of three turns has an angle .5 to 1 % below that of an infinite one, on either mesh. The energy
-//! gained by a turn is the torque's work to .1 %: the torque has a ripple, of which two states see two points.
+//! A plectoneme rests where its points of contact lie well on the mesh. From state to state the extension is off its line by
+//! .02 to .08 nm, .2 % of the approach of a turn, so the slope is that of a line through twenty states.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::ControlFlow;
@@ -39,9 +39,9 @@ const BENDING: f64 = 205.7;
 const TWISTING: f64 = 411.4;
 const RADIUS: f64 = 2.5;
 const LENGTH: f64 = 440.0;
-/// Turns between the two states that are compared. A plectoneme rests where its points of contact lie well on the mesh, up
-/// to half an element from where an exact one would: over one turn that is .4 % of the approach, over three a third of it.
+/// Turns in the plectoneme, and the states in them.
 const MORE: f64 = 2.0;
+const STATES: usize = 20;
 
 /// Cost of an angle of the end when the superhelix has the angle α \[pN nm\].
 fn cost(alpha: f64, pull: f64) -> f64 {
@@ -61,6 +61,8 @@ fn superhelix(pull: f64) -> (f64, f64) {
 }
 
 struct Seen {
+    /// Turns of the end.
+    turns: f64,
     torque: f64,
     extension: f64,
     energy: f64,
@@ -86,22 +88,24 @@ fn angle(engine: &Engine, seen: &Observation) -> f64 {
     middle.iter().map(one).sum::<f64>() / middle.len() as f64
 }
 
-/// At rest before and after one turn in the plectoneme.
-fn states(pull: f64, turns: f64, more: &[String]) -> [Seen; 2] {
+/// At rest at the end of `turns`, and on the way through [`MORE`] turns in the plectoneme.
+fn states(pull: f64, turns: f64, more: &[String]) -> Vec<Seen> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/tweezers.toml");
     let mut set = vec![format!("rods.0.shape.length={LENGTH:?}"), format!("loads.0.force=[{pull:?}, 0.0, 0.0]")];
+    set.extend(["stretching", "shearing"].map(|stiffness| format!("rods.0.section.{stiffness}=1e5")));
     set.extend_from_slice(more);
     let mut scene = Scene::read_with(&path, &set).unwrap();
     let Ramp::Rotation { node, axis, .. } = scene.stages[1].ramps[0] else { panic!("the second stage turns") };
     let turn = |to: f64, steps: usize| Stage { ramps: vec![Ramp::Rotation { node, axis, to }], steps };
     scene.stages.truncate(1);
-    scene.stages.extend([turn(turns, turns.ceil() as usize), turn(turns + MORE, 2 * MORE as usize)]);
-    let mut ends = Vec::new();
+    scene.stages.extend([turn(turns, turns.ceil() as usize), turn(turns + MORE, STATES)]);
+    let mut found = Vec::new();
     let solution = run(scene.model.clone(), &scene.stages, &options(&scene), &mut |progress| {
-        if progress.stage > 0 && progress.fraction == 1.0 {
+        if progress.stage == 2 || progress.stage == 1 && progress.fraction == 1.0 {
             let seen = observe(progress);
             let x = |node: usize| progress.engine.positions(0)[node].x;
-            ends.push(Seen {
+            found.push(Seen {
+                turns: if progress.stage == 2 { turns + MORE * progress.fraction } else { turns },
                 torque: seen.reactions[1].moment[0],
                 extension: x(node.node) - x(0),
                 energy: seen.energies.total - seen.energies.contact,
@@ -112,25 +116,39 @@ fn states(pull: f64, turns: f64, more: &[String]) -> [Seen; 2] {
     })
     .unwrap();
     assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure.map(|failure| failure.to_string()));
-    ends.try_into().unwrap_or_else(|_| panic!("two states"))
+    assert!(found.len() > STATES);
+    found
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let all: Vec<f64> = values.collect();
+    all.iter().sum::<f64>() / all.len() as f64
 }
 
 /// Tolerances: torque, angle, approach, energy, each relative.
 fn compare(pull: f64, turns: f64, more: &[String], tolerances: [f64; 4]) {
     let (alpha, torque) = superhelix(pull);
-    let [before, after] = states(pull, turns, more);
+    let states = states(pull, turns, more);
     let case = format!("tweezers at {pull} pN{}", if more.is_empty() { "" } else { ", a finer mesh" });
-    verify(&case, "torque over the closed form's", after.torque / torque, 1.0, tolerances[0]);
-    verify(&case, "helix angle α", after.alpha, alpha, tolerances[1] * alpha);
-    // what the change of the torque puts into twist is not wound up
-    let wound = MORE - (after.torque - before.torque) * LENGTH / (TAU * TWISTING);
-    let approach = wound * 2.0 * TAU * RADIUS / (2.0 * alpha).sin();
-    let found = before.extension - after.extension;
-    verify(&case, "approach of the ends by a turn over the closed form's", found / approach, 1.0, tolerances[2]);
-    // exact: the work of the turn is the gain of energy and of the weight that pulls
-    let work = 0.5 * (before.torque + after.torque) * MORE * TAU;
-    let gain = after.energy - before.energy + pull * found;
-    verify(&case, "energy gained by a turn over the work done", gain / work, 1.0, tolerances[3]);
+    let measured = mean(states.iter().map(|state| state.torque));
+    verify(&case, "mean torque over the closed form's", measured / torque, 1.0, tolerances[0]);
+    let measured = mean(states.iter().map(|state| state.alpha));
+    verify(&case, "mean helix angle α", measured, alpha, tolerances[1] * alpha);
+    // what the torque puts into twist is not wound up
+    let wound = |state: &Seen| state.turns - state.torque * LENGTH / (TAU * TWISTING);
+    let approach = 2.0 * TAU * RADIUS / (2.0 * alpha).sin();
+    let [middle, extension] = [mean(states.iter().map(wound)), mean(states.iter().map(|state| state.extension))];
+    let products = |other: &dyn Fn(&Seen) -> f64| -> f64 {
+        states.iter().map(|state| (wound(state) - middle) * other(state)).sum()
+    };
+    let slope = products(&|state| state.extension - extension) / products(&|state| wound(state) - middle);
+    verify(&case, "approach of the ends by a turn over the closed form's", -slope / approach, 1.0, tolerances[2]);
+    // exact: the work of the turns is the gain of energy and of the weight that pulls
+    let part = |pair: &[Seen]| 0.5 * (pair[0].torque + pair[1].torque) * (pair[1].turns - pair[0].turns) * TAU;
+    let work: f64 = states.windows(2).map(part).sum();
+    let [before, after] = [&states[0], &states[states.len() - 1]];
+    let gain = after.energy - before.energy + pull * (before.extension - after.extension);
+    verify(&case, "energy gained over the work done", gain / work, 1.0, tolerances[3]);
 }
 
 #[test]
@@ -147,14 +165,14 @@ fn the_least_cost_is_the_closed_form() {
 
 #[test]
 #[ignore = "slow: minutes"]
-fn a_turn_in_the_plectoneme() {
-    compare(1.0, 6.0, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
-    compare(2.0, 8.3, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
-    compare(4.0, 11.0, &[], [5e-3, 1e-2, 1e-2, 2e-3]);
+fn two_turns_in_the_plectoneme() {
+    compare(1.0, 6.0, &[], [1e-3, 5e-3, 1e-3, 1e-3]);
+    compare(2.0, 8.3, &[], [1e-3, 5e-3, 1e-3, 1e-3]);
+    compare(4.0, 11.0, &[], [1e-3, 5e-3, 1e-3, 1e-3]);
 }
 
 #[test]
 #[ignore = "slow: minutes"]
 fn on_a_finer_mesh() {
-    compare(2.0, 8.3, &["rods.0.elements=248".to_owned()], [3e-3, 1e-2, 2e-3, 2e-3]);
+    compare(2.0, 8.3, &["rods.0.elements=248".to_owned()], [2e-4, 2e-3, 5e-4, 2e-4]);
 }

@@ -64,11 +64,11 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
         let near = near(curves);
         [0, 1].map(|k| near[k].max(layer.elements[curves[k]]))
     };
-    let next = neighbours(set, zones, &groups, (&near, &is_alike));
+    let next = neighbours(set, zones, &groups, near, is_alike);
     let groups = merged(&groups, &next, 1);
-    let next = neighbours(set, zones, &groups, (&within_an_element, &is_alike));
+    let next = neighbours(set, zones, &groups, within_an_element, is_alike);
     let groups = merged(&groups, &next, ROW);
-    let next = neighbours(set, zones, &groups, (&within_an_element, &is_ripple));
+    let next = neighbours(set, zones, &groups, within_an_element, is_ripple);
     merged(&groups, &with_the_strongest(zones, &groups, &next), 1)
 }
 
@@ -114,7 +114,8 @@ fn neighbours(
     set: &CurveSet,
     zones: &[SiteZone],
     groups: &[Members],
-    (reach, is_one): (&dyn Fn([usize; 2]) -> [f64; 2], &dyn Fn(&ContactView, &ContactView, f64) -> bool),
+    reach: impl Fn([usize; 2]) -> [f64; 2],
+    is_one: fn(&ContactView, &ContactView, f64) -> bool,
 ) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
