@@ -169,7 +169,8 @@ impl fmt::Display for Failure {
             Some(error) => write!(f, "{error}")?,
             None => write!(f, "{}", self.status)?,
         }
-        if let (Some([increment, tol]), true) = (self.increment, self.status == Status::MaxIterations) {
+        let ran_out = self.status == Status::MaxIterations && self.error.is_none();
+        if let (Some([increment, tol]), true) = (self.increment, ran_out) {
             write!(f, " (last increment {increment:.1e} of the node spacing, to be {tol:.0e})")?;
         }
         if let Some(worst) = &self.worst {
