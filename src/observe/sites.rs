@@ -5,7 +5,8 @@
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
 //!    force is the sum over all its zones, because each view carries half of it.
 //! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
-//!    within an element of the next, are fragments of one (`fragments`).
+//!    within an element of the next, are fragments of one; a short and weak one beside a strong one is a ripple of it
+//!    (`fragments`).
 //! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`], and
 //!    longer than an element: where in an element pressure gathers is not known.
 

@@ -7,6 +7,9 @@
 //! Strands that press each other less than their elements ripple touch once an element: wires of steel laid as a cable
 //! have ripples of 1e-9 m, and their layer is pressed in by 1e-11 m. Such fragments lie up to an element apart. Two
 //! points may, too, but not three in a row: a row is one site.
+//!
+//! A strong point force bends its element as the element cannot, and the strands touch once more beside it. Such a ripple is
+//! part of the stronger contact.
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
