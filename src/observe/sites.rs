@@ -255,17 +255,17 @@ fn sees(set: &CurveSet, zone: &SiteZone, other: &SiteZone, pad: f64) -> bool {
 
 /// The smallest arc over all `arcs` (the first decides the period), or the whole of a closed curve, within
 /// [0, length\].
-fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> ([f64; 2], f64) {
+fn hull(arcs: impl Iterator<Item = [f64; 2]>, period: Option<f64>) -> [f64; 2] {
     let all = arcs.map(ascending).reduce(|sum, arc| arc::joined(sum, arc, period));
     let arc = all.unwrap_or_default();
     let width = arc[1] - arc[0];
     match period {
-        None => (arc, width),
-        Some(period) if width >= period * (1.0 - TOL_ARC) => ([0.0, period], period),
+        None => arc,
+        Some(period) if width >= period * (1.0 - TOL_ARC) => [0.0, period],
         Some(period) => {
             let start = arc[0].rem_euclid(period);
             let end = start + width;
-            ([start, if end > period { end - period } else { end }], width)
+            [start, if end > period { end - period } else { end }]
         }
     }
 }
@@ -292,8 +292,8 @@ impl<'a> ContactZones<'a> {
         self.members.iter().filter(move |m| m.1 == (strand == 1)).map(move |m| &self.zones[m.0])
     }
 
-    /// Arc and its length \[L\] on strands a and b.
-    fn arcs(self) -> [([f64; 2], f64); 2] {
+    /// Arcs on strands a and b.
+    fn arcs(self) -> [[f64; 2]; 2] {
         let [a, b] = self.curves().map(|curve| self.set.period(curve));
         // a contact that only strand a sees is placed on strand b by its feet
         let on_b = if self.members.iter().any(|m| m.1) {
@@ -341,7 +341,7 @@ impl<'a> ContactZones<'a> {
 /// The site of a contact, and whether its strand b is the first zone's own.
 fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bool) {
     let (curves, first) = (contact.curves(), contact.first());
-    let [arc_a, arc_b] = contact.arcs().map(|(arc, _)| arc);
+    let [arc_a, arc_b] = contact.arcs();
     let loads = [0, 1].map(|strand| contact.load(strand));
     let center = |strand: usize, feet: [f64; 2]| {
         let center = if loads[strand].force > 0.0 { loads[strand].center } else { 0.5 * (feet[0] + feet[1]) };
@@ -349,8 +349,9 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
     };
     let (nearest, feet) = contact.nearest();
     let push = contact.push();
-    let a = (rods[curves[0]], arc_a, center(0, first.arc_a), loads[0].spread());
-    let b = (rods[curves[1]], arc_b, center(1, first.arc_b), loads[1].spread());
+    let spreads = loads.map(|load| load.spread());
+    let a = (rods[curves[0]], arc_a, center(0, first.arc_a), spreads[0]);
+    let b = (rods[curves[1]], arc_b, center(1, first.arc_b), spreads[1]);
     let swapped = (b.0, b.1[0]) < (a.0, a.1[0]);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let (push, feet) = if swapped { (-push, [feet[1], feet[0]]) } else { (push, feet) };
@@ -359,7 +360,7 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
         arc_a: a.1,
         rod_b: b.0,
         arc_b: b.1,
-        kind: contact.kind(layer, 0.5 * (loads[0].spread() + loads[1].spread())),
+        kind: contact.kind(layer, 0.5 * (spreads[0] + spreads[1])),
         gap: nearest.gap,
         force: loads[0].force + loads[1].force,
         center: [a.2, b.2],

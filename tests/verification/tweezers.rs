@@ -16,7 +16,7 @@
 //!
 //! The scene is `tests/scenes/tweezers.toml`, 440 nm long, and hardly to be stretched or sheared (EA = GA = 1e5 pN: with the
 //! scene's 1100 pN the ends approach by .3 % less and the torque is .1 % lower): the straight rod snaps into a plectoneme,
-//! which then has some three turns. End loop and tails are the same after two turns more, so that differences are those of
+//! which then takes up 4 to 6 turns of the end. End loop and tails are the same after two turns more, so that differences are those of
 //! the superhelix; the angle is that between the strands, in the middle half of the longest line.
 //!
 //! A plectoneme rests where its points of contact lie well on the mesh. From state to state the extension is off its line by

@@ -120,7 +120,7 @@ fn pieces_join_over_the_seam_and_all_round() {
 
 #[test]
 fn a_hull_over_the_seam() {
-    assert_eq!(hull([[9.0, 10.5], [0.2, 0.8]].into_iter(), Some(10.0)).0, [9.0, 0.8000000000000007]);
+    assert_eq!(hull([[9.0, 10.5], [0.2, 0.8]].into_iter(), Some(10.0)), [9.0, 0.8000000000000007]);
 }
 
 /// Zones strewn at random over two closed curves and an open one, long ones and ones over the seam among them: the same

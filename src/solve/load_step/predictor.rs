@@ -23,6 +23,7 @@ use crate::solve::measures::{FARTHEST, FINE};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, spin_shares};
 use crate::solve::problem::state::{State, seam_shares};
+use crate::solve::search::step_bound::largest_turn;
 
 /// Largest difference, rad, between a prediction and the one from a state less, which is of the order of its error. When
 /// it was chosen, pUC19 in 20 steps took 859 iterations with this limit and 1027 with .15, because predictions that differ by
@@ -267,11 +268,6 @@ fn extrapolated_forces(engine: &Engine, place: f64, line: &[(f64, &Visited)]) ->
         }
     }
     forces
-}
-
-/// Largest rotation of a node in an increment, rad.
-fn largest_turn(increment: &[f64]) -> f64 {
-    increment.chunks(6).map(|node| Vec3::new(node[3], node[4], node[5]).norm()).fold(0.0, f64::max)
 }
 
 impl Visited {

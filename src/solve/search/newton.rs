@@ -47,7 +47,7 @@ pub struct Iteration {
 }
 
 /// Result of an equilibrium search.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[must_use]
 pub(crate) struct NewtonReport {
     /// Whether the tolerance was met.
@@ -58,13 +58,6 @@ pub(crate) struct NewtonReport {
     pub(crate) num_unstable: usize,
     /// What kept the last step from being taken as a whole, if the search did not converge.
     pub(crate) obstacle: Option<SolveError>,
-}
-
-impl NewtonReport {
-    /// Of a search that begins.
-    pub(super) fn begun() -> Self {
-        Self { converged: false, iterations: Vec::new(), num_unstable: 0, obstacle: None }
-    }
 }
 
 impl Iteration {
@@ -87,7 +80,7 @@ impl Workspace {
         options: &NewtonOptions,
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
-        let mut report = NewtonReport::begun();
+        let mut report = NewtonReport::default();
         let mut remaining = 1.0;
         let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
         let mut state = engine.state.clone();

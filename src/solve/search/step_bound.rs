@@ -129,12 +129,19 @@ fn rotation_fraction(engine: &Engine, state: &State, increment: &[f64], keep: Ke
     t
 }
 
-fn displacement(increment: &[f64], node: usize) -> Vec3 {
+/// Displacement of a node in an increment \[L\].
+pub(super) fn displacement(increment: &[f64], node: usize) -> Vec3 {
     Vec3::new(increment[6 * node], increment[6 * node + 1], increment[6 * node + 2])
 }
 
+/// Rotation of a node in an increment, rad.
 fn rotation(increment: &[f64], node: usize) -> Vec3 {
     Vec3::new(increment[6 * node + 3], increment[6 * node + 4], increment[6 * node + 5])
+}
+
+/// Largest rotation of a node in an increment, rad.
+pub(in crate::solve) fn largest_turn(increment: &[f64]) -> f64 {
+    (0..increment.len() / 6).map(|node| rotation(increment, node).norm()).fold(0.0, f64::max)
 }
 
 /// Linear motion of the four control points of a segment, and the bound of its second-order part.

@@ -94,7 +94,7 @@ impl Search {
             rest,
             progress,
             rejections: 0,
-            report: NewtonReport::begun(),
+            report: NewtonReport::default(),
         }
     }
 

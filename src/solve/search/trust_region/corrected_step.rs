@@ -2,13 +2,14 @@
 //! the step.
 
 use super::gain;
-use super::step::{ModelStep, largest_turn};
+use super::step::ModelStep;
 use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::solve::measures::{CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
+use crate::solve::search::step_bound::largest_turn;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
 

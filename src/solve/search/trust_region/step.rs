@@ -2,11 +2,11 @@
 //! the radius.
 
 use crate::error::SolveError;
-use crate::math::Vec3;
 use crate::solve::measures::FEW;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::search::step_bound::{displacement, largest_turn};
 use crate::solve::search::workspace::{MAX_SHIFT, NEUTRAL_SHIFT, Workspace};
 
 use super::{RAISING, unseen};
@@ -136,16 +136,6 @@ impl Workspace {
     }
 }
 
-/// Largest rotation of a node in a step, rad.
-pub(super) fn largest_turn(step: &[f64]) -> f64 {
-    (0..step.len() / 6).map(|node| part(step, node, 3).norm()).fold(0.0, f64::max)
-}
-
-/// The displacement (k = 0) or rotation (k = 3) of a node in a step.
-fn part(step: &[f64], node: usize, k: usize) -> Vec3 {
-    Vec3::new(step[6 * node + k], step[6 * node + k + 1], step[6 * node + k + 2])
-}
-
 /// Extent of a step: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over
 /// their contact distance (at planes along the normal only, because sliding changes nothing there).
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
@@ -153,12 +143,13 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let Some(side) = &engine.contact else { return turn };
     let sliding = |term: &crate::contact::potential::ContactPair| {
         let [a, _, b, _] = side.nodes_of(term);
-        (part(step, a, 0) - part(step, b, 0)).norm()
+        (displacement(step, a) - displacement(step, b)).norm()
             / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
     };
     let lifting = |contact: &crate::contact::potential::plane::PlaneContact| {
         let normal = side.planes[contact.plane].normal;
-        part(step, side.nodes[contact.segment][0], 0).dot(&normal).abs() / (2.0 * side.set.radius_of(contact.segment))
+        displacement(step, side.nodes[contact.segment][0]).dot(&normal).abs()
+            / (2.0 * side.set.radius_of(contact.segment))
     };
     let turn = residual.plane_contacts.iter().map(lifting).fold(turn, f64::max);
     residual.contact_pairs.iter().map(sliding).fold(turn, f64::max)
