@@ -182,7 +182,7 @@ impl StepTable<'_> {
         }
         let blank = |step: &Observation| only_open_rod(step).is_some_and(|rod| rod.link.is_none());
         if self.steps.iter().any(blank) {
-            lines.push("- link and writhe of an open rod need parallel ends, and fewer than 1000 nodes".to_owned());
+            lines.push("- link and writhe of an open rod need parallel ends".to_owned());
         }
         lines
     }

@@ -1,4 +1,4 @@
-//! Topology of closed rods: link, twist and writhe, all in turns.
+//! Topology of rods: link, twist and writhe, all in turns.
 //!
 //! A framed closed polygon has `Lk = Tw + Wr`, Lk an integer (plus the fraction of a turn put into the seam). Link
 //! cannot change while no strand passes through another, so it is the invariant to check a computation by.
@@ -6,6 +6,7 @@
 //! * [`writhe`] and [`linking_number`] are exact for polygons: signed solid angles of edge pairs (Banchoff 1976; Klenin
 //!   & Langowski 2000, method 1a), or, for long closed polygons, signed crossings in a projection plus the twist of the
 //!   projection's own ribbon (the same number to rounding, in a time proportional to the edges and crossings).
+//! * [`link_of_ends`] is the link of an open rod between parallel ends, by the same crossings.
 //! * [`ribbon_twist`] is the twist of a material direction about the same polygon.
 //! * [`alexander`] distinguishes knots.
 //! * [`writhe_smooth`] is the writhe of a smooth curve to near rounding from a few hundred samples.
@@ -75,6 +76,37 @@ pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
     }
     writhe_by_pairs(&points, closed)
 }
+
+/// Link of an open rod (turns): the rotation of its end relative to its start about `direction`, as long as no strand
+/// passes through another or over an end.
+///
+/// It is Tw + Wr of the polygon `points` [any length unit] with the material direction `d1` at each, extended to infinity by
+/// straight lines along `direction` (need not be unit), which the rod's ends should be parallel to. Whatever the shape in
+/// between, the link differs from the angle of the last d1 to the first one about `direction` by an integer, to rounding.
+/// Cost as of [`writhe`] for long closed polygons, for any number of points. NaN if a number is not finite, or
+/// `direction` is zero.
+///
+/// # Panics
+/// If `d1` and `points` differ in length.
+pub fn link_of_ends(points: &[Vec3], d1: &[Vec3], direction: Vec3) -> f64 {
+    assert_eq!(points.len(), d1.len(), "one material direction per point");
+    let Some(direction) = direction.try_normalize(0.0).filter(|_| all_finite(points) && all_finite(d1)) else {
+        return f64::NAN;
+    };
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return 0.0 };
+    let size = extent(points);
+    let far = direction * FAR * size;
+    let extended: Vec<Vec3> = [&[first - far], points, &[last + far]].concat();
+    let directions: Vec<Vec3> = [&d1[..1], d1, &d1[d1.len() - 1..]].concat();
+    let twist = ribbon_twist(&extended, &directions, false);
+    let inner = normalised(&without_repeats(points, false), first, size);
+    let writhe = crossings::writhe_extended(&inner, direction).unwrap_or_else(|| writhe(&extended, false));
+    twist + writhe
+}
+
+/// Length of straight lines for infinite ones in sums over pairs of edges, over the rod's extent, because the rest adds less
+/// than 1e-6 turns.
+const FAR: f64 = 1e4;
 
 /// Gauss sum over all pairs of edges.
 fn writhe_by_pairs(points: &[Vec3], closed: bool) -> f64 {
@@ -268,6 +300,56 @@ mod tests {
         assert!(writhe(&[square[0], square[1], square[2], Vec3::repeat(f64::INFINITY)], true).is_nan());
         let eight = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.1));
         assert_eq!(writhe(&eight, true), 0.0, "a figure of eight that cuts itself: the mean of +1 and -1");
+    }
+
+    /// A helix about z whose ends bend into z, with knots of the other sense on the way for odd `n`; d1 turns `turns` times
+    /// about a parallel field.
+    fn line(n: usize, turns: f64) -> (Vec<Vec3>, Vec<Vec3>) {
+        let at = |t: f64| {
+            let radius = (TAU * t / 2.0).sin().powi(2);
+            let sense = if n.is_multiple_of(2) { 1.0 } else { (3.0 * TAU * t).cos().signum() };
+            let angle = sense * 5.0 * TAU * t;
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), t + 1.5 * (2.0 * TAU * t).sin() * radius)
+        };
+        let points: Vec<Vec3> = (0..=n).map(|i| at(i as f64 / n as f64)).collect();
+        let mut field = Vec3::x();
+        let mut edge = Vec3::z();
+        let mut d1 = Vec::new();
+        for i in 0..=n {
+            let next = if i < n { (points[i + 1] - points[i]).normalize() } else { Vec3::z() };
+            field = transport(field, edge, next);
+            edge = next;
+            let angle = TAU * turns * i as f64 / n as f64;
+            d1.push(field * angle.cos() + edge.cross(&field) * angle.sin());
+        }
+        (points, d1)
+    }
+
+    #[test]
+    fn link_of_ends_is_the_sum_over_all_pairs() {
+        for (n, turns) in [(300, 0.0), (301, 2.25), (400, -3.5), (401, 11.0)] {
+            let (points, d1) = line(n, turns);
+            let found = link_of_ends(&points, &d1, Vec3::z() * 2.0);
+            let far = Vec3::z() * 1e5;
+            let extended = [&[points[0] - far], &points[..], &[points[n] + far]].concat();
+            let directions = [&d1[..1], &d1, &d1[n..]].concat();
+            let sum = ribbon_twist(&extended, &directions, false) + writhe_by_pairs(&extended, false);
+            assert!((found - sum).abs() < 1e-6, "{n}: {found} {sum}");
+            let angle = d1[0].cross(&d1[n]).z.atan2(d1[0].xy().dot(&d1[n].xy())) / TAU;
+            let whole = found - angle;
+            assert!((whole - whole.round()).abs() < 1e-11, "{n}: {found} {angle}");
+        }
+    }
+
+    #[test]
+    fn lines_have_the_link_of_their_frames() {
+        let points: Vec<Vec3> = (0..1200).map(|i| Vec3::new(0.5, 0.0, f64::from(i))).collect();
+        let d1 = |i: i32| Vec3::new((0.01 * f64::from(i)).cos(), (0.01 * f64::from(i)).sin(), 0.0);
+        let d1: Vec<Vec3> = (0..1200).map(d1).collect();
+        assert!((link_of_ends(&points, &d1, Vec3::z()) - 11.99 / TAU).abs() < 1e-12);
+        assert_eq!(link_of_ends(&[], &[], Vec3::z()), 0.0);
+        assert!((link_of_ends(&points[..2], &d1[..2], Vec3::z()) - 0.01 / TAU).abs() < 1e-12);
+        assert!(link_of_ends(&points, &d1, Vec3::zeros()).is_nan());
     }
 
     /// A spike without width adds nothing, although the ribbon's twist is undefined at its tip.

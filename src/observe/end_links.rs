@@ -131,17 +131,18 @@ mod tests {
     use crate::scene::{ContactLaw, Pose, PosePath, Support};
     use crate::solve::{self, Options};
 
+    const ELEMENTS: usize = 6;
+
     /// A straight rod along −x.
-    fn model(supports: Vec<Support>) -> Model {
+    fn model(elements: usize, supports: Vec<Support>) -> Model {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.01);
         let shape = Shape::Line { start: Vec3::zeros(), direction: -Vec3::x(), length: 1.0 };
-        let rods = vec![Rod::new("rod", &shape, RodMesh::open(6, 3), section, Natural::Straight).unwrap()];
+        let rods = vec![Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()];
         Model { rods, supports, ..Model::default() }
     }
 
-    /// The rod after its ends were turned in three steps.
-    fn turned(ramps: Vec<Ramp>, supports: Vec<Support>) -> (EndLinks, Vec<Observation>) {
-        let model = model(supports);
+    /// A rod after its ends were turned in three steps.
+    fn turned(model: Model, ramps: Vec<Ramp>) -> (EndLinks, Vec<Observation>) {
         let stages = vec![Stage { ramps, steps: 3 }];
         let links = EndLinks::new(&model, &stages);
         let mut seen = Vec::new();
@@ -153,8 +154,8 @@ mod tests {
         (links, seen)
     }
 
-    fn ends() -> [NodeRef; 2] {
-        [0, 18].map(|node| NodeRef { rod: 0, node })
+    fn ends(elements: usize) -> [NodeRef; 2] {
+        [0, 3 * elements].map(|node| NodeRef { rod: 0, node })
     }
 
     fn told(links: &EndLinks, seen: &[Observation], slipped: f64) -> Vec<String> {
@@ -165,30 +166,30 @@ mod tests {
 
     #[test]
     fn a_loop_over_an_end_is_told() {
-        let [start, end] = ends();
-        let ramps = vec![
-            Ramp::Rotation { node: end, axis: Vec3::x() * 3.0, to: 0.7 },
-            Ramp::Rotation { node: start, axis: Vec3::x(), to: -0.4 },
-        ];
-        let (links, seen) = turned(ramps, ends().map(Support::clamp).to_vec());
-        assert!(
-            (seen.last().unwrap().ends[0].link.unwrap() + 1.1).abs() < 1e-6,
-            "the end about −x, the start against it"
-        );
-        assert_eq!(told(&links, &seen, 0.0), Vec::<String>::new());
-        assert_eq!(told(&links, &seen, 1.0), Vec::<String>::new(), "no loop takes one turn with it");
-        for (slipped, words) in [(-2.0, "2 turns less than"), (4.0, "4 turns more than")] {
-            let notes = told(&links, &seen, slipped);
-            assert!(notes.len() == 1 && notes[0].contains(words), "{notes:?}");
+        for elements in [ELEMENTS, 400] {
+            let [start, end] = ends(elements);
+            let ramps = vec![
+                Ramp::Rotation { node: end, axis: Vec3::x() * 3.0, to: 0.7 },
+                Ramp::Rotation { node: start, axis: Vec3::x(), to: -0.4 },
+            ];
+            let (links, seen) = turned(model(elements, [start, end].map(Support::clamp).to_vec()), ramps);
+            let link = seen.last().unwrap().ends[0].link.unwrap();
+            assert!((link + 1.1).abs() < 1e-6, "the end about −x, the start against it: {link}");
+            assert_eq!(told(&links, &seen, 0.0), Vec::<String>::new());
+            assert_eq!(told(&links, &seen, 1.0), Vec::<String>::new(), "no loop takes one turn with it");
+            for (slipped, words) in [(-2.0, "2 turns less than"), (4.0, "4 turns more than")] {
+                let notes = told(&links, &seen, slipped);
+                assert!(notes.len() == 1 && notes[0].contains(words), "{notes:?}");
+            }
         }
     }
 
     /// A rod that is turned twice at one end spins with it if the other is free, which takes the same two turns as a loop.
     #[test]
     fn a_free_end_has_no_link_to_keep() {
-        let [start, end] = ends();
+        let [start, end] = ends(ELEMENTS);
         let turn = Ramp::Rotation { node: start, axis: Vec3::x(), to: 2.0 };
-        let (links, seen) = turned(vec![turn], vec![Support::clamp(start), Support::pin(end)]);
+        let (links, seen) = turned(model(ELEMENTS, vec![Support::clamp(start), Support::pin(end)]), vec![turn]);
         assert!(seen.last().unwrap().ends[0].link.unwrap().abs() < 1e-6);
         assert_eq!(told(&links, &seen, 0.0), Vec::<String>::new());
     }
@@ -196,7 +197,7 @@ mod tests {
     /// Whose link is known: that of ends turned about their tangents, always the same way, and of nothing else.
     #[test]
     fn ends_that_move_otherwise_are_left_alone() {
-        let [start, end] = ends();
+        let [start, end] = ends(ELEMENTS);
         let about = |node, axis| Ramp::Rotation { node, axis, to: 1.0 };
         let round = |node| Ramp::RotationAbout { node, axis: Vec3::x(), through: Vec3::zeros(), to: 1.0 };
         let release = Ramp::Release(Support { position: [false; 3], ..Support::clamp(end) });
@@ -214,7 +215,7 @@ mod tests {
             (vec![release], 0),
         ];
         for (k, (ramps, followed)) in cases.into_iter().enumerate() {
-            let mut model = model(ends().map(Support::clamp).to_vec());
+            let mut model = model(ELEMENTS, [start, end].map(Support::clamp).to_vec());
             let stages: Vec<Stage> = ramps.into_iter().map(|ramp| Stage { ramps: vec![ramp], steps: 1 }).collect();
             assert_eq!(EndLinks::new(&model, &stages).rods.len(), followed, "{k}");
             model.contact.law = ContactLaw::None;

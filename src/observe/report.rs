@@ -231,7 +231,7 @@ pub struct RodEnds {
     /// (1/2π)∫K3 ds beyond the rod's natural twist, turns: the part with elastic energy.
     pub excess_twist: f64,
     /// Link of the rod extended by straight lines at both ends: rotation of its end relative to its start, turns. For
-    /// rods of at most 1000 nodes whose end tangents are parallel (to 1e-3 rad) and of the same direction.
+    /// rods whose end tangents are parallel (to 1e-3 rad) and of the same direction.
     pub link: Option<f64>,
     /// Writhe of the extended rod, turns: `link` − `twist`.
     pub writhe: Option<f64>,

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
 use crate::math::Vec3;
-use crate::math::link::{link_numbers, ribbon_twist, writhe};
+use crate::math::link::{link_numbers, link_of_ends};
 use crate::rod::Rod;
 use crate::scene::NodeRef;
 use crate::solve::problem::assembly::{Potential, Residual};
@@ -197,12 +197,6 @@ fn size(rod: &Rod) -> RodSize {
 
 /// Angle between the tangents at both ends, rad, up to which they count as parallel.
 pub(super) const PARALLEL: f64 = 1e-3;
-/// Length of the straight extensions of an open rod for its writhe, over the rod's, because the rest adds less than
-/// 1e-6 turns.
-const CONTINUED: f64 = 1e4;
-/// Largest number of nodes of an open rod with a writhe, because time grows with its square: .1 s here.
-const MOST_NODES: usize = 1000;
-
 fn ends(engine: &Engine) -> Vec<RodEnds> {
     let rods = &engine.model().rods;
     let of = |rod: usize| {
@@ -217,19 +211,13 @@ fn ends(engine: &Engine) -> Vec<RodEnds> {
 
 /// Link of an open rod with straight extensions, turns, on a polygon, where Tw + Wr is exact.
 fn open_link(engine: &Engine, rod: usize) -> Option<f64> {
-    let (positions, frames) = (engine.positions(rod), engine.frames(rod));
-    let last = positions.len() - 1;
-    let tangents = [frames[0] * Vec3::z(), frames[last] * Vec3::z()];
-    if tangents[0].angle(&tangents[1]) > PARALLEL || last >= MOST_NODES {
+    let frames = engine.frames(rod);
+    let [start, end] = [0, frames.len() - 1].map(|node| frames[node] * Vec3::z());
+    if start.angle(&end) > PARALLEL {
         return None;
     }
-    let (mut points, mut directions) = engine.centerline(rod, 2);
-    let far = CONTINUED * engine.model().rods[rod].length;
-    points.insert(0, positions[0] - tangents[0] * far);
-    points.push(positions[last] + tangents[1] * far);
-    directions.insert(0, frames[0] * Vec3::x());
-    directions.push(frames[last] * Vec3::x());
-    Some(ribbon_twist(&points, &directions, false) + writhe(&points, false))
+    let (points, d1) = engine.centerline(rod, POINTS_PER_SEGMENT);
+    Some(link_of_ends(&points, &d1, start + end))
 }
 
 /// Warnings about an equilibrium: a snap before it, a contact law softer than prescribed.

@@ -1,4 +1,4 @@
-//! Writhe and link of long closed polygons from the crossings of one projection.
+//! Writhe and link of long polygons from the crossings of one projection.
 //!
 //! Seen along n, the ribbon that points towards the eye has the link Σ ±1 over the self-crossings of the projection,
 //! hence `Wr = Σ ±1 − Tw(n)` where Tw(n) is the twist of the constant field n about the polygon (Fuller 1978; Agarwal,
@@ -28,28 +28,53 @@ const CELLS: usize = 256;
 /// Writhe (turns) of a closed polygon of extent about 1; `None` if no direction shows all crossings clearly, or if an
 /// edge folds straight back on the one before, where no ribbon has a definite twist.
 pub(super) fn writhe(points: &[Vec3]) -> Option<f64> {
+    writhe_along(points, true, DIRECTIONS.iter().map(unit))
+}
+
+/// Least sine of the angle between a viewing direction and the rays of an [extended](writhe_extended) polygon.
+const ACROSS: f64 = 0.3;
+/// Length of the part of a ray that is looked at: seen at an angle of [`ACROSS`], it leaves the picture of a polygon of
+/// extent √2, whose points are up to 2√6 apart.
+const RAY: f64 = 20.0;
+
+/// Writhe (turns) of an open polygon of extent about 1 that rays along the unit vector `direction` extend to infinity,
+/// from −∞ to its first point and from its last one to +∞; `None` as for [`writhe`].
+pub(super) fn writhe_extended(points: &[Vec3], direction: Vec3) -> Option<f64> {
+    let mut extended = vec![points[0] - direction * RAY];
+    extended.extend(points);
+    extended.push(points[points.len() - 1] + direction * RAY);
+    let across = DIRECTIONS.iter().map(unit).filter(|n| n.cross(&direction).norm() >= ACROSS);
+    writhe_along(&extended, false, across)
+}
+
+fn unit(direction: &[f64; 3]) -> Vec3 {
+    Vec3::from(*direction).normalize()
+}
+
+/// Writhe (turns) from the crossings seen along the first viewing direction that shows them clearly. Of an open polygon, if
+/// its first and its last edge are parallel and none crosses them beyond their ends.
+fn writhe_along(points: &[Vec3], closed: bool, mut directions: impl Iterator<Item = Vec3>) -> Option<f64> {
     let num = points.len();
     let folds_back = |i: usize| {
         let (into, out) = (points[(i + 1) % num] - points[i], points[(i + 2) % num] - points[(i + 1) % num]);
         into.dot(&out) <= (1e-12 - 1.0) * into.norm() * out.norm()
     };
-    if (0..num).any(folds_back) {
+    if (0..if closed { num } else { num - 2 }).any(folds_back) {
         return None;
     }
-    DIRECTIONS.iter().find_map(|d| {
-        let n = Vec3::from(*d).normalize();
-        let edges = project(points, n);
-        let crossings = count(&edges, |i, j| i < j && !adjacent(edges.len(), i, j))?;
-        Some(crossings as f64 - twist_with_seam(points, &vec![n; points.len()], true, 0.0))
+    directions.find_map(|n| {
+        let edges = project(points, closed, n);
+        let crossings = count(&edges, |i, j| i < j && !adjacent((edges.len(), closed), i, j))?;
+        Some(crossings as f64 - twist_with_seam(points, &vec![n; num], closed, 0.0))
     })
 }
 
 /// Linking number of two closed polygons of extent about 1; `None` if no direction shows all crossings clearly.
 pub(super) fn link(a: &[Vec3], b: &[Vec3]) -> Option<f64> {
     DIRECTIONS.iter().find_map(|d| {
-        let n = Vec3::from(*d).normalize();
-        let mut edges = project(a, n);
-        edges.extend(project(b, n));
+        let n = unit(d);
+        let mut edges = project(a, true, n);
+        edges.extend(project(b, true, n));
         let crossings = count(&edges, |i, j| i < a.len() && j >= a.len())?;
         Some(0.5 * crossings as f64)
     })
@@ -70,8 +95,8 @@ pub(super) struct Crossing {
 /// among those that show all of them clearly.
 pub(super) fn list(points: &[Vec3]) -> Option<Vec<Crossing>> {
     let along = |d: &[f64; 3]| {
-        let edges = project(points, Vec3::from(*d).normalize());
-        let found = crossed(&edges, |i, j| i < j && !adjacent(edges.len(), i, j))?;
+        let edges = project(points, true, unit(d));
+        let found = crossed(&edges, |i, j| i < j && !adjacent((edges.len(), true), i, j))?;
         Some(found.into_iter().map(|(i, j, sign)| placed(&edges, i as usize, j as usize, sign)).collect::<Vec<_>>())
     };
     DIRECTIONS.iter().filter_map(along).min_by_key(Vec::len)
@@ -92,17 +117,18 @@ fn placed(edges: &[Edge], i: usize, j: usize, sign: i64) -> Crossing {
 /// An edge as seen along the viewing direction: two picture coordinates and the height towards the eye.
 type Edge = [Vec3; 2];
 
-/// Edges of a closed polygon in coordinates whose third axis is `n`.
-fn project(points: &[Vec3], n: Vec3) -> Vec<Edge> {
+/// Edges of a polygon in coordinates whose third axis is `n`.
+fn project(points: &[Vec3], closed: bool, n: Vec3) -> Vec<Edge> {
     let x = any_normal(n);
     let y = n.cross(&x);
     let seen: Vec<Vec3> = points.iter().map(|p| Vec3::new(x.dot(p), y.dot(p), n.dot(p))).collect();
-    (0..seen.len()).map(|i| [seen[i], seen[(i + 1) % seen.len()]]).collect()
+    let num_edges = if closed { seen.len() } else { seen.len() - 1 };
+    (0..num_edges).map(|i| [seen[i], seen[(i + 1) % seen.len()]]).collect()
 }
 
-/// Whether edges i < j of a closed polygon meet at a vertex.
-fn adjacent(num_edges: usize, i: usize, j: usize) -> bool {
-    j == i + 1 || (i == 0 && j + 1 == num_edges)
+/// Whether edges i < j of a polygon, which has so many and may be closed, meet at a vertex.
+fn adjacent((num_edges, closed): (usize, bool), i: usize, j: usize) -> bool {
+    j == i + 1 || (closed && i == 0 && j + 1 == num_edges)
 }
 
 /// Sum of the signs of all crossings between edges i, j with `wanted(i, j)`; `None` if one is too close to call.
@@ -248,8 +274,8 @@ mod tests {
                     at
                 })
                 .collect();
-            let edges = project(&points, if case % 3 == 1 { Vec3::z() } else { Vec3::from(DIRECTIONS[1]).normalize() });
-            let wanted = |i: usize, j: usize| i < j && !adjacent(edges.len(), i, j);
+            let edges = project(&points, true, if case % 3 == 1 { Vec3::z() } else { unit(&DIRECTIONS[1]) });
+            let wanted = |i: usize, j: usize| i < j && !adjacent((edges.len(), true), i, j);
             let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| (i, j)));
             let exact = pairs.filter(|&(i, j)| wanted(i, j)).filter_map(|(i, j)| {
                 let sign = crossing(&edges[i], &edges[j])?;
