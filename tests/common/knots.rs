@@ -7,6 +7,9 @@ use supercoil::math::Vec3;
 use supercoil::math::link::linking_number;
 use supercoil::solve::Engine;
 
+/// Sine of the angle between two edges that are parallel.
+const PARALLEL: f64 = 1e-12;
+
 /// |Δ(−1)| of a closed polygon: the minor of the colouring matrix, one row per crossing (twice the arc above minus both
 /// arcs below). 1 for the unknot, 3 for the trefoil.
 pub fn determinant(points: &[Vec3]) -> f64 {
@@ -23,6 +26,10 @@ pub fn determinant(points: &[Vec3]) -> f64 {
             }
             let (a, d, b, e) = (p[i], p[(i + 1) % n] - p[i], p[j], p[(j + 1) % n] - p[j]);
             let area = cross(d, e);
+            // of edges on one line rounding alone makes a crossing
+            if area.abs() <= PARALLEL * d.xy().norm() * e.xy().norm() {
+                continue;
+            }
             let (s, t) = (cross(b - a, e) / area, cross(b - a, d) / area);
             if (0.0..1.0).contains(&s) && (0.0..1.0).contains(&t) {
                 let (here, there) = (i as f64 + s, j as f64 + t);
@@ -48,7 +55,7 @@ pub fn determinant(points: &[Vec3]) -> f64 {
 }
 
 /// An open rod between ends on the x axis, closed far away.
-fn closed_far_away(points: &[Vec3]) -> Vec<Vec3> {
+pub fn closed_far_away(points: &[Vec3]) -> Vec<Vec3> {
     let (first, last) = (points[0], points[points.len() - 1]);
     let size = 100.0 * points.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
     let (left, right, out) = (first - Vec3::x() * size, last + Vec3::x() * size, Vec3::y() * size);

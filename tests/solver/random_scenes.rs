@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; a table for whoever asks with --nocapture
 
 use crate::families;
+use crate::knots;
 use crate::play;
 use crate::tally;
 
@@ -11,10 +12,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use families::{CASES, FAMILIES};
+use knots::{closed_far_away, determinant};
 use play::{Clock, Limit, Row, play};
 use supercoil::error::SolveError;
 use supercoil::io::run::options;
 use supercoil::observe::start_overlaps;
+use supercoil::rod::Rod;
 use supercoil::scene::Scene;
 use supercoil::solve::{Options, Solver, run};
 
@@ -41,10 +44,20 @@ fn objection(scene: &Scene) -> Option<String> {
     if let Err(error) = Solver::new(scene.model.clone(), Options::default()) {
         return Some(error.to_string());
     }
-    match start_overlaps(&scene.model) {
+    let overlap = match start_overlaps(&scene.model) {
         Err(error) => Some(error.to_string()),
         Ok(overlaps) => overlaps.first().map(ToString::to_string),
-    }
+    };
+    let knotted = |rod: &&Rod| is_straight(rod) && determinant(&closed_far_away(&rod.positions)) != 1.0;
+    overlap.or_else(|| {
+        let rod = scene.model.rods.iter().find(knotted)?;
+        Some(format!("rod {} is straight, and counts as a knot", rod.name))
+    })
+}
+
+fn is_straight(rod: &Rod) -> bool {
+    !rod.closed
+        && ((rod.positions[0] - rod.positions[rod.num_nodes() - 1]).norm() - rod.length).abs() < 1e-9 * rod.length
 }
 
 /// All cases can be read back, are sound, and the same whenever they are made.

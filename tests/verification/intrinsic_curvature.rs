@@ -93,7 +93,7 @@ fn held_straight_the_moment_is_constant_and_the_force_zero() {
         assert_eq!(report.status, Status::Converged, "{}", history(&report));
         assert!(report.history[0].len() <= 2, "already in equilibrium: {}", history(&report));
         let moved = solver.engine().positions(0).iter().zip(&straight).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        verify("intrinsic curvature, held straight", "displacement", moved, 0.0, 1e-13);
+        verify("intrinsic curvature, held straight", &format!("displacement, p = {order}"), moved, 0.0, 1e-13);
         for strain in strains_of(&solver) {
             for i in 0..3 {
                 let (force, moment) = (1e6 * strain[i], STIFFNESS[i] * strain[i + 3]);

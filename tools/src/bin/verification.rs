@@ -66,13 +66,15 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "objectivity",
             "incremental_interpolation",
             "convergence_orders",
+            "distributed_moment",
         ],
     ),
-    ("Stability", &["greenhill", "michell_zajac", "lateral_buckling", "elastica_branches", "ring_branches"]),
+    ("Stability", &["greenhill", "michell_zajac", "lateral_buckling", "elastica_branches", "ring_branches", "snaps"]),
     (
         "Self-contact",
         &[
             "planar_touch",
+            "planes",
             "beams",
             "contact_three_strands",
             "twisted_ring",
