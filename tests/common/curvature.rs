@@ -17,10 +17,11 @@ pub struct PointForce {
     pub spread: f64,
 }
 
-/// Elements on either side whose moments are used: polynomials of degree 2 × CELLS − 1.
+/// Cells on either side whose moments are used: polynomials of degree 2 × CELLS − 1.
 const CELLS: usize = 3;
 /// Within this many layers (B/κ)^¼ of the contact law the rods feel more of it than the spread of its force tells:
-/// elements that lie there are left out.
+/// elements that lie there are left out. A cell has as many elements as are left out, one at least: from cells much
+/// narrower than their distance a polynomial would carry rounding a thousandfold to where the force is.
 const LAYERS: f64 = 8.0;
 
 /// Tangent d3 and curvature vector d3' \[1/L\] that a rod would have at an arc length if the contact force there were
@@ -30,7 +31,7 @@ const LAYERS: f64 = 8.0;
 /// much of it as their strains can hold: correct are, in every element, the mean and the first moment of the curvature
 /// (their virtual displacements are a parabola and a cubic, on which the contact centreline agrees with the elements').
 /// From these, the smeared kink's own are taken off, and the kink's branch of the side in question put on; the
-/// polynomial of degree five that has the moments so found in three elements of that side is evaluated at s₀.
+/// polynomial of degree five that has the moments so found in three cells of elements of that side is evaluated at s₀.
 pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: PointForce) -> (Vec3, Vec3) {
     let engine = solver.engine();
     let data = &engine.model().rods[rod];
@@ -41,39 +42,47 @@ pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: Point
     let boundary = (arc / length).round();
     let seam = spin(engine.state().seams[rod]);
     let softness = data.section.contact_radius.powi(4) / engine.model().contact.law.stiffness().unwrap();
-    let skipped = (LAYERS * softness.powf(0.25) / length) as usize;
+    let skipped = (LAYERS * softness.powf(0.25) / length) as isize;
+    let width = skipped.max(1);
+    let unit = width as f64 * length;
     let (mut tangent, mut curvature) = (Vec3::zeros(), Vec3::zeros());
     for side in [-1.0, 1.0] {
         let mut system = SMatrix::<f64, { 2 * CELLS }, { 2 * CELLS }>::zeros();
         let (mut tangents, mut bends) = (Vec::new(), Vec::new());
-        for (row, cell) in (skipped..skipped + CELLS).enumerate() {
-            // in element lengths from `arc`
-            let from = boundary - arc / length + if side < 0.0 { -1.0 - cell as f64 } else { cell as f64 };
-            let element = (from + arc / length).round().rem_euclid(elements as f64) as usize;
-            let mut nodes = ElementNodes::default();
-            for a in 0..=order {
-                let place = element * order + a;
-                let (over, node) = (place >= positions.len(), place % positions.len());
-                nodes.r[a] = positions[node].into();
-                nodes.q[a] = to_array(&if over { frames[node] * seam } else { frames[node] });
-            }
-            nodes.align_signs(order + 1);
-            let strains = raw_strains(&table, &nodes, length);
+        for row in 0..CELLS {
+            // in elements from the nearest boundary, and in cells from `arc`
+            let beyond = skipped + row as isize * width;
+            let first = if side < 0.0 { -beyond - width } else { beyond };
+            let from = (boundary + first as f64 - arc / length) / width as f64;
             let (mut d3, mut bend) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
-            for g in 0..order {
-                let q: [f64; 4] = std::array::from_fn(|k| (0..=order).map(|a| table.n[g][a] * nodes.q[a][k]).sum());
-                let frame: Quat = UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]));
-                let kappa = Vec3::new(strains[g][3], strains[g][4], strains[g][5]);
-                for (k, weight) in [1.0, 2.0 * table.rule.points[g] - 1.0].into_iter().enumerate() {
-                    d3[k] += frame * Vec3::z() * (weight * table.rule.weights[g]);
-                    bend[k] += frame * kappa.cross(&Vec3::z()) * (weight * table.rule.weights[g]);
+            for k in 0..width {
+                let element = (boundary as isize + first + k).rem_euclid(elements as isize) as usize;
+                let mut nodes = ElementNodes::default();
+                for a in 0..=order {
+                    let place = element * order + a;
+                    let (over, node) = (place >= positions.len(), place % positions.len());
+                    nodes.r[a] = positions[node].into();
+                    nodes.q[a] = to_array(&if over { frames[node] * seam } else { frames[node] });
+                }
+                nodes.align_signs(order + 1);
+                let strains = raw_strains(&table, &nodes, length);
+                for g in 0..order {
+                    let q: [f64; 4] = std::array::from_fn(|k| (0..=order).map(|a| table.n[g][a] * nodes.q[a][k]).sum());
+                    let frame: Quat = UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]));
+                    let kappa = Vec3::new(strains[g][3], strains[g][4], strains[g][5]);
+                    let along = (k as f64 + table.rule.points[g]) / width as f64;
+                    let weight = table.rule.weights[g] / width as f64;
+                    for (k, weight) in [weight, (2.0 * along - 1.0) * weight].into_iter().enumerate() {
+                        d3[k] += frame * Vec3::z() * weight;
+                        bend[k] += frame * kappa.cross(&Vec3::z()) * weight;
+                    }
                 }
             }
-            let sigma = point.spread / length;
+            let sigma = point.spread / unit;
             let mend = moments(from, &[-sigma, sigma], |x| side * x - 0.5 * ((x - sigma).abs() + (x + sigma).abs()));
             for k in 0..2 {
                 tangents.push(d3[k]);
-                bends.push(bend[k] + point.force * (mend[k] * length / (2.0 * data.section.bending[0])));
+                bends.push(bend[k] + point.force * (mend[k] * unit / (2.0 * data.section.bending[0])));
                 for power in 0..2 * CELLS {
                     system[(2 * row + k, power)] = moments(from, &[], |x| x.powi(power as i32))[k];
                 }
