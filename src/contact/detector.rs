@@ -6,13 +6,14 @@ mod minima;
 use crate::contact::curves::curve::{Cubic, CurveInput, CurveSet, norm};
 use crate::contact::curves::input::{Curve, JOINT, Strands};
 use crate::contact::law::potential::PairForce;
-use crate::contact::measures::{CHEAP, SUM_ROUNDING};
+use crate::contact::measures::SUM_ROUNDING;
 use crate::contact::options::{DetectorOptions, Neighbours};
 use crate::contact::sites::site::{Minimum, Site};
 use crate::contact::tree::broad_phase::BroadPhase;
 use crate::contact::tree::exclusion::{Exclusion, bytes};
 use crate::contact::zones::interval::{self, Part, PartSearch, Zone};
 use crate::error::{InputError, SolveError};
+use crate::math::parallel::CHEAP;
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 

@@ -23,8 +23,3 @@ pub(in crate::contact) const POINTS_PER_PART: usize = 5;
 /// Parts of a zone, at most, because parts are as long as strands are thick, and segments of slender curves may be of any
 /// length.
 pub(in crate::contact) const MAX_PARTS: f64 = 64.0;
-/// Items per piece of parallel work, of tens to hundreds of nanoseconds each (boxes, capsules, pairs of straight
-/// segments), because a piece should take tens of microseconds.
-pub(in crate::contact) const CHEAP: usize = 1024;
-/// Items per piece of parallel work, of microseconds each (terms of pairs of segments), for the same reason.
-pub(in crate::contact) const DEAR: usize = 64;

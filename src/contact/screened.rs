@@ -29,9 +29,9 @@ use super::curves::input::Strands;
 use super::exclusion::Exclusion;
 use super::law::potential::Hessian;
 use super::law::potential::stiffness::{Coordinates, PairStiffness, PairTangent};
-use super::measures::DEAR;
 use crate::error::InputError;
 use crate::math::bernstein::cubic_weights;
+use crate::math::parallel::DEAR;
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3, parallel};
 

@@ -17,6 +17,12 @@ use rayon::prelude::*;
 
 use crate::error::InputError;
 
+/// Items per piece of work of tens to hundreds of nanoseconds each (boxes, capsules, pairs of straight segments), because
+/// a piece should take tens of microseconds.
+pub(crate) const CHEAP: usize = 1024;
+/// Items per piece of work of microseconds each (elements, terms of pairs of segments), for the same reason.
+pub(crate) const DEAR: usize = 64;
+
 /// A pool of threads apart from the caller's.
 #[derive(Debug)]
 pub(crate) struct Pool {

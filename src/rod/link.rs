@@ -11,8 +11,6 @@ use crate::math::{Quat, Vec3, parallel};
 
 /// Most points per segment of the polygon for the link.
 const MAX_POINTS: f64 = 8.0;
-/// Nodes per parallel task.
-const GRAIN: usize = 256;
 
 impl Rod {
     /// The same rod with the excess link `turns`: its frames are rotated about d3 by an angle that grows linearly along
@@ -75,7 +73,7 @@ impl Rod {
     /// Rotates the frames about d3 by an angle linear in s: 0 at s = 0, `turns` at s = L.
     fn put_twist_in(&mut self, turns: f64) {
         let segments = self.num_segments() as f64;
-        parallel::each(&mut self.frames, GRAIN, &|i, frame| {
+        parallel::each(&mut self.frames, parallel::CHEAP, &|i, frame| {
             *frame = Quat::new_normalize((*frame * spin(TAU * turns * (i as f64 / segments))).into_inner());
         });
         self.twist_put_in += turns;
@@ -126,7 +124,7 @@ impl Rod {
         let next = |i: usize| if i + 1 == nodes { closing } else { self.frames[i + 1] };
         let turning = |i: usize| self.frames[i].angle_to(&next(i));
         let largest = |range: Range<usize>| range.map(turning).fold(0.0, f64::max);
-        let most = parallel::map_ranges(nodes, GRAIN, &largest).into_iter().fold(0.0, f64::max);
+        let most = parallel::map_ranges(nodes, parallel::CHEAP, &largest).into_iter().fold(0.0, f64::max);
         // sagitta of a chord: angle × length / 8, at most a quarter of the radius
         let sagitta = (most * spacing / (2.0 * self.section.contact_radius.max(spacing / MAX_POINTS))).sqrt();
         let count = (2.0 * most).max(sagitta).ceil().clamp(1.0, MAX_POINTS) as usize;
@@ -145,7 +143,7 @@ impl Rod {
                 (point, before.nlerp(&after, u) * Vec3::x())
             })
         };
-        let parts = parallel::map_ranges(nodes, GRAIN, &|range| range.flat_map(along).collect::<Vec<_>>());
+        let parts = parallel::map_ranges(nodes, parallel::CHEAP, &|range| range.flat_map(along).collect::<Vec<_>>());
         parts.into_iter().flatten().unzip()
     }
 

@@ -4,8 +4,8 @@ use super::Detector;
 use crate::contact::curves::input::{Curve, CurveShape, Strands};
 use crate::contact::law::Law;
 use crate::contact::law::potential::{self, ContactGeometry, PairForce, PairSearch, PairTerm, Pressures, Want};
-use crate::contact::measures::DEAR;
 use crate::error::InputError;
+use crate::math::parallel::DEAR;
 use crate::math::{Vec3, parallel};
 
 /// Candidate pairs whose forces are computed before they are summed in order, because memory should not grow with

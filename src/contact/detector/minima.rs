@@ -3,13 +3,14 @@
 use super::Detector;
 use crate::contact::curves::curve::norm;
 use crate::contact::curves::input::Strands;
-use crate::contact::measures::{CHEAP, COINCIDENT};
+use crate::contact::measures::COINCIDENT;
 use crate::contact::options::Neighbours;
 use crate::contact::pairs::capsule;
 use crate::contact::sites::closest;
 use crate::contact::sites::site::{self, Minimum, Site};
 use crate::contact::sites::vertex::vertex_minima;
 use crate::math::parallel;
+use crate::math::parallel::CHEAP;
 
 impl Detector {
     pub(in crate::contact) fn find_sites(&mut self, strands: &Strands, sites: &mut Vec<Site>) {

@@ -13,13 +13,13 @@
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::contact::curves::input::{CurveShape, Strands};
 use crate::contact::law::Law;
-use crate::contact::measures::{CHEAP, DEAR};
 use crate::contact::pairs::capsule::Capsule;
 use crate::contact::projection::smooth_joint;
 use crate::contact::tree::exclusion::Exclusion;
 use crate::contact::zones::facing::Facing;
 use crate::contact::zones::straight::Lines;
 use crate::contact::zones::{BranchPiece, SegmentPair, SmoothJoint};
+use crate::math::parallel::{CHEAP, DEAR};
 use crate::math::{Vec3, parallel};
 use integral::{PairIntegral, Projector};
 pub use pressure::Offsets;

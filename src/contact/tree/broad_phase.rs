@@ -32,12 +32,13 @@ use std::ops::Range;
 
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::curves::input::{CurveShape, Strands};
-use crate::contact::measures::{CHEAP, SUM_ROUNDING};
+use crate::contact::measures::SUM_ROUNDING;
 use crate::contact::pairs::filter::keep_near;
 use crate::contact::tree::boxes::{Block, WIDTH};
 use crate::contact::tree::exclusion::{Exclusion, bytes};
 use crate::contact::tree::leaves::Leaves;
 use crate::error::InputError;
+use crate::math::parallel::CHEAP;
 use crate::math::{Vec3, parallel};
 
 /// Finds candidate pairs and keeps them from one call to the next.

@@ -6,9 +6,10 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace, TraversalAction};
 
 use crate::contact::curves::input::{Strands, lower, upper};
-use crate::contact::measures::{CHEAP, SUM_ROUNDING, USUAL};
+use crate::contact::measures::{SUM_ROUNDING, USUAL};
 use crate::contact::tree::boxes::{Block, Box3, WIDTH};
 use crate::contact::tree::exclusion::bytes;
+use crate::math::parallel::CHEAP;
 use crate::math::{Vec3, parallel};
 
 /// Below this many leaves all their pairs are tested, because a tree costs more than it saves (and the library's

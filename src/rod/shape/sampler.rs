@@ -12,9 +12,6 @@ const ACCURACY: f64 = 1e-13;
 /// Largest number of halvings of one panel.
 const MAX_DEPTH: usize = 24;
 
-/// Panels or nodes per parallel task.
-const GRAIN: usize = 32;
-
 /// A curve by its parameter: position and derivative, smooth between the breaks of its panels.
 pub(super) trait Parametrised: Sync {
     fn at(&self, u: f64) -> [Vec3; 2];
@@ -40,7 +37,7 @@ pub(super) struct Measured<'a, C> {
 impl<'a, C: Parametrised> Measured<'a, C> {
     /// `breaks` in ascending order; the curve is smooth between them.
     pub(super) fn new(curve: &'a C, breaks: &[f64]) -> Self {
-        let refined = parallel::map_ranges(breaks.len() - 1, GRAIN, &|range| {
+        let refined = parallel::map_ranges(breaks.len() - 1, parallel::DEAR, &|range| {
             let mut panels = Vec::new();
             range.for_each(|k| refine(curve, breaks[k], breaks[k + 1], MAX_DEPTH, &mut panels));
             panels
@@ -103,10 +100,10 @@ impl<'a, C: Parametrised> Measured<'a, C> {
         let total = self.length();
         let num_nodes = num_segments + usize::from(!closed);
         let parameter = |node: usize| self.parameter_at(total * (node as f64 / num_segments as f64));
-        let parameters = parallel::map(num_nodes, GRAIN, &parameter);
+        let parameters = parallel::map(num_nodes, parallel::DEAR, &parameter);
         let rule = ChebyshevRule::new();
         let carry = |k: usize| self.carry(&rule, parameters[k], parameters[k + 1]);
-        let carries = parallel::map(num_nodes - 1, GRAIN, &carry);
+        let carries = parallel::map(num_nodes - 1, parallel::DEAR, &carry);
         let tangent = self.curve.tangent(parameters[0]);
         let mut d1 = normal_to(&tangent, &Vec3::z(), &Vec3::x());
         let mut frames = vec![frame(&d1, &tangent)];
@@ -114,7 +111,7 @@ impl<'a, C: Parametrised> Measured<'a, C> {
             d1 = carry.apply(&d1);
             frames.push(frame(&d1, &carry.to));
         }
-        let positions = parallel::map(num_nodes, GRAIN, &|node| self.curve.at(parameters[node])[0]);
+        let positions = parallel::map(num_nodes, parallel::DEAR, &|node| self.curve.at(parameters[node])[0]);
         Placement { length, positions, frames, closed }
     }
 }

@@ -5,7 +5,6 @@ mod contact;
 mod elements;
 mod loads;
 
-pub(in crate::solve) use contact::PAIRS;
 pub(in crate::solve) use elements::symmetric;
 
 use crate::contact::potential::plane::PlaneContact;

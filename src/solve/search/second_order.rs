@@ -6,14 +6,12 @@ use crate::contact::potential::plane::{self, PlaneContact};
 use crate::contact::potential::second_order::{second_order_of_gaps, stiffness_of_gaps};
 use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
-use crate::solve::problem::assembly::{PAIRS, Residual};
+use crate::solve::measures::AT_ONCE;
+use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::{ContactSide, contact_cubic};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::search::step_bound::motion;
-
-/// Terms computed in parallel before one ordered scatter.
-const BATCH: usize = 8192;
 
 impl Engine {
     /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
@@ -94,7 +92,7 @@ impl Engine {
         let geometry = potential::ContactGeometry::of_set(&side.set);
         let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures { law: side.law, offset: &offset, before: None };
-        for batch in pairs.chunks(PAIRS) {
+        for batch in pairs.chunks(AT_ONCE) {
             let found = self.install(|| potential::evaluate_ends(&geometry, batch, &pressures, Request::default()));
             for term in found.into_iter().flatten().filter(|term| wanted(&term.pair)) {
                 side.scatter(&term.pair, &term.gradient, forces);
@@ -125,8 +123,8 @@ impl Engine {
         mut told: impl FnMut(&ContactPair, R),
     ) {
         let Some(side) = &self.contact else { return };
-        for batch in terms.chunks(BATCH) {
-            let found = self.install(|| parallel::map(batch.len(), 64, &|k| gradient(&batch[k])));
+        for batch in terms.chunks(AT_ONCE) {
+            let found = self.install(|| parallel::map(batch.len(), parallel::DEAR, &|k| gradient(&batch[k])));
             for (term, (gradient, rest)) in batch.iter().zip(found) {
                 side.scatter(term, &gradient, forces);
                 told(term, rest);

@@ -153,7 +153,8 @@ pub(in crate::solve) struct SegmentMotion {
 impl ContactSide {
     fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let (lengths, nodes) = (&self.set.lengths, &self.nodes);
-        let motions = parallel::map(nodes.len(), 256, &|k| motion(state, increment, nodes[k], lengths[k] / 3.0));
+        let motions =
+            parallel::map(nodes.len(), parallel::CHEAP, &|k| motion(state, increment, nodes[k], lengths[k] / 3.0));
         let not_finite =
             |m: &SegmentMotion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
         if let Some(index) = motions.iter().position(not_finite) {

@@ -15,8 +15,9 @@ use super::pressure::PairLaw;
 use crate::contact::curves::curve::CurveSet;
 use crate::contact::law::potential::Request;
 use crate::contact::law::potential::stiffness::PairTangent;
-use crate::contact::measures::{CHEAP, MAX_PARTS, POINTS_PER_PART};
+use crate::contact::measures::{MAX_PARTS, POINTS_PER_PART};
 use crate::math::bernstein::{Roots, cubic_weights, derivative, eval, roots};
+use crate::math::parallel::CHEAP;
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 

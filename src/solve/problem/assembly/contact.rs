@@ -4,12 +4,10 @@ use super::{Residual, Sink};
 use crate::contact::potential::{self, Request, plane};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
+use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::contact_side::{ContactSide, contact_cubic_exactly};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
-
-/// Candidate pairs evaluated before their terms are scattered.
-pub(in crate::solve) const PAIRS: usize = 1024;
 
 impl Engine {
     /// Moves the contact curves to `state` and refreshes candidates; true if the candidate list changed.
@@ -38,7 +36,7 @@ impl Engine {
         }
         let geometry = potential::ContactGeometry::of_set(&side.set);
         // second derivatives live for one part of the candidates only: five kilobytes a term
-        for pairs in side.broad_phase.pairs().chunks(PAIRS) {
+        for pairs in side.broad_phase.pairs().chunks(AT_ONCE) {
             let offset = |slave, master| side.offset(slave, master);
             let earlier = side.before.as_ref().filter(|_| sink.is_some());
             let offset_before =
@@ -98,7 +96,7 @@ impl Engine {
     pub(super) fn add_electrostatics(&self, out: &mut Residual, mut sink: Option<&mut Sink>) {
         let Some(side) = &self.contact else { return };
         let Some(repulsion) = &side.repulsion else { return };
-        for pairs in repulsion.pairs().chunks(PAIRS) {
+        for pairs in repulsion.pairs().chunks(AT_ONCE) {
             for term in repulsion.terms(&side.set, pairs, sink.is_some()).into_iter().flatten() {
                 let [[a, b], [c, d]] = term.segments.map(|segment| side.nodes[segment]);
                 let nodes = [a, b, c, d];
@@ -139,7 +137,7 @@ impl ContactSide {
     /// Overwrites the contact curves with those of `state`; turning bounds and candidates are outdated if they moved.
     pub(crate) fn place(&mut self, state: &State) {
         let cubic = |k: usize| contact_cubic_exactly(state, self.nodes[k], self.set.lengths[k]);
-        let placed = parallel::map(self.nodes.len(), 256, &cubic);
+        let placed = parallel::map(self.nodes.len(), parallel::CHEAP, &cubic);
         for (k, (now, lost)) in placed.into_iter().enumerate() {
             self.set.remainders[k] = lost;
             self.is_current &= std::mem::replace(&mut self.set.segments[k], now) == now;

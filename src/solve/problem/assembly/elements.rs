@@ -3,24 +3,22 @@
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
 use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
+use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::engine::{Element, Engine};
 use crate::solve::problem::state::State;
 
-/// Elements computed in parallel before one ordered scatter, because the buffer must not grow with the mesh.
-const BATCH: usize = 1024;
-/// The same with their tangents, because these have five kilobytes each and should fit into a cache.
+/// Elements whose tangents are computed in parallel before they are added in order, because these have five kilobytes each
+/// and should fit into a cache.
 const TANGENTS: usize = 128;
-/// Elements per parallel piece of work, because each takes a microsecond or less.
-const GRAIN: usize = 32;
-/// The same with their tangents, because each takes some microseconds.
+/// Elements with their tangents per parallel piece of work, because there are few of them at once.
 const TANGENT_GRAIN: usize = 8;
 
 impl Engine {
     /// Gradient and potential of all elements.
     pub(in crate::solve) fn add_element_gradients(&self, state: &State, out: &mut Residual) {
-        for first in (0..self.elements.len()).step_by(BATCH) {
-            let count = BATCH.min(self.elements.len() - first);
-            let results = parallel::map(count, GRAIN, &|k| self.element_output(first + k, state, None, None));
+        for first in (0..self.elements.len()).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(self.elements.len() - first);
+            let results = parallel::map(count, parallel::DEAR, &|k| self.element_output(first + k, state, None, None));
             for (k, result) in results.iter().enumerate() {
                 self.add_element_gradient(first + k, result, state, out);
             }
@@ -94,7 +92,7 @@ impl Engine {
     /// Stresses C(ε + B Δx) at all points, predicted by mixed-integration-point Newton for a linear step.
     pub(crate) fn predicted_stress(&self, state: &State, increment: &[f64]) -> Vec<[Stress; 3]> {
         let predict = |e: usize| self.predict_element(e, state, increment);
-        self.install(|| parallel::map(self.elements.len(), GRAIN, &predict))
+        self.install(|| parallel::map(self.elements.len(), parallel::DEAR, &predict))
     }
 
     /// Stresses C ε at all points.
@@ -104,7 +102,7 @@ impl Engine {
             let material = self.body(e).material;
             std::array::from_fn(|g| material.stress(g, &strain[g]))
         };
-        self.install(|| parallel::map(self.elements.len(), GRAIN, &stress))
+        self.install(|| parallel::map(self.elements.len(), parallel::DEAR, &stress))
     }
 
     /// [`Engine::actual_stress`] with shear forces and tension from elsewhere, if there are any.
@@ -153,20 +151,20 @@ impl Engine {
         let mut out = vec![0.0; increment.len()];
         let mut stresses = Vec::with_capacity(self.elements.len());
         self.install(|| {
-            for (batch_index, batch) in self.elements.chunks(BATCH).enumerate() {
+            for (batch_index, batch) in self.elements.chunks(AT_ONCE).enumerate() {
                 let force = |k: usize| {
                     let element: &Element = &batch[k];
                     element::second_order_force(
-                        &self.body(batch_index * BATCH + k),
+                        &self.body(batch_index * AT_ONCE + k),
                         &self.element_nodes(state, element),
                         &self.element_nodes(moved, element),
                         &self.local_increment(element, increment),
                     )
                 };
-                let forces = parallel::map(batch.len(), GRAIN, &force);
+                let forces = parallel::map(batch.len(), parallel::DEAR, &force);
                 for (k, (stress, force)) in forces.iter().enumerate() {
                     stresses.push(*stress);
-                    let element = &self.elements[batch_index * BATCH + k];
+                    let element = &self.elements[batch_index * AT_ONCE + k];
                     for a in 0..=self.model.rods[element.rod].order {
                         for i in 0..6 {
                             out[6 * element.nodes[a] + i] += force[6 * a + i];

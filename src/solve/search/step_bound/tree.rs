@@ -62,7 +62,7 @@ impl<'a> PassageTree<'a> {
         relative: &[f64],
         keep: Keep,
     ) -> Self {
-        let capsules = parallel::map(set.segments.len(), 256, &|k| Capsule::new(&set.segments[k]));
+        let capsules = parallel::map(set.segments.len(), parallel::CHEAP, &|k| Capsule::new(&set.segments[k]));
         let mut turning = Vec::with_capacity(set.len());
         let mut totals = Vec::with_capacity(set.curves.len());
         for (index, curve) in set.curves.iter().enumerate() {

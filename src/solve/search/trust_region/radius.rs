@@ -1,17 +1,15 @@
 //! Radius of the trust region, by the outcome of the last steps.
 
+use super::RAISING;
 use crate::solve::measures::{ARC, MAX_ROUNDS};
 
 /// Largest radius, rad.
 pub(super) const LARGEST: f64 = 2.0;
 /// Radius after a step that the model predicted well, relative to the extent taken.
 const GROWTH: f64 = 3.0;
-/// Decrease of the potential relative to the expected one, in which the model counts as right.
+/// Decrease of the potential relative to the expected one, in which the model counts as right. Where the decrease is as many
+/// times smaller, the radius shrinks.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
-/// The same, below which the radius shrinks.
-const MISJUDGED: f64 = 0.25;
-/// Radius after a rejected step, relative to the step's extent.
-const REJECTED: f64 = 0.25;
 
 /// Outcome of a step.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +43,7 @@ impl TrustRegion {
         // of iterations; without a bound steps under a hard penalty alternate
         if step.gain.is_none_or(|gain| step.rounds <= MAX_ROUNDS / 2 && FORESEEN.contains(&gain)) {
             self.radius = self.radius.max(GROWTH * taken).min(LARGEST);
-        } else if step.gain.is_some_and(|gain| gain < MISJUDGED) {
+        } else if step.gain.is_some_and(|gain| gain < 1.0 / FORESEEN.end) {
             self.radius = 0.5 * taken;
         } else if step.fraction < 1.0 {
             self.radius = taken;
@@ -54,7 +52,7 @@ impl TrustRegion {
 
     /// After a step of this extent was rejected.
     pub(super) fn reject(&mut self, extent: f64) {
-        self.radius = REJECTED * self.radius.min(extent);
+        self.radius = self.radius.min(extent) / RAISING;
     }
 }
 
