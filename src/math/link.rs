@@ -93,15 +93,18 @@ pub fn link_of_ends(points: &[Vec3], d1: &[Vec3], direction: Vec3) -> f64 {
     let Some(direction) = direction.try_normalize(0.0).filter(|_| all_finite(points) && all_finite(d1)) else {
         return f64::NAN;
     };
-    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return 0.0 };
+    let Some(&first) = points.first() else { return 0.0 };
     let size = extent(points);
-    let far = direction * FAR * size;
-    let extended: Vec<Vec3> = [&[first - far], points, &[last + far]].concat();
-    let directions: Vec<Vec3> = [&d1[..1], d1, &d1[d1.len() - 1..]].concat();
-    let twist = ribbon_twist(&extended, &directions, false);
+    let line = extended(points, direction * FAR * size);
+    let twist = ribbon_twist(&line, &extended(d1, Vec3::zeros()), false);
     let inner = normalised(&without_repeats(points, false), first, size);
-    let writhe = crossings::writhe_extended(&inner, direction).unwrap_or_else(|| writhe(&extended, false));
-    twist + writhe
+    twist + crossings::writhe_extended(&inner, direction).unwrap_or_else(|| writhe(&line, false))
+}
+
+/// One point more at either end, `by` before the first and behind the last.
+fn extended(points: &[Vec3], by: Vec3) -> Vec<Vec3> {
+    let (first, last) = (points[0], points[points.len() - 1]);
+    [&[first - by], points, &[last + by]].concat()
 }
 
 /// Length of straight lines for infinite ones in sums over pairs of edges, over the rod's extent, because the rest adds less
@@ -265,6 +268,7 @@ fn normalised(points: &[Vec3], origin: Vec3, size: f64) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Quat;
 
     /// (2,3) torus knot with a material direction that turns `turns` times about a field fixed to the torus.
     fn knot(n: usize, turns: f64) -> (Vec<Vec3>, Vec<Vec3>) {
@@ -302,7 +306,7 @@ mod tests {
         assert_eq!(writhe(&eight, true), 0.0, "a figure of eight that cuts itself: the mean of +1 and -1");
     }
 
-    /// A helix about z whose ends bend into z, with knots of the other sense on the way for odd `n`; d1 turns `turns` times
+    /// A helix about z whose ends bend into z, and which changes its sense on the way for odd `n`; d1 turns `turns` times
     /// about a parallel field.
     fn line(n: usize, turns: f64) -> (Vec<Vec3>, Vec<Vec3>) {
         let at = |t: f64| {
@@ -325,19 +329,27 @@ mod tests {
         (points, d1)
     }
 
+    /// Along z, and along each viewing direction, which sees the rays as points.
+    fn all_ways() -> Vec<Vec3> {
+        let along = crossings::DIRECTIONS.iter().map(|d| Vec3::from(*d).normalize());
+        std::iter::once(Vec3::z()).chain(along).collect()
+    }
+
     #[test]
     fn link_of_ends_is_the_sum_over_all_pairs() {
         for (n, turns) in [(300, 0.0), (301, 2.25), (400, -3.5), (401, 11.0)] {
             let (points, d1) = line(n, turns);
-            let found = link_of_ends(&points, &d1, Vec3::z() * 2.0);
-            let far = Vec3::z() * 1e5;
-            let extended = [&[points[0] - far], &points[..], &[points[n] + far]].concat();
-            let directions = [&d1[..1], &d1, &d1[n..]].concat();
-            let sum = ribbon_twist(&extended, &directions, false) + writhe_by_pairs(&extended, false);
-            assert!((found - sum).abs() < 1e-6, "{n}: {found} {sum}");
+            let line = extended(&points, Vec3::z() * 1e5);
+            let sum = ribbon_twist(&line, &extended(&d1, Vec3::zeros()), false) + writhe_by_pairs(&line, false);
             let angle = d1[0].cross(&d1[n]).z.atan2(d1[0].xy().dot(&d1[n].xy())) / TAU;
-            let whole = found - angle;
-            assert!((whole - whole.round()).abs() < 1e-11, "{n}: {found} {angle}");
+            for direction in all_ways() {
+                let turn = Quat::rotation_between(&Vec3::z(), &direction).unwrap();
+                let [turned, frames] = [&points, &d1].map(|all| all.iter().map(|x| turn * x).collect::<Vec<_>>());
+                let found = link_of_ends(&turned, &frames, direction * 2.0);
+                assert!((found - sum).abs() < 1e-6, "{n}, {direction:?}: {found} {sum}");
+                let whole = found - angle;
+                assert!((whole - whole.round()).abs() < 1e-11, "{n}, {direction:?}: {found} {angle}");
+            }
         }
     }
 

@@ -197,6 +197,7 @@ fn size(rod: &Rod) -> RodSize {
 
 /// Angle between the tangents at both ends, rad, up to which they count as parallel.
 pub(super) const PARALLEL: f64 = 1e-3;
+
 fn ends(engine: &Engine) -> Vec<RodEnds> {
     let rods = &engine.model().rods;
     let of = |rod: usize| {

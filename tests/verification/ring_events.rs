@@ -31,9 +31,10 @@
 //! where they lie. Of writhe and torque this leaves 1e-6, and one → two, where the contact lies on a node, is found as
 //! well on 192 elements as on 1536. But the gap in the middle is so small between two and three points that a hundredth
 //! of that moves the later events: by 1e-4 on 192 elements; on 768 two → three by 1e-5, three → line by 6e-5 at most;
-//! on 1536 by 3e-6 and 1e-6 … 8e-6, by where the contacts come to lie; on 3072 by 1e-7 and 1e-6 … 2e-6 (on 3104 and
-//! 3136, where they lie otherwise, by 5e-6 for the thin ring). What the latter is made of was found by comparing the eigenvalue in states with three points with shooting, state by state
-//! (thick ring, ΔLk 2.345 … 2.3793, divided by its slope, 1.8 per turn).
+//! on 1536 by 3e-6 and 1e-6 … 8e-6, by where the contacts come to lie; on 3072 by 1e-7 and 1e-6 … 2e-6 (with [`ELEMENTS`]
+//! of 97 and 98, where they lie otherwise, the thin ring's by 5e-6). What the latter is made of was found by comparing the
+//! eigenvalue in states with three points with shooting, state by state (thick ring, ΔLk 2.345 … 2.3793, divided by its
+//! slope, 1.8 per turn). All but the figures on 3072 were found with curvatures from cells of single elements.
 //! Stretch and shear: 9e-6 of ΔLk at EA = GA = 1e9, ten times as much at 1e8 (a strain N/EA changes D/L by 1e-8, and
 //! the gap in the middle with it). The mesh: a wave in the place of the outer contacts within their elements, of mean
 //! zero, ± 3e-5 on 768 elements, ± 5e-6 on 1536. The law: less than 1e-6 after Richardson's rule. So EA = 1e10 alone

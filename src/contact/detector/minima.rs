@@ -9,8 +9,7 @@ use crate::contact::pairs::capsule;
 use crate::contact::sites::closest;
 use crate::contact::sites::site::{self, Minimum, Site};
 use crate::contact::sites::vertex::vertex_minima;
-use crate::math::parallel;
-use crate::math::parallel::CHEAP;
+use crate::math::parallel::{self, CHEAP};
 
 impl Detector {
     pub(in crate::contact) fn find_sites(&mut self, strands: &Strands, sites: &mut Vec<Site>) {

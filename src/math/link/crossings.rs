@@ -7,12 +7,12 @@
 
 use std::ops::Range;
 
-use super::twist_with_seam;
+use super::{extended, twist_with_seam};
 use crate::math::direction::any_normal;
 use crate::math::{Vec3, parallel};
 
 /// Viewing directions without any relation to the axes, tried in turn.
-const DIRECTIONS: [[f64; 3]; 4] = [
+pub(super) const DIRECTIONS: [[f64; 3]; 4] = [
     [0.271_828_18, 0.577_215_66, 0.761_803_39],
     [-0.641_421_35, 0.317_320_51, 0.414_159_26],
     [0.683_147_18, -0.441_213_56, 0.236_067_97],
@@ -40,11 +40,8 @@ const RAY: f64 = 20.0;
 /// Writhe (turns) of an open polygon of extent about 1 that rays along the unit vector `direction` extend to infinity,
 /// from −∞ to its first point and from its last one to +∞; `None` as for [`writhe`].
 pub(super) fn writhe_extended(points: &[Vec3], direction: Vec3) -> Option<f64> {
-    let mut extended = vec![points[0] - direction * RAY];
-    extended.extend(points);
-    extended.push(points[points.len() - 1] + direction * RAY);
     let across = DIRECTIONS.iter().map(unit).filter(|n| n.cross(&direction).norm() >= ACROSS);
-    writhe_along(&extended, false, across)
+    writhe_along(&extended(points, direction * RAY), false, across)
 }
 
 fn unit(direction: &[f64; 3]) -> Vec3 {

@@ -41,7 +41,8 @@ const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Factor on the shift after a step as long as the radius, because a shift that is too small costs one factorisation
 /// only.
 const RELAXING: f64 = 0.5;
-/// Factor on the shift after a rejected step, at least, and by which the radius shrinks, because a step that is hardly shorter is rejected again.
+/// Factor on the shift after a rejected step, at least, and by which the radius shrinks, because a step that is hardly
+/// shorter is rejected again.
 const RAISING: f64 = 4.0;
 /// Fraction of a rejected step that supports push that is tried next, because it costs an evaluation only.
 const SHORTENED: f64 = 0.4;

@@ -7,8 +7,8 @@ use crate::solve::measures::{ARC, MAX_ROUNDS};
 pub(super) const LARGEST: f64 = 2.0;
 /// Radius after a step that the model predicted well, relative to the extent taken.
 const GROWTH: f64 = 3.0;
-/// Decrease of the potential relative to the expected one, in which the model counts as right. Where the decrease is as many
-/// times smaller, the radius shrinks.
+/// Decrease of the potential relative to the expected one, in which the model counts as right. Below one over its end
+/// the radius shrinks.
 const FORESEEN: std::ops::Range<f64> = 0.75..4.0;
 
 /// Outcome of a step.
