@@ -8,13 +8,16 @@
 //! | `predictor` | the next state extrapolated from those before |
 //! | `multipliers`, `complementarity` | the augmented Lagrangian: offsets raised and lowered until gaps and pressures fit |
 //! | `penalty_continuation`, `multiplier_estimate` | pressures that a search begins with: of a softer law, of a start shape |
-//! | `nested_iteration`, `periodic_extension` | a start from a coarse mesh, from a short plectoneme |
+//! | `double_helix`, `growth` | double helices made longer by whole turns; a plectoneme that takes up rod from its tails |
+//! | `nested_iteration`, `periodic_extension`, `short_rod` | a start from a coarse mesh, from a short plectoneme, from a short rod that snapped |
 //! | `refine` | the same state on a finer mesh or under a harder law |
 //! | `energy_balance` | work done and energy kept: what a snap sets free |
 //! | `step_report` | how the step ended |
 
 mod complementarity;
+mod double_helix;
 mod energy_balance;
+mod growth;
 mod multiplier_estimate;
 pub(in crate::solve) mod multipliers;
 mod nested_iteration;
@@ -23,6 +26,7 @@ mod periodic_extension;
 pub(in crate::solve) mod predictor;
 mod ramped_step;
 mod refine;
+mod short_rod;
 pub(in crate::solve) mod solve_step;
 pub(in crate::solve) mod solver;
 pub(in crate::solve) mod step_report;

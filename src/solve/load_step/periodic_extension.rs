@@ -2,15 +2,9 @@
 //!
 //! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state of a
 //! closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to rest.
-//! Then the elements are put back, in the shape of the short rod's middle: the screw motion S that takes each element of
-//! one strand to the next takes each of the other to the one before, and
-//!
-//! ```text
-//! 0 … c | S⁰ … S^(k−1) of the element at c | S^k (c … N−c) | S^k … S¹ of the element at N−c | N−c … N
-//! ```
-//!
-//! closes again exactly. The short rod's link is chosen so that the long one keeps its own. The long rod
-//! then comes to rest from there like from any other state, or says that it does not.
+//! Then the elements are put back, in the shape of the short rod's middle (`double_helix`), and the rod closes again
+//! exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then comes to rest from there
+//! like from any other state, or says that it does not.
 //!
 //! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
 //! face each other let strands slide along each other in waves: the curvature of the energy along these is negative by
@@ -19,14 +13,12 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Unit;
-
 use crate::contact::law::Law;
 use crate::error::InputError;
-use crate::math::quaternion::spin;
-use crate::math::{Mat3, Quat, Vec3};
+use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
+use crate::solve::load_step::double_helix::{DoubleHelix, Origin, Screw};
 use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
@@ -41,66 +33,6 @@ const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 /// Strand kept for each end loop, in contact distances, because the loop and its transition to the regular superhelix
 /// must fit into it.
 const LOOPS: f64 = 60.0;
-
-/// The screw motion from an element of the first strand of a double helix to the next, and how much frames spin about
-/// themselves beyond it along either strand.
-#[derive(Debug, Clone, Copy)]
-struct Screw {
-    axis: Unit<Vec3>,
-    point: Vec3,
-    angle: f64,
-    rise: f64,
-    spins: [f64; 2],
-}
-
-impl Screw {
-    /// Least squares over `count` elements of order `p` on either side of the state's node `at` and of the node
-    /// opposite; `None` where that is no screw motion.
-    fn measure(state: &State, p: usize, at: usize, count: usize) -> Option<Self> {
-        let nodes = state.positions.len();
-        let around = |node: usize| node.checked_sub(count * p).map(|first| first..node + count * p);
-        let (here, there) = (around(at)?, around(nodes - at)?);
-        if here.end + p > there.start || there.end + p >= nodes {
-            return None;
-        }
-        // from, to: forward along the first strand, backward along the second
-        let pairs: Vec<[usize; 2]> =
-            here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
-        let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
-        let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
-        let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
-        let svd = spread.svd(true, true);
-        let (u, v_t) = (svd.u?, svd.v_t?);
-        let mirror = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, (u * v_t).determinant().signum()));
-        let rotation = Quat::from_matrix(&(u * mirror * v_t));
-        let (axis, angle) = rotation.axis_angle()?;
-        let shift = to - rotation * from;
-        let rise = shift.dot(&axis);
-        let across = shift - axis.into_inner() * rise;
-        let point = (across + axis.cross(&across) / (0.5 * angle).tan()) * 0.5;
-        // turn about d3 that is left of q
-        let twist = |q: Quat| 2.0 * q.k.atan2(q.w);
-        let wrapped = |angle: f64| angle - TAU * (angle / TAU).round();
-        let mean = |range: std::ops::Range<usize>, turn: Quat| {
-            let first = twist((turn * state.frames[range.start]).inverse() * state.frames[range.start + p]);
-            let beyond = |i: usize| wrapped(twist((turn * state.frames[i]).inverse() * state.frames[i + p]) - first);
-            first + range.clone().map(beyond).sum::<f64>() / range.len() as f64
-        };
-        let spins = [mean(here, rotation), mean(there, rotation.inverse())].map(wrapped);
-        Some(Self { axis, point, angle, rise, spins })
-    }
-
-    /// The motion to a power, and the turn in it.
-    fn power(&self, k: f64) -> (impl Fn(&Vec3) -> Vec3 + use<>, Quat) {
-        let turn = Quat::from_axis_angle(&self.axis, self.angle * k);
-        let (point, shift) = (self.point, self.axis.into_inner() * (self.rise * k));
-        (move |x: &Vec3| point + turn * (x - point) + shift, turn)
-    }
-}
-
-/// A node of a changed rod: the old node it is made from, the power of the screw motion and the spin, rad, that take it
-/// there.
-type Made = (usize, f64, f64);
 
 /// Where elements are cut out of a long plectoneme, and how many.
 struct Cut {
@@ -117,46 +49,24 @@ struct Cut {
 }
 
 impl Cut {
-    fn screw(&self, state: &State) -> Option<Screw> {
-        Screw::measure(state, self.order, self.at, self.window)
-    }
-
-    /// Nodes of a state's rod with elements put in at the cut (taken out, if negative).
-    fn plan(&self, state: &State, elements: isize, screw: &Screw) -> Vec<Made> {
-        plan(state.positions.len(), [self.order, self.at], elements, screw.spins)
+    fn double_helix(&self, state: &State) -> Option<DoubleHelix> {
+        DoubleHelix::measure(state, self.order, [self.at, state.positions.len() - self.at], self.window)
     }
 }
 
-/// Nodes of a rod of `nodes` with `elements` of order `p` put in (taken out, if negative) after node `at` and as many
-/// before the node opposite.
-fn plan(nodes: usize, [p, at]: [usize; 2], elements: isize, spins: [f64; 2]) -> Vec<Made> {
-    let k = elements as f64;
-    let opposite = nodes - at;
-    let (cut, put) = (elements.min(0).unsigned_abs() * p, elements.max(0) as usize);
-    let (half, all) = (k * spins[0], k * (spins[0] + spins[1]));
-    let mut list: Vec<Made> = (0..at).map(|i| (i, 0.0, 0.0)).collect();
-    list.extend((0..put).flat_map(|q| (0..p).map(move |r| (at + r, q as f64, q as f64 * spins[0]))));
-    list.extend((at + cut..opposite - cut).map(|i| (i, k, half)));
-    let back = |q: usize| (0..p).map(move |r| (opposite + r, k - q as f64, half + q as f64 * spins[1]));
-    list.extend((0..put).flat_map(back));
-    list.extend((opposite..nodes).map(|i| (i, 0.0, all)));
-    list
+/// Where the nodes of a closed rod come from with elements put into each strand (taken out, if negative).
+fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<Origin> {
+    let strand = elements * helix.order as isize;
+    (0..nodes.saturating_add_signed(2 * strand)).map(|n| helix.origin(n as f64, strand as f64)).collect()
 }
 
-/// A state with elements put in (taken out, if negative) by a plan.
-fn changed(state: &State, made: &[Made], elements: isize, screw: &Screw) -> State {
-    let mut out = State {
-        positions: Vec::with_capacity(made.len()),
-        remainders: vec![Vec3::zeros(); made.len()],
-        frames: Vec::with_capacity(made.len()),
-        ..state.clone()
-    };
-    for &(from, power, angle) in made {
-        let (motion, turn) = screw.power(power);
-        out.positions.push(motion(&state.positions[from]));
-        out.frames.push(turn * state.frames[from] * spin(angle));
-    }
-    out.seams[0] += elements as f64 * (screw.spins[0] + screw.spins[1]);
+/// A state of a closed rod with elements put into each strand (taken out, if negative).
+fn changed(state: &State, helix: &DoubleHelix, elements: isize) -> State {
+    let made = origins(helix, state.positions.len(), elements);
+    let place = |node: f64| (state.positions[node as usize], state.frames[node as usize]);
+    let (positions, frames) = helix.composed(&made, 1.0, place);
+    let mut out = State { remainders: vec![Vec3::zeros(); made.len()], positions, frames, ..state.clone() };
+    out.seams[0] += elements as f64 * (helix.screw.spins[0] + helix.screw.spins[1]);
     out
 }
 
@@ -215,12 +125,13 @@ impl Solver {
         let mut before: Option<[f64; 2]> = None;
         for _ in 0..MAX_ROUNDS {
             let state = &short.engine.state;
-            let screw = cut.screw(state)?;
+            let helix = cut.double_helix(state)?;
             let link = state.seams[0] / TAU;
-            let long = self.extended(rod, state, &cut, &screw)?;
+            let long = self.extended(rod, state, &cut, &helix)?;
             let missing = wanted - long.seams[0] / TAU;
             if missing.abs() <= SAME {
-                return self.in_contact_as(&short, long, cut.plan(state, cut.elements as isize, &screw), iterations);
+                let made = origins(&helix, state.positions.len(), cut.elements as isize);
+                return self.in_contact_as(&short, long, &made, iterations);
             }
             if let Some([link_before, missing_before]) = before {
                 slope = (missing_before - missing) / (link - link_before);
@@ -249,7 +160,8 @@ impl Solver {
     fn cut(&self, rod: &Rod, turns: f64) -> Option<Cut> {
         let side = self.engine.contact.as_ref()?;
         let (order, elements) = (rod.order, rod.num_elements);
-        let pitch = Screw::measure(&self.engine.state, order, elements / 4 * order, 1)?;
+        let pitch =
+            Screw::measure(&self.engine.state, order, [elements / 4 * order, (elements - elements / 4) * order], 1)?;
         let per_turn = TAU / pitch.angle;
         let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
         let left = (2.0 * turns * per_turn + loops).ceil() as usize;
@@ -263,31 +175,28 @@ impl Solver {
     /// The short rod; `None` where the long one is not the short one with elements put in: it is not uniform.
     fn shortened(&self, rod: &Rod, cut: &Cut) -> Option<Self> {
         let (state, by) = (&self.engine.state, cut.elements as isize);
-        let screw = cut.screw(state)?;
-        let start = changed(state, &cut.plan(state, -by, &screw), -by, &screw);
-        let again = changed(&start, &cut.plan(&start, by, &screw), by, &screw);
+        let helix = cut.double_helix(state)?;
+        let start = changed(state, &helix, -by);
+        let again = changed(&start, &DoubleHelix { middle: [cut.at, start.positions.len() - cut.at], ..helix }, by);
         is_same(&again, state, rod.spacing()).then(|| self.solver_of(&start, rod).ok())?
     }
 
     /// The long rod made of a state of the short one, with the link of its own shape.
-    fn extended(&self, rod: &Rod, short: &State, cut: &Cut, screw: &Screw) -> Option<State> {
-        let by = cut.elements as isize;
-        let mut long = changed(short, &cut.plan(short, by, screw), by, screw);
+    fn extended(&self, rod: &Rod, short: &State, cut: &Cut, helix: &DoubleHelix) -> Option<State> {
+        let mut long = changed(short, helix, cut.elements as isize);
         let whole = self.rod_of_state(&long, rod).ok()?.start_link();
         long.seams[0] += TAU * (whole - long.seams[0] / TAU).round();
         Some(long)
     }
 
     /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's contact.
-    fn in_contact_as(&self, short: &Self, long: State, made: Vec<Made>, iterations: usize) -> Option<Lengthened> {
+    fn in_contact_as(&self, short: &Self, long: State, made: &[Origin], iterations: usize) -> Option<Lengthened> {
         let before = &self.engine.state;
         let mut long = moved(long, &centre(before));
         let nodes = 0..long.positions.len();
         long.twist(0, nodes, before.seams[0] - long.seams[0]);
         let side = short.engine.contact.as_ref()?;
-        let offsets = side.offsets.per_node(f64::max);
-        let offsets: Vec<f64> = made.iter().map(|(node, ..)| offsets[*node]).collect();
-        let offsets = ContactField::of_nodes(&offsets, 0);
+        let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
         Some(Lengthened { state: long, law: side.law, offsets, iterations, timings: short.workspace.timings })
     }
 
@@ -345,10 +254,9 @@ mod tests {
             let [from, to] = [elements, other].map(|n| plectoneme(n, angle));
             let state = &from.engine.state;
             let at = elements.min(other) / 4 * 3;
-            let screw = Screw::measure(state, 3, at, 10).unwrap();
+            let helix = DoubleHelix::measure(state, 3, [at, state.positions.len() - at], 10).unwrap();
             let by = (other as isize - elements as isize) / 2;
-            let plan = plan(state.positions.len(), [3, at], by, screw.spins);
-            let mut made = changed(state, &plan, by, &screw);
+            let mut made = changed(state, &helix, by);
             let exact = &to.engine.state;
             assert_eq!(made.positions.len(), exact.positions.len());
             // the same up to where they lie
@@ -380,7 +288,7 @@ mod tests {
         let engine = &mut solver.engine;
         let state = engine.state.clone();
         let nodes = state.positions.len();
-        let screw = Screw::measure(&state, 3, nodes / 12 * 3, nodes / 24).unwrap();
+        let screw = Screw::measure(&state, 3, [nodes / 12 * 3, nodes - nodes / 12 * 3], nodes / 24).unwrap();
         let along = |i: usize| {
             let back = 2 * i >= nodes;
             let way = screw.axis.into_inner() * if back { -1.0 } else { 1.0 };

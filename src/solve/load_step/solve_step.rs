@@ -1,18 +1,21 @@
 //! One load step: a stable equilibrium with contact enforced to the requested tolerance.
 //!
-//! The first try starts from the predicted state under the present law. Without a reliable prediction a step with contact
+//! The first try starts from the predicted state under the present law: put together, if a plectoneme grows between its
+//! tails (`growth`), extrapolated otherwise (`predictor`). Without a reliable prediction a step with contact
 //! begins under a core law, with offsets and tensions that balance the shape (`multiplier_estimate`), because plectonemes
 //! would rewind by many turns if strands first sank into each other and then came apart. The requested law takes over the
 //! pressures of the core law, after an intermediate law half as stiff in decades. Then the offsets of the augmented
 //! Lagrangian are raised until no penetration beyond the tolerance is left. Unstable equilibria are left along their most
-//! negative direction. Long plectonemes and large turns begin from a short rod or a coarse mesh instead
-//! (`periodic_extension`, `nested_iteration`), if these converge.
+//! negative direction. Long plectonemes, long rods that snap into one, and large turns begin from a short rod or a coarse
+//! mesh instead (`periodic_extension`, `short_rod`, `nested_iteration`), if these converge.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
+use crate::solve::load_step::growth::Grown;
 use crate::solve::load_step::multipliers::SecantSteps;
 use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::short_rod::Snapped;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::measures::{FEW, ROUGH};
@@ -55,18 +58,12 @@ impl Solver {
         if let Err(error) = self.linearise_about_harder_law() {
             return StepReport::refused(error);
         }
-        let foreseen = match predicted {
-            Some(prediction) => self.solve_from_prediction(drive, &prediction, &mut report),
-            None => self.solve_from_short(drive, &mut report),
-        };
-        let outcome = foreseen
-            .and_then(|done| if done { Ok(true) } else { self.solve_from_coarse(drive, &mut report) })
-            .and_then(|done| {
-                if done {
-                    return Ok(());
-                }
-                self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report))
-            });
+        let outcome = self.solve_from_elsewhere(drive, predicted, &mut report).and_then(|done| {
+            if done {
+                return Ok(());
+            }
+            self.approach(drive, &mut report).and_then(|()| self.enforce_gaps(&mut report))
+        });
         if let Err(error) = outcome {
             report.error = Some(error);
             report.status = Status::BrokeDown;
@@ -80,6 +77,21 @@ impl Solver {
         report
     }
 
+    /// Tries states that are nearer to the target than the present one, as long as none converges; true if one did.
+    fn solve_from_elsewhere(
+        &mut self,
+        drive: &PrescribedMotion,
+        predicted: Option<Prediction>,
+        report: &mut StepReport,
+    ) -> Result<bool, SolveError> {
+        let foreseen = self.solve_from_grown(drive, report)?
+            || match predicted {
+                Some(prediction) => self.solve_from_prediction(drive, &prediction, report)?,
+                None => self.solve_from_short(drive, report)?,
+            };
+        Ok(foreseen || self.solve_from_snapped(drive, report)? || self.solve_from_coarse(drive, report)?)
+    }
+
     /// Tries the present law from the predicted state; true if the step converged, otherwise the solver's state is as
     /// before.
     pub(in crate::solve) fn solve_from_prediction(
@@ -88,10 +100,73 @@ impl Solver {
         prediction: &Prediction,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
+        self.try_predicted(report, |solver, report| {
+            let engine = &mut solver.engine;
+            let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
+            let fraction = engine.free_fraction(&state, &prediction.increment)?;
+            engine.state = state.retract(&prediction.increment, fraction);
+            solver.workspace.start_forces.clone_from(&prediction.forces);
+            solver.search(&drive.scaled(1.0 - fraction), report)?;
+            solver.enforce_gaps(report)
+        })
+    }
+
+    /// Tries the present law from the state in which a plectoneme has grown or shrunk as the drive asks; true if the step
+    /// converged, otherwise the solver's state is as before.
+    fn solve_from_grown(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
+        let grown = if self.augments() { Grown::of(&self.engine, drive) } else { None };
+        grown.map_or(Ok(false), |grown| self.solve_from_composed(drive, grown, report))
+    }
+
+    /// Tries the plectoneme that a short piece of a long straight rod snaps into; true if the step converged, otherwise
+    /// the solver's state is as before.
+    fn solve_from_snapped(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
+        let snapped = if self.augments() { self.snapped_short(drive) } else { None };
+        let Some(Snapped { grown, iterations, timings }) = snapped else { return Ok(false) };
+        report.iterations_on_other_meshes += iterations;
+        self.workspace.timings += timings;
+        let done = self.solve_from_composed(drive, grown, report)?;
+        report.predicted = false;
+        // the straight rod was unstable
+        report.escapes += usize::from(done);
+        Ok(done)
+    }
+
+    /// Tries a state that was put together, if its potential is below that of the present one with the drive's turn spread
+    /// along the rod.
+    fn solve_from_composed(
+        &mut self,
+        drive: &PrescribedMotion,
+        Grown { state, offsets, forces }: Grown,
+        report: &mut StepReport,
+    ) -> Result<bool, SolveError> {
+        let turned = lifted(&self.engine, &self.engine.state, drive).state;
+        let highest = self.engine.potential_at(&turned)?;
+        self.try_predicted(report, |solver, report| {
+            if let Some(side) = &mut solver.engine.contact {
+                (side.offsets, side.before) = (offsets, None);
+            }
+            if solver.engine.potential_at(&state)? >= highest {
+                report.status = Status::MaxIterations;
+                return Ok(());
+            }
+            solver.engine.state = state;
+            solver.workspace.start_forces = forces;
+            solver.search(&PrescribedMotion::default(), report)?;
+            solver.enforce_gaps(report)
+        })
+    }
+
+    /// Makes a search from a predicted state; true if the step converged, otherwise the solver's state is as before.
+    fn try_predicted(
+        &mut self,
+        report: &mut StepReport,
+        search: impl FnOnce(&mut Self, &mut StepReport) -> Result<(), SolveError>,
+    ) -> Result<bool, SolveError> {
         let before = self.snapshot();
         // at the end of a branch the descent begins from the last stable state
         let escapes = std::mem::take(&mut self.options.max_escapes);
-        let outcome = self.search_from_prediction(drive, prediction, report);
+        let outcome = search(self, report);
         self.options.max_escapes = escapes;
         if outcome.is_ok() && report.status == Status::Converged {
             report.predicted = true;
@@ -125,21 +200,6 @@ impl Solver {
             self.restore(start)?;
         }
         settled
-    }
-
-    fn search_from_prediction(
-        &mut self,
-        drive: &PrescribedMotion,
-        prediction: &Prediction,
-        report: &mut StepReport,
-    ) -> Result<(), SolveError> {
-        let engine = &mut self.engine;
-        let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
-        let fraction = engine.free_fraction(&state, &prediction.increment)?;
-        engine.state = state.retract(&prediction.increment, fraction);
-        self.workspace.start_forces.clone_from(&prediction.forces);
-        self.search(&drive.scaled(1.0 - fraction), report)?;
-        self.enforce_gaps(report)
     }
 
     /// Applies the drive under the core law, then raises the penalty.

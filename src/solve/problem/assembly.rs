@@ -9,6 +9,7 @@ pub(in crate::solve) use elements::symmetric;
 
 use crate::contact::potential::plane::PlaneContact;
 use crate::contact::potential::{ContactPair, Request};
+use crate::error::SolveError;
 use crate::rod::element::Strain;
 use crate::solve::measures::LAST_PLACES;
 use crate::solve::problem::engine::{Engine, give_to_masters};
@@ -129,6 +130,12 @@ impl Engine {
     /// Gradient (and potential) at `state` with the zones of contact; contact must be up to date for it.
     pub(crate) fn residual(&self, state: &State) -> Residual {
         self.residual_besides(state, Request { zones: true, tangent: false })
+    }
+
+    /// Potential at a state, to which contact is brought up to date.
+    pub(crate) fn potential_at(&mut self, state: &State) -> Result<f64, SolveError> {
+        self.update_contact(state)?;
+        Ok(self.residual(state).potential.total())
     }
 
     /// [`Engine::residual`] for searches: contact pairs without their zones.

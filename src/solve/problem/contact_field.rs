@@ -135,6 +135,14 @@ impl ContactField {
         values
     }
 
+    /// The numbers of a rod whose nodes come from these, one for all strands that a node touches: the largest.
+    pub(crate) fn moved(&self, from: impl Iterator<Item = usize>) -> Self {
+        let from: Vec<usize> = from.collect();
+        let rows = [self.of_strands(f64::max), self.of_planes().to_vec()].concat();
+        let values = rows.chunks(self.num_nodes).flat_map(|row| from.iter().map(|node| row[*node])).collect();
+        Self { num_nodes: from.len(), num_planes: self.num_planes, values, entries: Vec::new() }
+    }
+
     /// A number per node: `choose` of all that a node has for strands.
     fn of_strands(&self, choose: fn(f64, f64) -> f64) -> Vec<f64> {
         let mut values = self.values[..self.num_nodes].to_vec();

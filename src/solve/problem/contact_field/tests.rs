@@ -180,3 +180,14 @@ fn restarts_carry_all_offsets() {
     assert_eq!(solver.engine.state, later.engine.state);
     assert_eq!(offsets(&solver), offsets(&later));
 }
+
+/// Numbers go with their nodes, those of planes too; of a node's entries the largest.
+#[test]
+fn numbers_move_with_their_nodes() {
+    let values = vec![0.1, 0.2, 0.3, 1.1, 1.2, 1.3, 7.0, 8.0];
+    let entries = vec![entry(1, 0, [9.5, 10.5]), entry(1, 0, [4.0, 5.0])];
+    let numbers = ContactField { num_nodes: 3, num_planes: 1, values, entries };
+    let moved = numbers.moved([2, 1, 1, 0].into_iter());
+    assert_eq!(moved.values, [0.3, 8.0, 8.0, 0.1, 1.3, 1.2, 1.2, 1.1]);
+    assert_eq!((moved.num_nodes, moved.num_planes, moved.entries.len()), (4, 1, 0));
+}
