@@ -22,7 +22,7 @@ use crate::math::quaternion::{exp, spin};
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Rod};
 use crate::solve::load_step::double_helix::{DoubleHelix, Origin, turn_about_d3};
-use crate::solve::measures::{ARC, SAME};
+use crate::solve::measures::{ARC, ROUGH, SAME};
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
@@ -72,8 +72,13 @@ pub(super) struct Grown {
 
 impl Grown {
     /// The state after a drive that turns one end and nothing else, with plectoneme and tails as long as that takes.
-    pub(super) fn of(engine: &Engine, drive: &PrescribedMotion) -> Option<Self> {
+    pub(super) fn of(engine: &mut Engine, drive: &PrescribedMotion) -> Option<Self> {
         let to = turned_end(engine, drive)?;
+        if !matches!(&engine.model.rods[..], [rod] if is_uniform(engine, rod)) {
+            return None;
+        }
+        engine.update_contact(&engine.state.clone()).ok()?;
+        let engine = &*engine;
         let plectoneme = OpenPlectoneme::find(engine)?;
         let angle = twist(&to) - twist(&engine.state);
         let exchange = Exchange::new(&plectoneme, engine, angle, 0)?;
@@ -182,16 +187,20 @@ pub(super) fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
     !rod.closed && free_between && clamped && slides && uniform && rod.natural == Natural::Straight
 }
 
-/// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards.
+/// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on the
+/// state alone: all segments as near as this are candidates of contact.
 fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
-    let (side, positions) = (engine.contact.as_ref()?, &engine.state.positions);
-    let near = 2.0 * side.min_radius + rod.spacing();
-    let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; positions.len()];
+    let (side, state) = (engine.contact.as_ref()?, &engine.state);
+    let near = (2.0 + 3.0 * ROUGH) * side.min_radius;
+    let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions.len()];
     for pair in side.broad_phase.pairs() {
-        let (a, b) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
-        let distance = (positions[b] - positions[a]).norm();
-        if distance < near && opposite[a].is_none_or(|(known, _)| distance < known) {
-            opposite[a] = Some((distance, [a, b]));
+        let (first, second) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
+        let curve = contact_cubic(state, [second, second + 1], rod.spacing());
+        for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let distance = (curve.point(part) - state.positions[first]).norm();
+            if distance < near && opposite[first].is_none_or(|(known, _)| distance < known) {
+                opposite[first] = Some((distance, [first, second + usize::from(part > 0.5)]));
+            }
         }
     }
     let pairs: Vec<Option<[usize; 2]>> = opposite.iter().map(|found| found.map(|(_, pair)| pair)).collect();
@@ -404,7 +413,7 @@ pub(super) mod tests {
             let mut solver = snapped(100, 1, 1);
             let drive = turn(&solver, 1, angle);
             let to = turned_end(&solver.engine, &drive).unwrap();
-            let Grown { state, offsets, .. } = Grown::of(&solver.engine, &drive).unwrap();
+            let Grown { state, offsets, .. } = Grown::of(&mut solver.engine, &drive).unwrap();
             let last = state.positions.len() - 1;
             assert_eq!((state.frames[0], state.frames[last]), (to.frames[0], to.frames[last]));
             assert_eq!(state.positions[0], to.positions[0]);
@@ -420,9 +429,9 @@ pub(super) mod tests {
     /// No turn, no change: every node comes from itself.
     #[test]
     fn no_turn_leaves_all_in_place() {
-        let solver = snapped(100, 1, 1);
-        let state = &solver.engine.state;
-        let Grown { state: same, .. } = Grown::of(&solver.engine, &turn(&solver, 1, 1e-9)).unwrap();
+        let mut solver = snapped(100, 1, 1);
+        let (state, drive) = (solver.engine.state.clone(), turn(&solver, 1, 1e-9));
+        let Grown { state: same, .. } = Grown::of(&mut solver.engine, &drive).unwrap();
         let apart = state.positions.iter().zip(&same.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let turned = state.frames.iter().zip(&same.frames).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
         assert!(apart < 1e-7 && turned < 1e-7, "{apart:e} {turned:e}");
@@ -432,23 +441,23 @@ pub(super) mod tests {
     /// no such prediction.
     #[test]
     fn other_rods_are_left_alone() {
-        let solver = snapped(100, 1, 1);
+        let mut solver = snapped(100, 1, 1);
         let drive = turn(&solver, 1, 1.0);
-        assert!(Grown::of(&solver.engine, &drive).is_some());
         let across = PrescribedMotion { nodes: vec![(300, Vec3::zeros(), Vec3::y())], seams: Vec::new() };
         let moved = PrescribedMotion { nodes: vec![(300, Vec3::x(), Vec3::x())], seams: Vec::new() };
-        assert!(Grown::of(&solver.engine, &across).is_none() && Grown::of(&solver.engine, &moved).is_none());
-        let straight = dna(100, 1);
-        assert!(Grown::of(&straight.engine, &turn(&straight, 1, 1.0)).is_none());
+        assert!(Grown::of(&mut solver.engine, &across).is_none() && Grown::of(&mut solver.engine, &moved).is_none());
+        let mut straight = dna(100, 1);
+        assert!(Grown::of(&mut straight.engine, &drive).is_none());
+        let known = Grown::of(&mut solver.engine, &drive).unwrap().state;
         let changed = |change: fn(&mut Model)| {
             let mut model = solver.engine.model.clone();
             change(&mut model);
             let mut other = Solver::new(model, Options::default()).unwrap();
             other.engine.state = solver.engine.state.clone();
-            other.engine.update_contact(&solver.engine.state).unwrap();
-            Grown::of(&other.engine, &drive).is_some()
+            Grown::of(&mut other.engine, &drive)
         };
-        assert!(changed(|_| ()));
+        assert!(changed(|_| ()).unwrap().state == known, "another solver of the same state");
+        let changed = |change: fn(&mut Model)| changed(change).is_some();
         assert!(!changed(|model| model.rods[0].natural = Natural::Uniform { kappa: [0.01, 0.0, 0.0] }));
         assert!(!changed(|model| model.supports[1].position[0] = true));
         assert!(!changed(|model| model.supports[0].rotation[1] = false));

@@ -114,7 +114,7 @@ impl Solver {
     /// Tries the present law from the state in which a plectoneme has grown or shrunk as the drive asks; true if the step
     /// converged, otherwise the solver's state is as before.
     fn solve_from_grown(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
-        let grown = if self.augments() { Grown::of(&self.engine, drive) } else { None };
+        let grown = if self.augments() { Grown::of(&mut self.engine, drive) } else { None };
         grown.map_or(Ok(false), |grown| self.solve_from_composed(drive, grown, report))
     }
 
