@@ -437,6 +437,16 @@ pub(super) mod tests {
         assert!(apart < 1e-7 && turned < 1e-7, "{apart:e} {turned:e}");
     }
 
+    /// A state put together is refused if a strand has passed through another.
+    #[test]
+    fn other_links_are_refused() {
+        let mut solver = snapped(100, 1, 1);
+        let (before, drive) = (solver.engine.state.clone(), turn(&solver, 1, 3.0));
+        let grown = Grown::of(&mut solver.engine, &drive).unwrap();
+        assert!(grown.has_turned(&before, 3.0));
+        assert!(!grown.has_turned(&before, 3.0 + 2.0 * TAU) && !grown.has_turned(&before, 3.0 - 2.0 * TAU));
+    }
+
     /// Rods that are not straight by nature, hinges, ends that are both held or turned about another axis, straight rods:
     /// no such prediction.
     #[test]
