@@ -108,8 +108,14 @@ impl Rod {
         (r, q)
     }
 
-    /// Position and frame at a fraction of a segment.
-    fn between(&self, (positions, frames): (&[Vec3], &[Quat]), seam: f64, segment: usize, part: f64) -> (Vec3, Quat) {
+    /// Position and frame at a fraction of a segment of a state of this rod; `seam` as for [`Rod::interleave`].
+    pub(crate) fn between(
+        &self,
+        (positions, frames): (&[Vec3], &[Quat]),
+        seam: f64,
+        segment: usize,
+        part: f64,
+    ) -> (Vec3, Quat) {
         let count = positions.len();
         let stencil = STENCIL.min(count);
         // the first of the nodes interpolated from; beyond the seam on closed rods

@@ -111,7 +111,7 @@ pub(super) struct Origin {
     pub(super) spin: f64,
     /// Displacement after the screw motion \[L\].
     pub(super) shift: Vec3,
-    /// How much the displacement grows to the next node \[L\].
+    /// Slope of the displacement along the rod.
     pub(super) slope: Vec3,
 }
 
@@ -141,18 +141,13 @@ impl DoubleHelix {
         Origin { node, power: elements - back - forth, spin, shift: Vec3::zeros(), slope: Vec3::zeros() }
     }
 
-    /// Positions \[L\] and frames of nodes, `spacing` \[L\] apart, that come from places of a rod.
-    pub(super) fn composed(
-        &self,
-        origins: &[Origin],
-        spacing: f64,
-        place: impl Fn(f64) -> (Vec3, Quat),
-    ) -> (Vec<Vec3>, Vec<Quat>) {
+    /// Positions \[L\] and frames of nodes that come from places of a rod.
+    pub(super) fn composed(&self, origins: &[Origin], place: impl Fn(f64) -> (Vec3, Quat)) -> (Vec<Vec3>, Vec<Quat>) {
         let moved = |origin: &Origin| {
             let (position, frame) = place(origin.node);
             let (motion, turn) = self.screw.power(origin.power);
             let frame = turn * frame * spin(origin.spin);
-            let tilt = exp(&(frame * Vec3::z()).cross(&(origin.slope / spacing)));
+            let tilt = exp(&(frame * Vec3::z()).cross(&origin.slope));
             (motion(&position) + origin.shift, tilt * frame)
         };
         origins.iter().map(moved).unzip()

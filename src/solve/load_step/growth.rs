@@ -18,7 +18,7 @@
 use std::f64::consts::TAU;
 
 use crate::math::link::link_of_ends;
-use crate::math::quaternion::{exp, spin};
+use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Rod};
 use crate::solve::load_step::double_helix::{DoubleHelix, Origin, turn_about_d3};
@@ -34,6 +34,8 @@ struct OpenPlectoneme {
     /// Nodes where the double helix begins and ends, towards the tails.
     ends: [usize; 2],
     helix: DoubleHelix,
+    /// From node to node \[L\].
+    spacing: f64,
 }
 
 /// Rod that a plectoneme takes up from its tails, in nodes; given back, if negative.
@@ -71,22 +73,14 @@ pub(super) struct Grown {
 }
 
 impl Grown {
-    /// The state after a drive that turns one end and nothing else, with plectoneme and tails as long as that takes.
-    pub(super) fn of(engine: &mut Engine, drive: &PrescribedMotion) -> Option<Self> {
-        let to = turned_end(engine, drive)?;
-        if !matches!(&engine.model.rods[..], [rod] if is_uniform(engine, rod)) {
-            return None;
-        }
+    /// The state of the same rod with plectoneme and tails as long as the turn of an end takes ([`turned_end`]).
+    pub(super) fn of(engine: &mut Engine, to: &State) -> Option<Self> {
         engine.update_contact(&engine.state.clone()).ok()?;
-        let engine = &*engine;
-        let plectoneme = OpenPlectoneme::find(engine)?;
-        let angle = twist(&to) - twist(&engine.state);
-        let exchange = Exchange::new(&plectoneme, engine, angle, 0)?;
-        Self::made(engine, &plectoneme, &exchange, &to).filter(|made| made.has_turned(&engine.state, angle))
+        Self::longer(engine, to, twist(to) - twist(&engine.state))
     }
 
-    /// The state of a longer rod of the same kind whose ends are where those of `to` are, and turned against each other by
-    /// an angle, rad, more than the short rod's.
+    /// The state of a rod of the same kind, longer or not, whose ends are where those of `to` are, and turned against each
+    /// other by an angle, rad, more than this one's.
     pub(super) fn longer(short: &Engine, to: &State, angle: f64) -> Option<Self> {
         let plectoneme = OpenPlectoneme::find(short)?;
         let extra = to.positions.len() - short.num_nodes();
@@ -104,8 +98,7 @@ impl Grown {
     fn made(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, to: &State) -> Option<Self> {
         let last = to.positions.len() - 1;
         let origins: Vec<Origin> = (0..=last).map(|n| plectoneme.origin(exchange, n as f64, last as f64)).collect();
-        let (positions, frames) =
-            plectoneme.helix.composed(&origins, engine.model.rods[0].spacing(), |node| between(engine, node));
+        let (positions, frames) = plectoneme.helix.composed(&origins, |node| placed(engine, node));
         let mut new = State { positions, frames, remainders: vec![Vec3::zeros(); last + 1], ..to.clone() };
         // from where the first node was to where supports hold the rod
         let held = if is_held(engine, 0) { 0 } else { last };
@@ -122,8 +115,11 @@ impl Grown {
     }
 }
 
-/// The state with a drive lifted that turns an end of the rod and does nothing else.
+/// The state with a drive lifted that turns an end of a uniform rod and does nothing else.
 pub(super) fn turned_end(engine: &Engine, drive: &PrescribedMotion) -> Option<State> {
+    if !matches!(&engine.model.rods[..], [rod] if is_uniform(engine, rod)) {
+        return None;
+    }
     let Lifted { state, drive: left, spun } = lifted(engine, &engine.state, drive);
     let last = state.positions.len() - 1;
     let is_turned = matches!(spun[..], [(node, _)] if node == 0 || node == last);
@@ -160,16 +156,14 @@ fn moved_forces(engine: &Engine, order: usize, origins: &[Origin]) -> Vec<[[f64;
     origins[..origins.len() - 1].iter().step_by(order).map(of_element).collect()
 }
 
-/// Position and frame between two nodes.
-fn between(engine: &Engine, node: f64) -> (Vec3, Quat) {
-    let state = &engine.state;
+/// Position and frame at a node, which need not be whole.
+fn placed(engine: &Engine, node: f64) -> (Vec3, Quat) {
+    let State { positions, frames, .. } = &engine.state;
     let (first, part) = (node.floor() as usize, node.fract());
     if part == 0.0 {
-        return (state.positions[first], state.frames[first]);
+        return (positions[first], frames[first]);
     }
-    let position = contact_cubic(state, [first, first + 1], engine.model.rods[0].spacing()).point(part);
-    let [from, to] = [first, first + 1].map(|n| state.frames[n]);
-    (position, from * exp(&((from.inverse() * to).scaled_axis() * part)))
+    engine.model.rods[0].between((positions, frames), 0.0, first, part)
 }
 
 fn is_held(engine: &Engine, node: usize) -> bool {
@@ -178,13 +172,19 @@ fn is_held(engine: &Engine, node: usize) -> bool {
 
 /// Whether a rod is uniform and clamped at its ends, one of which may slide. Loads may differ along it: they make the
 /// prediction worse, not wrong.
-pub(super) fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
+fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
     let (model, last) = (&engine.model, rod.num_nodes() - 1);
-    let free_between = (1..last).all(|n| engine.free[n] == [true; 6]) && model.joints.is_empty() && !model.planar;
-    let clamped = [0, last].iter().all(|&n| engine.free[n][3..] == [false; 3]);
-    let slides = is_held(engine, 0) != is_held(engine, last);
-    let uniform = rod.stiffness.is_none() && rod.contact_radii.is_none() && rod.section.is_isotropic();
-    !rod.closed && free_between && clamped && slides && uniform && rod.natural == Natural::Straight
+    let is_alike = || rod.stiffness.is_none() && rod.contact_radii.is_none() && rod.section.is_isotropic();
+    let is_clamped = |n: usize| engine.free[n][3..] == [false; 3];
+    !rod.closed
+        && rod.natural == Natural::Straight
+        && !model.planar
+        && model.joints.is_empty()
+        && is_alike()
+        && is_clamped(0)
+        && is_clamped(last)
+        && is_held(engine, 0) != is_held(engine, last)
+        && (1..last).all(|n| engine.free[n] == [true; 6])
 }
 
 /// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on the
@@ -221,7 +221,7 @@ impl Tail {
             return None;
         }
         let sign = if end == 0 { 1.0 } else { -1.0 };
-        let place = |nodes: f64| between(engine, end as f64 + sign * nodes).0;
+        let place = |nodes: f64| placed(engine, end as f64 + sign * nodes).0;
         // as the rod goes on there
         let step = place(cut) - place(cut - 1.0);
         let by = if taken > 0.0 { place(cut) - place(cut + taken) } else { step * -taken };
@@ -256,7 +256,7 @@ impl Exchange {
     fn new(plectoneme: &OpenPlectoneme, engine: &Engine, angle: f64, extra: usize) -> Option<Self> {
         let state = &engine.state;
         let last = state.positions.len() - 1;
-        let OpenPlectoneme { ends, helix: DoubleHelix { order, middle, screw } } = plectoneme;
+        let OpenPlectoneme { ends, helix: DoubleHelix { order, middle, screw }, .. } = plectoneme;
         let (p, extra) = (*order as f64, extra as f64);
         let lengths = [ends[0], last - ends[1]];
         let spun = |n: usize| turn_about_d3(state.frames[n].inverse() * state.frames[n + 1]);
@@ -279,12 +279,9 @@ impl Exchange {
 }
 
 impl OpenPlectoneme {
-    /// The longest double helix of an open rod that is held at its ends only, between two tails.
+    /// The longest double helix of a uniform rod, between two tails.
     fn find(engine: &Engine) -> Option<Self> {
-        let [rod] = &engine.model.rods[..] else { return None };
-        if !is_uniform(engine, rod) {
-            return None;
-        }
+        let rod = &engine.model.rods[0];
         let run = longest_double_helix(engine, rod)?;
         let middle = run[run.len() / 2];
         // the middle half of the double helix, because its ends are transitions
@@ -295,7 +292,7 @@ impl OpenPlectoneme {
         let helix = DoubleHelix::measure(&engine.state, rod.order, middle, count)?;
         let same = SAME * 2.0 * engine.contact.as_ref()?.min_radius;
         let fits = helix.screw.misfit(&engine.state, rod.order, middle, count) <= same;
-        fits.then_some(Self { ends: run[0], helix })
+        fits.then_some(Self { ends: run[0], helix, spacing: rod.spacing() })
     }
 
     /// Where node `n` of the new state comes from, whose last node is `last`.
@@ -303,174 +300,24 @@ impl OpenPlectoneme {
         let Exchange { extra, strand, tails: [left, right], twist } = exchange;
         let ([near, slope], [far, back]) = (left.share(n), right.share(last - n));
         let aside = left.aside * near - right.aside * (1.0 - far);
-        let slope = left.aside * slope - right.aside * back;
+        let slope = (left.aside * slope - right.aside * back) / self.spacing;
         let origin = self.helix.origin(n + left.taken, *strand);
-        let (by, spin, node) = if n + left.taken < self.helix.middle[0] as f64 {
+        // displacement and spin of all that is between the cuts
+        let inner = (left.by, -left.taken * twist);
+        let (node, (by, spin)) = if n + left.taken < self.helix.middle[0] as f64 {
             let (node, straight, is_inner) = left.origin(n);
-            if is_inner { (left.by, -left.taken * twist, node) } else { (left.step * straight, straight * twist, node) }
+            (node, if is_inner { inner } else { (left.step * straight, straight * twist) })
         } else if n - right.taken - extra >= self.helix.middle[1] as f64 {
             let (node, straight, is_inner) = right.origin(last - n);
-            let node = last - extra - node;
-            let (by, spin) = (left.by, -left.taken * twist);
-            if is_inner {
-                (by, spin, node)
-            } else {
-                (by - right.by + right.step * straight, spin - (right.taken + straight) * twist, node)
-            }
+            let by = inner.0 - right.by + right.step * straight;
+            let outer = (by, inner.1 - (right.taken + straight) * twist);
+            (last - extra - node, if is_inner { inner } else { outer })
         } else {
-            (left.by, -left.taken * twist, origin.node)
+            (origin.node, inner)
         };
         Origin { node, spin: origin.spin + spin, shift: by + aside, slope, ..origin }
     }
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::rod::{RodMesh, Section, Shape};
-    use crate::scene::{Model, NodeLoad, NodeRef, Support};
-    use crate::solve::load_step::solver::Solver;
-    use crate::solve::load_step::step_report::{Status, StepReport};
-    use crate::solve::options::Options;
-
-    /// DNA (nm, pN) that 4 pN pull; `sliding` is its end that may slide and bears the load.
-    pub(crate) fn dna(elements: usize, sliding: usize) -> Solver {
-        let section = Section::isotropic(205.7, 411.4, 1100.0, 1100.0, 2.5);
-        let length = 2.5 * elements as f64;
-        let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length };
-        let rod = Rod::new("dna", &line, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
-        let ends = [0, 3 * elements].map(|node| NodeRef { rod: 0, node });
-        let mut supports = ends.map(Support::clamp);
-        supports[sliding].position[0] = false;
-        let force = Vec3::x() * if sliding == 0 { -4.0 } else { 4.0 };
-        let loads = vec![NodeLoad { node: ends[sliding], force, moment: Vec3::zeros() }];
-        let model = Model { rods: vec![rod], supports: supports.to_vec(), loads, ..Model::default() };
-        let mut solver = Solver::new(model, Options::default()).unwrap();
-        solver.engine.state.load_factor = 1.0;
-        assert_eq!(solver.find_equilibrium().status, Status::Converged);
-        solver
-    }
-
-    /// A drive that turns an end (0 or 1) about the axis by an angle, rad.
-    pub(crate) fn turn(solver: &Solver, end: usize, angle: f64) -> PrescribedMotion {
-        let node = end * (solver.engine.num_nodes() - 1);
-        PrescribedMotion { nodes: vec![(node, Vec3::zeros(), Vec3::x() * angle)], seams: Vec::new() }
-    }
-
-    /// Turned until it snapped into a plectoneme.
-    fn snapped(elements: usize, sliding: usize, turned: usize) -> Solver {
-        let mut solver = dna(elements, sliding);
-        let sign = if turned == 0 { -1.0 } else { 1.0 };
-        for _ in 0..8 {
-            let report = solver.solve_step(&turn(&solver, turned, sign * 0.02 * 2.5 * elements as f64));
-            assert_eq!(report.status, Status::Converged, "{report:?}");
-        }
-        assert!(OpenPlectoneme::find(&solver.engine).is_some());
-        solver
-    }
-
-    fn potential(solver: &mut Solver, state: &State) -> f64 {
-        let before = std::mem::replace(&mut solver.engine.state, state.clone());
-        solver.engine.update_contact(state).unwrap();
-        let potential = solver.engine.residual(state).potential.total();
-        solver.engine.state = before;
-        potential
-    }
-
-    /// Elastic energy, and potential with that of loads and contact.
-    pub(crate) fn energies(solver: &Solver) -> [f64; 2] {
-        let potential = solver.engine.residual(&solver.engine.state).potential;
-        [potential.elastic.iter().sum(), potential.total()]
-    }
-
-    /// Wound and unwound, at either end of a rod either of whose ends slides: soon at rest, and where it rests the slow
-    /// way, from the last state under the core law, but for how the mesh holds strands.
-    #[test]
-    fn plectonemes_grow_to_where_they_rest() {
-        for (sliding, turned, angle) in [(1, 1, 5.0), (1, 0, 4.0), (0, 0, -3.0)] {
-            let mut solver = snapped(100, sliding, turned);
-            let before = solver.snapshot();
-            let drive = turn(&solver, turned, angle);
-            let mut slow = StepReport::settled();
-            solver.approach(&drive, &mut slow).unwrap();
-            solver.enforce_gaps(&mut slow).unwrap();
-            assert_eq!((slow.status, slow.num_unstable), (Status::Converged, 0));
-            let ([scale, known], turned_link) = (energies(&solver), link(&solver.engine.state));
-            solver.restore(before).unwrap();
-            let quick = solver.solve_step(&drive);
-            assert!(quick.predicted && quick.num_unstable == 0, "{sliding} {turned} {angle}");
-            assert!(3 * quick.iterations < slow.iterations, "{} {}", quick.iterations, slow.iterations);
-            let [_, found] = energies(&solver);
-            assert!((found - known).abs() < 1e-3 * scale, "{angle}: {found} {known} of {scale}");
-            assert!((link(&solver.engine.state) - turned_link).abs() < 1e-9);
-        }
-    }
-
-    /// The prediction meets the supports, hardly overlaps, and has the energy of rest but for a hundredth.
-    #[test]
-    fn predictions_are_nearly_at_rest() {
-        for angle in [4.0, -3.0, 0.3] {
-            let mut solver = snapped(100, 1, 1);
-            let drive = turn(&solver, 1, angle);
-            let to = turned_end(&solver.engine, &drive).unwrap();
-            let Grown { state, offsets, .. } = Grown::of(&mut solver.engine, &drive).unwrap();
-            let last = state.positions.len() - 1;
-            assert_eq!((state.frames[0], state.frames[last]), (to.frames[0], to.frames[last]));
-            assert_eq!(state.positions[0], to.positions[0]);
-            assert!(state.positions[last].yz().norm() < 1e-9, "{}", state.positions[last]);
-            solver.engine.contact.as_mut().unwrap().offsets = offsets;
-            let predicted = potential(&mut solver, &state);
-            assert_eq!(solver.solve_step(&drive).status, Status::Converged);
-            let [scale, rest] = energies(&solver);
-            assert!(predicted > rest && predicted - rest < 1e-2 * scale, "{angle}: {predicted} {rest} of {scale}");
-        }
-    }
-
-    /// No turn, no change: every node comes from itself.
-    #[test]
-    fn no_turn_leaves_all_in_place() {
-        let mut solver = snapped(100, 1, 1);
-        let (state, drive) = (solver.engine.state.clone(), turn(&solver, 1, 1e-9));
-        let Grown { state: same, .. } = Grown::of(&mut solver.engine, &drive).unwrap();
-        let apart = state.positions.iter().zip(&same.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        let turned = state.frames.iter().zip(&same.frames).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
-        assert!(apart < 1e-7 && turned < 1e-7, "{apart:e} {turned:e}");
-    }
-
-    /// A state put together is refused if a strand has passed through another.
-    #[test]
-    fn other_links_are_refused() {
-        let mut solver = snapped(100, 1, 1);
-        let (before, drive) = (solver.engine.state.clone(), turn(&solver, 1, 3.0));
-        let grown = Grown::of(&mut solver.engine, &drive).unwrap();
-        assert!(grown.has_turned(&before, 3.0));
-        assert!(!grown.has_turned(&before, 3.0 + 2.0 * TAU) && !grown.has_turned(&before, 3.0 - 2.0 * TAU));
-    }
-
-    /// Rods that are not straight by nature, hinges, ends that are both held or turned about another axis, straight rods:
-    /// no such prediction.
-    #[test]
-    fn other_rods_are_left_alone() {
-        let mut solver = snapped(100, 1, 1);
-        let drive = turn(&solver, 1, 1.0);
-        let across = PrescribedMotion { nodes: vec![(300, Vec3::zeros(), Vec3::y())], seams: Vec::new() };
-        let moved = PrescribedMotion { nodes: vec![(300, Vec3::x(), Vec3::x())], seams: Vec::new() };
-        assert!(Grown::of(&mut solver.engine, &across).is_none() && Grown::of(&mut solver.engine, &moved).is_none());
-        let mut straight = dna(100, 1);
-        assert!(Grown::of(&mut straight.engine, &drive).is_none());
-        let known = Grown::of(&mut solver.engine, &drive).unwrap().state;
-        let changed = |change: fn(&mut Model)| {
-            let mut model = solver.engine.model.clone();
-            change(&mut model);
-            let mut other = Solver::new(model, Options::default()).unwrap();
-            other.engine.state = solver.engine.state.clone();
-            Grown::of(&mut other.engine, &drive)
-        };
-        assert!(changed(|_| ()).unwrap().state == known, "another solver of the same state");
-        let changed = |change: fn(&mut Model)| changed(change).is_some();
-        assert!(!changed(|model| model.rods[0].natural = Natural::Uniform { kappa: [0.01, 0.0, 0.0] }));
-        assert!(!changed(|model| model.supports[1].position[0] = true));
-        assert!(!changed(|model| model.supports[0].rotation[1] = false));
-        assert!(!changed(|model| model.supports.push(Support::pin(NodeRef { rod: 0, node: 120 }))));
-    }
-}
+pub(super) mod tests;

@@ -64,7 +64,7 @@ fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<Origin> {
 fn changed(state: &State, helix: &DoubleHelix, elements: isize) -> State {
     let made = origins(helix, state.positions.len(), elements);
     let place = |node: f64| (state.positions[node as usize], state.frames[node as usize]);
-    let (positions, frames) = helix.composed(&made, 1.0, place);
+    let (positions, frames) = helix.composed(&made, place);
     let mut out = State { remainders: vec![Vec3::zeros(); made.len()], positions, frames, ..state.clone() };
     out.seams[0] += elements as f64 * (helix.screw.spins[0] + helix.screw.spins[1]);
     out

@@ -9,7 +9,7 @@
 use crate::math::Vec3;
 use crate::rod::{Placement, Rod};
 use crate::scene::{Model, NodeRef};
-use crate::solve::load_step::growth::{Grown, is_uniform, turned_end, twist};
+use crate::solve::load_step::growth::{Grown, twist};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
 use crate::solve::measures::{MAX_ROUNDS, NOTHING, SLIGHT};
@@ -30,12 +30,11 @@ pub(super) struct Snapped {
 }
 
 impl Solver {
-    /// The plectoneme that a long straight rod snaps into on a drive that turns its end; `None` if it is not straight, not
-    /// long, or stable.
-    pub(super) fn snapped_short(&mut self, drive: &PrescribedMotion) -> Option<Snapped> {
-        let to = turned_end(&self.engine, drive)?;
+    /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None` if
+    /// it is not straight, not long, stable, or if loads or planes make places of it differ.
+    pub(super) fn snapped_short(&mut self, to: &State) -> Option<Snapped> {
         let nodes = short_length(&self.engine)?;
-        if !self.is_unstable(&to)? {
+        if !self.is_unstable(to)? {
             return None;
         }
         let mut short = self.piece(nodes)?;
@@ -49,7 +48,7 @@ impl Solver {
             if report.status != Status::Converged || report.stiffness_reduction > 1.0 {
                 return None;
             }
-            if let Some(grown) = Grown::longer(&short.engine, &to, twist(&to) - turned) {
+            if let Some(grown) = Grown::longer(&short.engine, to, twist(to) - turned) {
                 return Some(Snapped { grown, iterations, timings: short.workspace.timings });
             }
         }
@@ -93,15 +92,18 @@ impl Solver {
     }
 }
 
-/// Nodes of the short rod, if the rod is uniform, straight, under tension, and at least twice as long.
+/// Nodes of the short rod, if the rod is straight, under the same tension all along, and at least twice as long.
 fn short_length(engine: &Engine) -> Option<usize> {
-    let [rod] = &engine.model.rods[..] else { return None };
+    let (model, rod) = (&engine.model, &engine.model.rods[0]);
     let x = &engine.state.positions;
     let last = x.len() - 1;
+    let is_end = |node: usize| node == 0 || node == last;
+    let even =
+        model.line_loads.is_empty() && model.planes.is_empty() && model.loads.iter().all(|l| is_end(l.node.node));
     let along: f64 = x.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     let is_straight = (x[last] - x[0]).norm() >= (1.0 - NOTHING) * along;
     let tension = engine.actual_stress(&engine.state)[rod.num_elements / 2][0][2];
-    if !(is_uniform(engine, rod) && is_straight && tension > 0.0) {
+    if !(even && is_straight && tension > 0.0) {
         return None;
     }
     let length = LENGTHS * (rod.section.bending[0] / tension).sqrt();
@@ -114,8 +116,9 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::solve::load_step::growth::link;
+    use crate::scene::{LineLoad, NodeLoad};
     use crate::solve::load_step::growth::tests::{dna, energies, turn};
+    use crate::solve::load_step::growth::{link, turned_end};
     use crate::solve::load_step::step_report::StepReport;
 
     /// A straight rod of `elements` that turns just before it snaps, and the drive on which it does.
@@ -163,19 +166,40 @@ mod tests {
         [report.iterations as f64, energies(solver)[1]]
     }
 
-    /// What is stable stays straight, what is short has no shorter piece, what is bent is not straight.
+    fn snaps(solver: &mut Solver, drive: &PrescribedMotion) -> bool {
+        let to = turned_end(&solver.engine, drive).unwrap();
+        solver.snapped_short(&to).is_some()
+    }
+
+    /// What is stable stays straight, what is short has no shorter piece, what is bent is not straight, and where loads
+    /// are spread a piece is not like the whole.
     #[test]
     fn other_rods_snap_by_themselves() {
         let (mut solver, drive) = about_to_snap(240, 1);
-        assert!(solver.snapped_short(&drive).is_some());
-        assert!(solver.snapped_short(&turn(&solver, 1, 0.1)).is_none(), "stable");
+        assert!(snaps(&mut solver, &drive));
+        let little = turn(&solver, 1, 0.1);
+        assert!(!snaps(&mut solver, &little), "stable");
+        let mut model = solver.engine.model.clone();
+        model.loads.push(NodeLoad { node: NodeRef { rod: 0, node: 300 }, ..model.loads[0] });
+        assert!(!snaps(&mut as_loaded(&solver, model), &drive), "pulled in between");
+        let mut model = solver.engine.model.clone();
+        let force = Vec3::x() * 1e-3;
+        model.line_loads.push(LineLoad { rod: 0, force, moment: Vec3::zeros() });
+        assert!(!snaps(&mut as_loaded(&solver, model), &drive), "pulled all along");
         solver.engine.state.positions[300].y += 1e-3;
-        assert!(solver.snapped_short(&drive).is_none(), "bent");
+        assert!(!snaps(&mut solver, &drive), "bent");
         let (mut short, drive) = about_to_snap(120, 1);
-        assert!(short.snapped_short(&drive).is_none(), "short");
+        assert!(!snaps(&mut short, &drive), "short");
         let (mut slack, drive) = about_to_snap(240, 1);
         slack.engine.state.load_factor = 0.0;
         assert_eq!(slack.find_equilibrium().status, Status::Converged);
-        assert!(slack.snapped_short(&drive).is_none(), "without tension");
+        assert!(!snaps(&mut slack, &drive), "without tension");
+    }
+
+    /// A solver of another model in the same state.
+    fn as_loaded(solver: &Solver, model: Model) -> Solver {
+        let mut other = Solver::new(model, solver.options.clone()).unwrap();
+        other.engine.state = solver.engine.state.clone();
+        other
     }
 }

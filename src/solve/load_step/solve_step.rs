@@ -12,7 +12,7 @@
 use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
-use crate::solve::load_step::growth::Grown;
+use crate::solve::load_step::growth::{Grown, turned_end};
 use crate::solve::load_step::multipliers::SecantSteps;
 use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::short_rod::Snapped;
@@ -111,21 +111,28 @@ impl Solver {
         })
     }
 
+    /// The state with the drive lifted, if growth and snaps of plectonemes may be put together: it turns an end of a uniform
+    /// rod, and contact is augmented.
+    fn turned_end(&self, drive: &PrescribedMotion) -> Option<State> {
+        if self.augments() { turned_end(&self.engine, drive) } else { None }
+    }
+
     /// Tries the present law from the state in which a plectoneme has grown or shrunk as the drive asks; true if the step
     /// converged, otherwise the solver's state is as before.
     fn solve_from_grown(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
-        let grown = if self.augments() { Grown::of(&mut self.engine, drive) } else { None };
-        grown.map_or(Ok(false), |grown| self.solve_from_composed(drive, grown, report))
+        let Some(turned) = self.turned_end(drive) else { return Ok(false) };
+        let Some(grown) = Grown::of(&mut self.engine, &turned) else { return Ok(false) };
+        self.solve_from_composed(&turned, grown, report)
     }
 
     /// Tries the plectoneme that a short piece of a long straight rod snaps into; true if the step converged, otherwise
     /// the solver's state is as before.
     fn solve_from_snapped(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<bool, SolveError> {
-        let snapped = if self.augments() { self.snapped_short(drive) } else { None };
-        let Some(Snapped { grown, iterations, timings }) = snapped else { return Ok(false) };
+        let Some(turned) = self.turned_end(drive) else { return Ok(false) };
+        let Some(Snapped { grown, iterations, timings }) = self.snapped_short(&turned) else { return Ok(false) };
         report.iterations_on_other_meshes += iterations;
         self.workspace.timings += timings;
-        let done = self.solve_from_composed(drive, grown, report)?;
+        let done = self.solve_from_composed(&turned, grown, report)?;
         report.predicted = false;
         // the straight rod was unstable
         report.escapes += usize::from(done);
@@ -133,20 +140,20 @@ impl Solver {
     }
 
     /// Tries a state that was put together, if its potential is below that of the present one with the drive's turn spread
-    /// along the rod.
+    /// along the rod (`turned`).
     fn solve_from_composed(
         &mut self,
-        drive: &PrescribedMotion,
+        turned: &State,
         Grown { state, offsets, forces }: Grown,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
-        let turned = lifted(&self.engine, &self.engine.state, drive).state;
-        let highest = self.engine.potential_at(&turned)?;
+        let highest = self.engine.potential_at(turned)?;
         self.try_predicted(report, |solver, report| {
             if let Some(side) = &mut solver.engine.contact {
                 (side.offsets, side.before) = (offsets, None);
             }
             if solver.engine.potential_at(&state)? >= highest {
+                // no better start than the present state
                 report.status = Status::MaxIterations;
                 return Ok(());
             }

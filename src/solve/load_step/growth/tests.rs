@@ -1,0 +1,155 @@
+//! Plectonemes that grow and shrink, against the slow way.
+
+use super::*;
+use crate::rod::{RodMesh, Section, Shape};
+use crate::scene::{Model, NodeLoad, NodeRef, Support};
+use crate::solve::load_step::solver::Solver;
+use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::options::Options;
+
+/// DNA (nm, pN) that 4 pN pull; `sliding` is its end that may slide and bears the load.
+pub(crate) fn dna(elements: usize, sliding: usize) -> Solver {
+    let section = Section::isotropic(205.7, 411.4, 1100.0, 1100.0, 2.5);
+    let length = 2.5 * elements as f64;
+    let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length };
+    let rod = Rod::new("dna", &line, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
+    let ends = [0, 3 * elements].map(|node| NodeRef { rod: 0, node });
+    let mut supports = ends.map(Support::clamp);
+    supports[sliding].position[0] = false;
+    let force = Vec3::x() * if sliding == 0 { -4.0 } else { 4.0 };
+    let loads = vec![NodeLoad { node: ends[sliding], force, moment: Vec3::zeros() }];
+    let model = Model { rods: vec![rod], supports: supports.to_vec(), loads, ..Model::default() };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    solver.engine.state.load_factor = 1.0;
+    assert_eq!(solver.find_equilibrium().status, Status::Converged);
+    solver
+}
+
+/// A drive that turns an end (0 or 1) about the axis by an angle, rad.
+pub(crate) fn turn(solver: &Solver, end: usize, angle: f64) -> PrescribedMotion {
+    let node = end * (solver.engine.num_nodes() - 1);
+    PrescribedMotion { nodes: vec![(node, Vec3::zeros(), Vec3::x() * angle)], seams: Vec::new() }
+}
+
+/// Turned until it snapped into a plectoneme.
+fn snapped(elements: usize, sliding: usize, turned: usize) -> Solver {
+    let mut solver = dna(elements, sliding);
+    let sign = if turned == 0 { -1.0 } else { 1.0 };
+    for _ in 0..8 {
+        let report = solver.solve_step(&turn(&solver, turned, sign * 0.02 * 2.5 * elements as f64));
+        assert_eq!(report.status, Status::Converged, "{report:?}");
+    }
+    assert!(OpenPlectoneme::find(&solver.engine).is_some());
+    solver
+}
+
+/// The prediction for a drive.
+fn grown(solver: &mut Solver, drive: &PrescribedMotion) -> Option<Grown> {
+    let to = turned_end(&solver.engine, drive)?;
+    Grown::of(&mut solver.engine, &to)
+}
+
+fn potential(solver: &mut Solver, state: &State) -> f64 {
+    let before = std::mem::replace(&mut solver.engine.state, state.clone());
+    solver.engine.update_contact(state).unwrap();
+    let potential = solver.engine.residual(state).potential.total();
+    solver.engine.state = before;
+    potential
+}
+
+/// Elastic energy, and potential with that of loads and contact.
+pub(crate) fn energies(solver: &Solver) -> [f64; 2] {
+    let potential = solver.engine.residual(&solver.engine.state).potential;
+    [potential.elastic.iter().sum(), potential.total()]
+}
+
+/// Wound and unwound, at either end of a rod either of whose ends slides: soon at rest, and where it rests the slow
+/// way, from the last state under the core law, but for how the mesh holds strands.
+#[test]
+fn plectonemes_grow_to_where_they_rest() {
+    for (sliding, turned, angle) in [(1, 1, 5.0), (1, 0, 4.0), (0, 0, -3.0)] {
+        let mut solver = snapped(100, sliding, turned);
+        let before = solver.snapshot();
+        let drive = turn(&solver, turned, angle);
+        let mut slow = StepReport::settled();
+        solver.approach(&drive, &mut slow).unwrap();
+        solver.enforce_gaps(&mut slow).unwrap();
+        assert_eq!((slow.status, slow.num_unstable), (Status::Converged, 0));
+        let ([scale, known], turned_link) = (energies(&solver), link(&solver.engine.state));
+        solver.restore(before).unwrap();
+        let quick = solver.solve_step(&drive);
+        assert!(quick.predicted && quick.num_unstable == 0, "{sliding} {turned} {angle}");
+        assert!(3 * quick.iterations < slow.iterations, "{} {}", quick.iterations, slow.iterations);
+        let [_, found] = energies(&solver);
+        assert!((found - known).abs() < 1e-3 * scale, "{angle}: {found} {known} of {scale}");
+        assert!((link(&solver.engine.state) - turned_link).abs() < 1e-9);
+    }
+}
+
+/// The prediction meets the supports, hardly overlaps, and has the energy of rest but for a hundredth.
+#[test]
+fn predictions_are_nearly_at_rest() {
+    for angle in [4.0, -3.0, 0.3] {
+        let mut solver = snapped(100, 1, 1);
+        let drive = turn(&solver, 1, angle);
+        let to = turned_end(&solver.engine, &drive).unwrap();
+        let Grown { state, offsets, .. } = grown(&mut solver, &drive).unwrap();
+        let last = state.positions.len() - 1;
+        assert_eq!((state.frames[0], state.frames[last]), (to.frames[0], to.frames[last]));
+        assert_eq!(state.positions[0], to.positions[0]);
+        assert!(state.positions[last].yz().norm() < 1e-9, "{}", state.positions[last]);
+        solver.engine.contact.as_mut().unwrap().offsets = offsets;
+        let predicted = potential(&mut solver, &state);
+        assert_eq!(solver.solve_step(&drive).status, Status::Converged);
+        let [scale, rest] = energies(&solver);
+        assert!(predicted > rest && predicted - rest < 1e-2 * scale, "{angle}: {predicted} {rest} of {scale}");
+    }
+}
+
+/// No turn, no change: every node comes from itself.
+#[test]
+fn no_turn_leaves_all_in_place() {
+    let mut solver = snapped(100, 1, 1);
+    let (state, drive) = (solver.engine.state.clone(), turn(&solver, 1, 1e-9));
+    let Grown { state: same, .. } = grown(&mut solver, &drive).unwrap();
+    let apart = state.positions.iter().zip(&same.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let turned = state.frames.iter().zip(&same.frames).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
+    assert!(apart < 1e-7 && turned < 1e-7, "{apart:e} {turned:e}");
+}
+
+/// A state put together is refused if a strand has passed through another.
+#[test]
+fn other_links_are_refused() {
+    let mut solver = snapped(100, 1, 1);
+    let (before, drive) = (solver.engine.state.clone(), turn(&solver, 1, 3.0));
+    let made = grown(&mut solver, &drive).unwrap();
+    assert!(made.has_turned(&before, 3.0));
+    assert!(!made.has_turned(&before, 3.0 + 2.0 * TAU) && !made.has_turned(&before, 3.0 - 2.0 * TAU));
+}
+
+/// Rods that are not straight by nature, hinges, ends that are both held or turned about another axis, straight rods:
+/// no such prediction.
+#[test]
+fn other_rods_are_left_alone() {
+    let mut solver = snapped(100, 1, 1);
+    let drive = turn(&solver, 1, 1.0);
+    let across = PrescribedMotion { nodes: vec![(300, Vec3::zeros(), Vec3::y())], seams: Vec::new() };
+    let moved = PrescribedMotion { nodes: vec![(300, Vec3::x(), Vec3::x())], seams: Vec::new() };
+    assert!(grown(&mut solver, &across).is_none() && grown(&mut solver, &moved).is_none());
+    let mut straight = dna(100, 1);
+    assert!(grown(&mut straight, &drive).is_none());
+    let known = grown(&mut solver, &drive).unwrap().state;
+    let changed = |change: fn(&mut Model)| {
+        let mut model = solver.engine.model.clone();
+        change(&mut model);
+        let mut other = Solver::new(model, Options::default()).unwrap();
+        other.engine.state = solver.engine.state.clone();
+        grown(&mut other, &drive)
+    };
+    assert!(changed(|_| ()).unwrap().state == known, "another solver of the same state");
+    let changed = |change: fn(&mut Model)| changed(change).is_some();
+    assert!(!changed(|model| model.rods[0].natural = Natural::Uniform { kappa: [0.01, 0.0, 0.0] }));
+    assert!(!changed(|model| model.supports[1].position[0] = true));
+    assert!(!changed(|model| model.supports[0].rotation[1] = false));
+    assert!(!changed(|model| model.supports.push(Support::pin(NodeRef { rod: 0, node: 120 }))));
+}
