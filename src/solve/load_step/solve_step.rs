@@ -147,12 +147,12 @@ impl Solver {
         Grown { state, offsets, forces }: Grown,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
-        let highest = self.engine.potential_at(turned)?;
+        let highest = self.engine.potential_at(turned)?.soft();
         self.try_predicted(report, |solver, report| {
             if let Some(side) = &mut solver.engine.contact {
                 (side.offsets, side.before) = (offsets, None);
             }
-            if solver.engine.potential_at(&state)? >= highest {
+            if solver.engine.potential_at(&state)?.soft() >= highest {
                 // no better start than the present state
                 report.status = Status::MaxIterations;
                 return Ok(());

@@ -36,6 +36,12 @@ impl Potential {
     pub(crate) fn total(&self) -> f64 {
         self.elastic.iter().sum::<f64>() + self.contact + self.electrostatic + self.load
     }
+
+    /// Without what is nearly rigid.
+    pub(crate) fn soft(&self) -> f64 {
+        let [_, _, bending, twisting] = self.elastic;
+        bending + twisting + self.contact + self.electrostatic + self.load
+    }
 }
 
 /// Everything first-order at a state.
@@ -133,9 +139,9 @@ impl Engine {
     }
 
     /// Potential at a state, to which contact is brought up to date.
-    pub(crate) fn potential_at(&mut self, state: &State) -> Result<f64, SolveError> {
+    pub(crate) fn potential_at(&mut self, state: &State) -> Result<Potential, SolveError> {
         self.update_contact(state)?;
-        Ok(self.residual(state).potential.total())
+        Ok(self.residual(state).potential)
     }
 
     /// [`Engine::residual`] for searches: contact pairs without their zones.
