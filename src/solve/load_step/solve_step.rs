@@ -139,20 +139,20 @@ impl Solver {
         Ok(done)
     }
 
-    /// Tries a state that was put together, if its potential is below that of the present one with the drive's turn spread
-    /// along the rod (`turned`).
+    /// Tries a state that was put together, if its potential, without stretch and shear, is below that of the present one
+    /// with the drive's turn spread along the rod (`turned`).
     fn solve_from_composed(
         &mut self,
         turned: &State,
         Grown { state, offsets, forces }: Grown,
         report: &mut StepReport,
     ) -> Result<bool, SolveError> {
-        let highest = self.engine.potential_at(turned)?.soft();
+        let highest = self.engine.potential_at(turned)?.without_stretch_and_shear();
         self.try_predicted(report, |solver, report| {
             if let Some(side) = &mut solver.engine.contact {
                 (side.offsets, side.before) = (offsets, None);
             }
-            if solver.engine.potential_at(&state)?.soft() >= highest {
+            if solver.engine.potential_at(&state)?.without_stretch_and_shear() >= highest {
                 // no better start than the present state
                 report.status = Status::MaxIterations;
                 return Ok(());

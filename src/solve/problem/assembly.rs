@@ -37,8 +37,9 @@ impl Potential {
         self.elastic.iter().sum::<f64>() + self.contact + self.electrostatic + self.load
     }
 
-    /// Without what is nearly rigid.
-    pub(crate) fn soft(&self) -> f64 {
+    /// Sum of all parts but stretch and shear, which are nearly rigid: errors of a guess show in them first, and the first
+    /// correction mends them.
+    pub(crate) fn without_stretch_and_shear(&self) -> f64 {
         let [_, _, bending, twisting] = self.elastic;
         bending + twisting + self.contact + self.electrostatic + self.load
     }
