@@ -92,8 +92,8 @@ impl Solver {
         Ok(foreseen || self.solve_from_snapped(drive, report)? || self.solve_from_coarse(drive, report)?)
     }
 
-    /// Tries the present law from the predicted state; true if the step converged, otherwise the solver's state is as
-    /// before.
+    /// Tries the present law from the predicted state, unless its strands are pressed together or pulled far; true if the
+    /// step converged, otherwise the solver's state is as before.
     pub(in crate::solve) fn solve_from_prediction(
         &mut self,
         drive: &PrescribedMotion,
@@ -103,8 +103,16 @@ impl Solver {
         self.try_predicted(report, |solver, report| {
             let engine = &mut solver.engine;
             let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
+            let last = engine.potential_at(&state)?;
             let fraction = engine.free_fraction(&state, &prediction.increment)?;
             engine.state = state.retract(&prediction.increment, fraction);
+            let raised = engine.potential_at(&engine.state.clone())?.without_stretch_and_shear()
+                - last.without_stretch_and_shear();
+            if ROUGH * raised > last.elastic.iter().sum::<f64>() {
+                // no guess of a state that stores a hundredth of that
+                report.status = Status::MaxIterations;
+                return Ok(());
+            }
             solver.workspace.start_forces.clone_from(&prediction.forces);
             solver.search(&drive.scaled(1.0 - fraction), report)?;
             solver.enforce_gaps(report)

@@ -142,7 +142,7 @@ impl Engine {
     /// Potential at a state, to which contact is brought up to date.
     pub(crate) fn potential_at(&mut self, state: &State) -> Result<Potential, SolveError> {
         self.update_contact(state)?;
-        Ok(self.residual(state).potential)
+        Ok(self.residual_of_trial(state).potential)
     }
 
     /// [`Engine::residual`] for searches: contact pairs without their zones.
