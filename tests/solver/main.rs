@@ -40,6 +40,7 @@ mod planes;
 mod poses;
 mod random_scenes;
 mod random_supercoiling;
+mod shear;
 mod snaps;
 mod start_shapes;
 mod swivels;

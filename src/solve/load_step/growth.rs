@@ -24,7 +24,6 @@ use crate::rod::{Natural, Rod};
 use crate::solve::load_step::double_helix::{DoubleHelix, Origin, turn_about_d3};
 use crate::solve::measures::{ARC, ROUGH, SAME};
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
@@ -195,7 +194,7 @@ fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
     let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions.len()];
     for pair in side.broad_phase.pairs() {
         let (first, second) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
-        let curve = contact_cubic(state, [second, second + 1], rod.spacing());
+        let curve = side.tangents.cubic(state, [second, second + 1], rod.spacing()).0;
         for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
             let distance = (curve.point(part) - state.positions[first]).norm();
             if distance < near && opposite[first].is_none_or(|(known, _)| distance < known) {

@@ -25,7 +25,6 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::measures::{ROUGH, SLIGHT};
 use crate::solve::options::Options;
-use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
@@ -83,6 +82,7 @@ impl Solver {
             (side.law, side.offsets, side.before) = (from.law, from.offsets, None);
         }
         self.engine.state = fine.engine.state;
+        self.engine.take_tangents();
         let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
         if self.engine.contact.as_ref().is_some_and(|side| side.law != asked) {
             // a coarse mesh does not always carry the law
@@ -160,17 +160,18 @@ impl Solver {
     /// `factor` times fewer elements.
     fn is_same(&self, state: &State, coarse: &Engine, factor: usize) -> bool {
         let Some(side) = &self.engine.contact else { return true };
+        let [own, of_coarse] = [self.engine.tangents_of(state), coarse.tangents_of(&coarse.state)];
         let deviation = |rod: usize, segment: usize| {
             let joined = |engine: &Engine, k: usize| {
                 let (first, count) = (engine.first_node[rod], engine.nodes(rod).len());
                 [first + k, first + (k + 1) % count]
             };
             let spacing = self.engine.model.rods[rod].spacing();
-            let whole = contact_cubic(&coarse.state, joined(coarse, segment), spacing * factor as f64);
+            let whole = of_coarse.cubic(&coarse.state, joined(coarse, segment), spacing * factor as f64).0;
             let at = |k: usize| k as f64 / factor as f64;
             let parts = (0..factor).map(|k| {
                 let part = whole.restrict(at(k), at(k + 1));
-                let fine = contact_cubic(state, joined(&self.engine, factor * segment + k), spacing);
+                let fine = own.cubic(state, joined(&self.engine, factor * segment + k), spacing).0;
                 part.b.iter().zip(&fine.b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
             });
             parts.fold(0.0, f64::max)

@@ -55,7 +55,7 @@ impl Engine {
     /// mesh, does not count.
     pub fn relative_residual(&self) -> f64 {
         let mut residual = self.residual(&self.state);
-        ZeroEnergyModes::of(self, &self.state, &[]).remove_sliding_force(&mut residual.gradient);
+        ZeroEnergyModes::of(self, &self.state, &[]).remove_forces(&mut residual);
         relative_residual(self, &residual)
     }
 }

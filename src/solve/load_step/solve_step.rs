@@ -22,6 +22,7 @@ use crate::solve::measures::{FEW, ROUGH};
 use crate::solve::problem::assembly::Potential;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
+use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::NewtonReport;
@@ -44,7 +45,7 @@ pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
 #[derive(Clone)]
 pub(crate) struct Snapshot {
     state: State,
-    contact: Option<(Law, ContactField)>,
+    contact: Option<(Law, ContactField, MaterialTangents)>,
 }
 
 impl Solver {
@@ -56,6 +57,7 @@ impl Solver {
     /// [`Solver::solve_step`], tried first from the predicted state.
     pub(crate) fn solve_step_along(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> StepReport {
         let mut report = StepReport::settled();
+        self.engine.take_tangents();
         if let Err(error) = self.linearise_about_harder_law() {
             return StepReport::refused(error);
         }
@@ -166,6 +168,7 @@ impl Solver {
                 return Ok(());
             }
             solver.engine.state = state;
+            solver.engine.take_tangents();
             solver.workspace.start_forces = forces;
             solver.search(&PrescribedMotion::default(), report)?;
             solver.enforce_gaps(report)
@@ -279,19 +282,24 @@ impl Solver {
         self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
     }
 
-    /// Augmented Lagrangian loop: until penetrations and gaps held open are within the tolerance.
+    /// Augmented Lagrangian loop: until penetrations and gaps held open are within the tolerance, and the tangents of the
+    /// contact centrelines are those of the state.
     pub(in crate::solve) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
-        let ContactLaw::AugmentedLagrangian { tol_penetration, .. } = self.engine.model.contact.law else {
-            report.penetration = self.contact_errors().penetration;
-            return Ok(());
+        let tol = match self.engine.model.contact.law {
+            ContactLaw::AugmentedLagrangian { tol_penetration, .. } => Some(tol_penetration),
+            _ => None,
         };
         let mut secant_steps = SecantSteps::default();
         let mut at_rest = self.ended_at_rest(report);
+        let mut num_followed = 0;
         while report.status == Status::Converged {
-            let outstanding = self.outstanding(tol_penetration, &mut secant_steps);
-            report.penetration = outstanding.penetration;
-            report.complementarity = outstanding.complementarity.unwrap_or(report.complementarity);
-            match outstanding.gaps {
+            if num_followed < FEW && self.engine.follow_tangents() {
+                num_followed += 1;
+                self.search_nearly(&PrescribedMotion::default(), report)?;
+                at_rest = self.ended_at_rest(report);
+                continue;
+            }
+            match tol.and_then(|tol| self.outstanding_in(report, tol, &mut secant_steps)) {
                 None if at_rest => break,
                 None => {
                     self.search(&PrescribedMotion::default(), report)?;
@@ -308,7 +316,23 @@ impl Solver {
                 }
             }
         }
+        if tol.is_none() {
+            report.penetration = self.contact_errors().penetration;
+        }
         Ok(())
+    }
+
+    /// Gaps that are to be closed or released, with what is left told in the report; `None` at the end.
+    fn outstanding_in(
+        &self,
+        report: &mut StepReport,
+        tol: f64,
+        secant_steps: &mut SecantSteps,
+    ) -> Option<ContactField> {
+        let outstanding = self.outstanding(tol, secant_steps);
+        report.penetration = outstanding.penetration;
+        report.complementarity = outstanding.complementarity.unwrap_or(report.complementarity);
+        outstanding.gaps
     }
 
     /// A search between two augmentations. Newton's method converges quadratically, so after a last increment of √tol
@@ -446,7 +470,7 @@ impl Solver {
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot {
             state: self.engine.state.clone(),
-            contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone())),
+            contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone(), side.tangents.clone())),
         }
     }
 
@@ -455,9 +479,8 @@ impl Solver {
         self.engine.state = snapshot.state;
         // with the numbers of rods that it was made under
         self.engine.take_numbers().map_err(|error| SolveError::Symbolic { reason: error.to_string() })?;
-        if let (Some(side), Some((law, offsets))) = (&mut self.engine.contact, snapshot.contact) {
-            side.law = law;
-            side.offsets = offsets;
+        if let (Some(side), Some((law, offsets, tangents))) = (&mut self.engine.contact, snapshot.contact) {
+            (side.law, side.offsets, side.tangents) = (law, offsets, tangents);
             side.before = None;
         }
         let state = self.engine.state.clone();

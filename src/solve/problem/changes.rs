@@ -53,7 +53,9 @@ impl Engine {
             return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
         }
         self.state = state;
-        self.take_numbers()
+        self.take_numbers()?;
+        self.take_tangents();
+        Ok(())
     }
 
     /// Makes the model that of the state's numbers.
@@ -110,7 +112,7 @@ impl Engine {
         let asked = self.law_asked.on_mesh(&self.model.rods);
         let Some(stiffness) = asked.stiffness() else { return Ok(()) };
         let law_asked = (stiffness, self.scales.bending);
-        let fresh = ContactSide::new(&self.model, &self.first_node, &self.state, law_asked)?;
+        let fresh = ContactSide::new(&self.model, &self.first_node, (&self.state, side.tangents.clone()), law_asked)?;
         let Some(mut fresh) = fresh else { return Ok(()) };
         fresh.replaces(side);
         let ratio = contact_side::stiffness(stiffness, self.scales.bending, fresh.min_radius) / before;

@@ -9,10 +9,10 @@ use crate::contact::potential::plane::HalfSpace;
 use crate::contact::screened::{Repulsion, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::math::two_sum::two_sum;
 use crate::scene::{Electrostatics, Model};
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::state::State;
 
 /// Contact side of the engine; absent when the law is none.
@@ -24,6 +24,8 @@ pub(crate) struct ContactSide {
     pub(crate) nodes: Vec<[usize; 2]>,
     /// Per curve: the rod.
     pub(crate) rods: Vec<usize>,
+    /// Tangents of the contact centrelines at the nodes, see `contact_tangents`.
+    pub(crate) tangents: MaterialTangents,
     /// Turning bounds.
     pub(crate) exclusion: Exclusion,
     /// Candidate pairs.
@@ -57,7 +59,7 @@ impl ContactSide {
     pub(crate) fn new(
         model: &Model,
         first_node: &[usize],
-        state: &State,
+        (state, tangents): (&State, MaterialTangents),
         (dimensionless, bending): (f64, f64),
     ) -> Result<Option<Self>, InputError> {
         let touching: Vec<usize> =
@@ -65,7 +67,7 @@ impl ContactSide {
         if touching.is_empty() {
             return Ok(None);
         }
-        let (set, nodes) = curves(model, first_node, state, &touching)?;
+        let (set, nodes) = curves(model, first_node, (state, &tangents), &touching)?;
         let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
         let planes: Vec<HalfSpace> = half_spaces(model, state).collect();
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
@@ -74,6 +76,7 @@ impl ContactSide {
             set,
             nodes,
             rods: touching,
+            tangents,
             exclusion: Exclusion::new(),
             broad_phase: BroadPhase::new(),
             offsets: ContactField::uniform(state.positions.len(), planes.len(), 0.0),
@@ -187,6 +190,11 @@ impl ContactSide {
         }
     }
 
+    /// The contact centreline of a segment in a state.
+    pub(in crate::solve) fn cubic(&self, state: &State, segment: usize) -> Cubic {
+        self.tangents.cubic(state, self.nodes[segment], self.set.lengths[segment]).0
+    }
+
     /// Global nodes: slave a, b, master a, b.
     pub(crate) fn nodes_of(&self, pair: &ContactPair) -> [usize; 4] {
         let (s, m) = (self.nodes[pair.slave], self.nodes[pair.master]);
@@ -198,7 +206,7 @@ impl ContactSide {
 fn curves(
     model: &Model,
     first_node: &[usize],
-    state: &State,
+    (state, tangents): (&State, &MaterialTangents),
     touching: &[usize],
 ) -> Result<(CurveSet, Vec<[usize; 2]>), InputError> {
     let segments = |&rod: &usize| (0..model.rods[rod].num_segments()).map(move |k| (rod, k));
@@ -209,7 +217,7 @@ fn curves(
     let input = |index: &usize| {
         let (rod, length) = (&model.rods[*index], model.rods[*index].spacing());
         CurveInput {
-            segments: segments(index).map(|segment| contact_cubic(state, ends(segment), length)).collect(),
+            segments: segments(index).map(|segment| tangents.cubic(state, ends(segment), length).0).collect(),
             lengths: vec![length; rod.num_segments()],
             closed: rod.closed,
             radius: rod.section.contact_radius,
@@ -237,21 +245,4 @@ pub(crate) fn half_spaces(model: &Model, state: &State) -> impl Iterator<Item = 
 /// κ \[F/L²\] of a dimensionless stiffness κ ε⁴/B.
 pub(crate) fn stiffness(dimensionless: f64, bending: f64, radius: f64) -> f64 {
     dimensionless * bending / radius.powi(4)
-}
-
-/// The contact centreline between two neighbouring nodes: the cubic Hermite curve through r_a, r_b with the nodes' own
-/// tangents d3. C¹ along the rod, which the elements' own Lagrange curve is not.
-pub(crate) fn contact_cubic(state: &State, nodes: [usize; 2], length: f64) -> Cubic {
-    contact_cubic_exactly(state, nodes, length).0
-}
-
-/// [`contact_cubic`] and the rounding errors of its control points \[L\].
-pub(crate) fn contact_cubic_exactly(state: &State, [a, b]: [usize; 2], length: f64) -> (Cubic, [Vec3; 4]) {
-    let handle = |n: usize| state.frames[n] * Vec3::z() * (length / 3.0);
-    let (start, end) = (state.positions[a], state.positions[b]);
-    let (after, lost_after) = two_sum(&start, &handle(a));
-    let (before, lost_before) = two_sum(&end, &-handle(b));
-    let [lost_start, lost_end] = [state.remainders[a], state.remainders[b]];
-    let lost = [lost_start, lost_start + lost_after, lost_end + lost_before, lost_end];
-    (Cubic { b: [start, after, before, end] }, lost)
 }

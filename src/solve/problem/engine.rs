@@ -187,7 +187,8 @@ impl Engine {
         engine.reference = engine.build_reference();
         if let Some(stiffness) = engine.model.contact.law.stiffness() {
             let law = (stiffness, engine.scales.bending);
-            engine.contact = ContactSide::new(&engine.model, &engine.first_node, &engine.state, law)?;
+            let start = (&engine.state, engine.tangents_of(&engine.state));
+            engine.contact = ContactSide::new(&engine.model, &engine.first_node, start, law)?;
         }
         Ok(engine)
     }

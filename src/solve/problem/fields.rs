@@ -7,7 +7,6 @@ use std::ops::Range;
 use crate::math::shape_functions::{ShapeTable, lagrange};
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, Strain, raw_strains};
-use crate::solve::problem::contact_side::contact_cubic;
 use crate::solve::problem::engine::Engine;
 
 /// Fields at the nodes of one rod.
@@ -61,12 +60,14 @@ impl Engine {
         let per_segment = per_segment.max(1);
         let (order, closed) = (self.model.rods[rod].order, self.model.rods[rod].closed);
         let length = self.element_length(rod) / order as f64;
+        let tangents = self.tangents_of(&self.state);
         let (mut points, mut directions) = (Vec::new(), Vec::new());
         for index in self.elements_of(rod) {
             let element = &self.elements[index];
             let nodes = self.element_nodes(&self.state, element);
             let mut add = |segment: usize, u: f64| {
-                let cubic = contact_cubic(&self.state, [element.nodes[segment], element.nodes[segment + 1]], length);
+                let ends = [element.nodes[segment], element.nodes[segment + 1]];
+                let (cubic, _) = tangents.cubic(&self.state, ends, length);
                 let (n, _) = lagrange(order, (segment as f64 + u) / order as f64);
                 points.push(cubic.point(u));
                 directions.push(interpolated_frame(&nodes, &n, order) * Vec3::x());

@@ -9,7 +9,9 @@
 //! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation
 //! error, and following it would move the whole rod by up to half an element for nothing. So sliding is held by a
 //! constraint on the increment, and the ripple's force, the residual along the sliding motion, is no part of the
-//! residual.
+//! residual. Contact does no work on any of these motions. Where rods are sheared it seems to, because the tangents of the
+//! contact centrelines are held in the nodes' frames (`contact_tangents`), so a spin turns them: that force is no part of the residual
+//! either.
 //!
 //! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods:
 //! see [`Several`].
@@ -94,6 +96,8 @@ pub(crate) struct ZeroEnergyModes {
     held: bool,
     /// The rod touches planes, which resist some of its rigid motions.
     on_planes: bool,
+    /// Contact seems to do work on them, because its tangents are held in the frames of sheared rods.
+    is_sheared: bool,
     /// Of models of several rods.
     several: Several,
 }
@@ -288,12 +292,12 @@ impl Supports {
 impl ZeroEnergyModes {
     /// The neutral motions of a model whose strands touch as in a residual.
     pub(crate) fn at(engine: &Engine, state: &State, residual: &Residual) -> Self {
-        let model = &engine.model;
-        if model.rods.len() == 1 {
-            return Self::of(engine, state, &residual.plane_contacts);
+        let is_sheared = engine.contact.as_ref().is_some_and(|side| side.tangents.are_sheared());
+        if engine.model.rods.len() == 1 {
+            return Self { is_sheared, ..Self::of(engine, state, &residual.plane_contacts) };
         }
         let several = Several::of(engine, state, residual, weights(engine));
-        Self { several, ..Self::default() }
+        Self { is_sheared, several, ..Self::default() }
     }
 
     /// The neutral motions of a model that is a single rod, which touches planes as told: all of them if it is free; if it is held somewhere, those
@@ -376,13 +380,21 @@ impl ZeroEnergyModes {
         Some(motion.iter().enumerate().map(|(i, v)| self.weights[usize::from(i % 6 >= 3)] * v).collect())
     }
 
-    /// Takes the sliding force out of a residual: afterwards it does no work on the sliding motion.
-    pub(crate) fn remove_sliding_force(&self, residual: &mut [f64]) {
-        let Some(index) = self.sliding else { return };
-        let motion = &self.motions[index];
-        let work: f64 = residual.iter().zip(motion).map(|(g, v)| g * v).sum();
-        for (i, (g, v)) in residual.iter_mut().zip(motion).enumerate() {
-            *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
+    /// Takes out of a residual what does work on sliding, and on the other motions as far as it is of contact.
+    pub(crate) fn remove_forces(&self, residual: &mut Residual) {
+        for (index, motion) in self.motions.iter().enumerate() {
+            let forces = match self.sliding == Some(index) {
+                true => &residual.gradient,
+                false if self.is_sheared => &residual.contact_gradient,
+                false => continue,
+            };
+            let work: f64 = forces.iter().zip(motion).map(|(g, v)| g * v).sum();
+            for (i, (g, v)) in residual.gradient.iter_mut().zip(motion).enumerate() {
+                *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
+            }
+        }
+        if self.is_sheared {
+            self.several.remove_forces(&residual.contact_gradient, &mut residual.gradient);
         }
     }
 

@@ -8,10 +8,9 @@ use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::assembly::Residual;
-use crate::solve::problem::contact_side::{ContactSide, contact_cubic};
+use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
-use crate::solve::search::step_bound::motion;
 
 impl Engine {
     /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
@@ -51,9 +50,9 @@ impl Engine {
     ) {
         let Some(side) = &self.contact else { return };
         for contact in &residual.plane_contacts {
-            let (nodes, length) = (side.nodes[contact.segment], side.set.lengths[contact.segment]);
-            let (cubic, normal) = (contact_cubic(state, nodes, length), side.planes[contact.plane].normal);
-            let linear = motion(state, increment, nodes, length / 3.0).linear;
+            let (nodes, normal) = (side.nodes[contact.segment], side.planes[contact.plane].normal);
+            let cubic = side.cubic(state, contact.segment);
+            let linear = side.motion(state, increment, contact.segment).linear;
             let now = &side.set.segments[contact.segment].b;
             let change = std::array::from_fn(|m| e(normal.dot(&(now[m] - cubic.b[m])), normal.dot(&linear[m])));
             let handles = [cubic.b[1] - cubic.b[0], cubic.b[2] - cubic.b[3]];
@@ -148,12 +147,9 @@ impl ContactSide {
 
     /// Slave and master of a term at a state and the linear motion of their control points.
     fn motion_of(&self, term: &ContactPair, state: &State, increment: &[f64]) -> ([Cubic; 2], [Vec3; 8]) {
-        let cubic = |segment: usize| contact_cubic(state, self.nodes[segment], self.set.lengths[segment]);
-        let linear =
-            |segment: usize| motion(state, increment, self.nodes[segment], self.set.lengths[segment] / 3.0).linear;
-        let (own, other) = (linear(term.slave), linear(term.master));
+        let [own, other] = [term.slave, term.master].map(|segment| self.motion(state, increment, segment).linear);
         let change = std::array::from_fn(|m| if m < 4 { own[m] } else { other[m - 4] });
-        ([cubic(term.slave), cubic(term.master)], change)
+        ([term.slave, term.master].map(|segment| self.cubic(state, segment)), change)
     }
 }
 

@@ -152,9 +152,8 @@ pub(in crate::solve) struct SegmentMotion {
 
 impl ContactSide {
     fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
-        let (lengths, nodes) = (&self.set.lengths, &self.nodes);
-        let motions =
-            parallel::map(nodes.len(), parallel::CHEAP, &|k| motion(state, increment, nodes[k], lengths[k] / 3.0));
+        let nodes = &self.nodes;
+        let motions = parallel::map(nodes.len(), parallel::CHEAP, &|k| self.motion(state, increment, k));
         let not_finite =
             |m: &SegmentMotion| !(m.linear.iter().all(|x| x.amax().is_finite()) && m.second_order.is_finite());
         if let Some(index) = motions.iter().position(not_finite) {
@@ -167,14 +166,17 @@ impl ContactSide {
         assert_eq!(tree.fraction(), tree.fraction_by_all_pairs(), "the tree against all pairs");
         Ok(tree.fraction().min(planes::fraction(&self.set, &self.planes, &motions, keep)))
     }
-}
 
-pub(in crate::solve) fn motion(state: &State, increment: &[f64], [a, b]: [usize; 2], lever: f64) -> SegmentMotion {
-    let (da, db) = (displacement(increment, a), displacement(increment, b));
-    let (ta, tb) = (rotation(increment, a), rotation(increment, b));
-    let d3 = |n: usize| state.frames[n] * Vec3::z();
-    let linear = [da, da + ta.cross(&d3(a)) * lever, db - tb.cross(&d3(b)) * lever, db];
-    SegmentMotion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
+    /// Motion of a segment in an increment from a state.
+    pub(in crate::solve) fn motion(&self, state: &State, increment: &[f64], segment: usize) -> SegmentMotion {
+        let [a, b] = self.nodes[segment];
+        let (da, db) = (displacement(increment, a), displacement(increment, b));
+        let (ta, tb) = (rotation(increment, a), rotation(increment, b));
+        let lever = self.set.lengths[segment] / 3.0;
+        let tangent = |n: usize| self.tangents.at(state, n);
+        let linear = [da, da + ta.cross(&tangent(a)) * lever, db - tb.cross(&tangent(b)) * lever, db];
+        SegmentMotion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
+    }
 }
 
 fn relative_motion(a: &SegmentMotion, b: &SegmentMotion) -> f64 {
@@ -248,8 +250,8 @@ mod tests {
         }
     }
 
-    /// A closed trefoil of `elements` cubic elements, and a ring through it if `with_ring`.
-    fn knot(elements: usize, with_ring: bool) -> Engine {
+    /// A closed trefoil of `elements` cubic elements, and a ring through it if `with_ring`; sections tilted by an angle.
+    fn knot(elements: usize, with_ring: bool, tilt: f64) -> Engine {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.008);
         let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
         let mut rods = vec![Rod::new("knot", &knot, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap()];
@@ -259,6 +261,9 @@ mod tests {
             rods.push(Rod::new("ring", &ring, RodMesh::closed(8, 3), section, Natural::Straight).unwrap());
         }
         let mut engine = Engine::new(Model { rods, ..Model::default() }, None).unwrap();
+        let tilted = exp(&(Vec3::x() * tilt));
+        engine.state.frames.iter_mut().for_each(|frame| *frame *= tilted);
+        engine.take_tangents();
         let state = engine.state.clone();
         engine.update_contact(&state).unwrap();
         engine
@@ -301,8 +306,8 @@ mod tests {
     #[test]
     fn wild_steps_pass_nothing() {
         let (mut allowed, mut wild) = (0, 0);
-        for with_ring in [false, true] {
-            let mut engine = knot(20, with_ring);
+        for (with_ring, tilt) in [(false, 0.0), (true, 0.0), (true, 0.6)] {
+            let mut engine = knot(20, with_ring, tilt);
             for seed in 1..=3 {
                 for (by, turn) in [(0.003, 0.03), (0.03, 0.2), (0.3, 1.5)] {
                     let state = engine.state.clone();
@@ -310,7 +315,10 @@ mod tests {
                     let step = waves(&engine, f64::from(seed), by, turn);
                     let t = engine.step_fraction(&state, &step).unwrap();
                     assert!(t > 0.0);
-                    assert!(!passes(&mut engine, &state, &step, t), "ring {with_ring}, seed {seed}, {by}, {turn}: {t}");
+                    assert!(
+                        !passes(&mut engine, &state, &step, t),
+                        "ring {with_ring}, tilt {tilt}, seed {seed}, {by}, {turn}: {t}"
+                    );
                     allowed += usize::from(t > 0.2);
                     wild += usize::from(passes(&mut engine, &state, &step, 1.0));
                 }

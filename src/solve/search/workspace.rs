@@ -99,7 +99,7 @@ impl Workspace {
         self.zero_energy = ZeroEnergyModes::at(engine, state, &residual);
         self.bases.clone_from(&residual.bases);
         self.zero_energy.add_pins(engine, state, (pattern, &self.bases), &mut self.tangent.values);
-        self.zero_energy.remove_sliding_force(&mut residual.gradient);
+        self.zero_energy.remove_forces(&mut residual);
         residual
     }
 

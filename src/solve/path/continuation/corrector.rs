@@ -153,6 +153,7 @@ impl Tracer<'_> {
     pub(super) fn enter(&mut self, point: &Point) -> Result<(), SolveError> {
         let solver = &mut *self.solver;
         solver.engine.state = point.state.clone();
+        solver.engine.take_tangents();
         if let Some(side) = &mut solver.engine.contact {
             side.offsets.clone_from(&point.offsets);
         }
@@ -286,8 +287,17 @@ impl Tracer<'_> {
             ContactLaw::AugmentedLagrangian { tol_penetration, .. } => tol_penetration,
             _ => f64::INFINITY,
         };
+        let still = PathMotion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
         let mut secant_steps = SecantSteps::default();
+        let mut num_followed = 0;
         loop {
+            if num_followed < FEW && self.solver.engine.follow_tangents() {
+                num_followed += 1;
+                if !self.newton(point, moved, &still, plane)? {
+                    return Ok(false);
+                }
+                continue;
+            }
             let outstanding = self.solver.outstanding(tol, &mut secant_steps);
             point.penetration = outstanding.penetration;
             point.complementarity = outstanding.complementarity.unwrap_or(point.complementarity);
@@ -297,7 +307,6 @@ impl Tracer<'_> {
             }
             point.augmentations += 1;
             self.solver.augment(&gaps, &mut secant_steps);
-            let still = PathMotion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
             if !self.newton(point, moved, &still, plane)? {
                 return Ok(false);
             }

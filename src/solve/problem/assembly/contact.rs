@@ -5,7 +5,7 @@ use crate::contact::potential::{self, Request, plane};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
 use crate::solve::measures::AT_ONCE;
-use crate::solve::problem::contact_side::{ContactSide, contact_cubic_exactly};
+use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
@@ -136,7 +136,7 @@ impl ContactSide {
 
     /// Overwrites the contact curves with those of `state`; turning bounds and candidates are outdated if they moved.
     pub(crate) fn place(&mut self, state: &State) {
-        let cubic = |k: usize| contact_cubic_exactly(state, self.nodes[k], self.set.lengths[k]);
+        let cubic = |k: usize| self.tangents.cubic(state, self.nodes[k], self.set.lengths[k]);
         let placed = parallel::map(self.nodes.len(), parallel::CHEAP, &cubic);
         for (k, (now, lost)) in placed.into_iter().enumerate() {
             self.set.remainders[k] = lost;

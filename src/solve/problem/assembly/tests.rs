@@ -92,6 +92,17 @@ fn gradient_and_tangent_of_the_whole_problem_match_finite_differences() {
     check_derivatives(engine());
 }
 
+/// The rings with sections tilted against their centrelines, which contact lies along.
+#[test]
+fn gradient_and_tangent_of_sheared_rods_match_finite_differences() {
+    let mut engine = engine();
+    let tilt = crate::math::quaternion::exp(&Vec3::new(0.2, -0.1, 0.3));
+    engine.state.frames.iter_mut().for_each(|frame| *frame *= tilt);
+    engine.take_tangents();
+    assert!(engine.contact.as_ref().unwrap().tangents.are_sheared());
+    check_derivatives(engine);
+}
+
 /// The rings with charges: they feel each other, and themselves.
 #[test]
 fn gradient_and_tangent_with_charges_match_finite_differences() {

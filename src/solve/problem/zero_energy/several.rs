@@ -74,6 +74,21 @@ impl Several {
         }
     }
 
+    /// Takes out of a gradient what these forces do work on the motions.
+    pub(super) fn remove_forces(&self, forces: &[f64], gradient: &mut [f64]) {
+        for motion in &self.motions {
+            let of_rod = |(rod, values): &(usize, Vec<f64>)| -> f64 {
+                forces[self.range(*rod)].iter().zip(values).map(|(g, v)| g * v).sum()
+            };
+            let work: f64 = motion.iter().map(of_rod).sum();
+            for (rod, values) in motion {
+                for (i, (g, v)) in gradient[self.range(*rod)].iter_mut().zip(values).enumerate() {
+                    *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
+                }
+            }
+        }
+    }
+
     fn range(&self, rod: usize) -> std::ops::Range<usize> {
         6 * self.first_node[rod]..6 * self.first_node[rod + 1]
     }

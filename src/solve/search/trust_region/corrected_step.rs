@@ -151,9 +151,9 @@ impl Workspace {
             engine.add_contact_second_order((state, &trial.increment), residual, &there, &mut second_order);
         }
         let (from, mut correction) = if gentle {
-            let mut unbalanced = there.gradient;
-            self.zero_energy.remove_sliding_force(&mut unbalanced);
-            (&trial.increment, self.solve_last(engine, &unbalanced))
+            let mut unbalanced = there;
+            self.zero_energy.remove_forces(&mut unbalanced);
+            (&trial.increment, self.solve_last(engine, &unbalanced.gradient))
         } else {
             (&linear.increment, self.solve_last(engine, &second_order))
         };
