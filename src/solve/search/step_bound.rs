@@ -327,6 +327,24 @@ mod tests {
         assert!(allowed >= 4 && wild >= 4, "{allowed} {wild}");
     }
 
+    /// The linear motion of a segment is the rate of its control points, of sheared rods, too.
+    #[test]
+    fn motions_are_rates_of_control_points() {
+        for tilt in [0.0, 0.6] {
+            let engine = knot(8, true, tilt);
+            let (state, step) = (engine.state.clone(), waves(&engine, 1.0, 0.3, 0.7));
+            let side = engine.contact.as_ref().unwrap();
+            let h = 1e-6;
+            for segment in 0..side.nodes.len() {
+                let [up, down] = [h, -h].map(|t| side.cubic(&state.retract(&step, t), segment));
+                for (m, rate) in side.motion(&state, &step, segment).linear.iter().enumerate() {
+                    let difference = (up.b[m] - down.b[m]) / (2.0 * h);
+                    assert!((rate - difference).norm() < 1e-8, "{tilt} {segment} {m}: {rate} {difference}");
+                }
+            }
+        }
+    }
+
     /// A rod that rolls up through a whole circle is free to do so; one that comes through another is not, however far
     /// behind it ends.
     #[test]
