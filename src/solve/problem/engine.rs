@@ -16,6 +16,7 @@ use crate::rod::{Natural, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::measures::SAME;
 use crate::solve::problem::contact_side::{self, ContactSide};
+use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
 
@@ -187,7 +188,7 @@ impl Engine {
         engine.reference = engine.build_reference();
         if let Some(stiffness) = engine.model.contact.law.stiffness() {
             let law = (stiffness, engine.scales.bending);
-            let start = (&engine.state, engine.tangents_of(&engine.state));
+            let start = (&engine.state, MaterialTangents::directors(num_nodes));
             engine.contact = ContactSide::new(&engine.model, &engine.first_node, start, law)?;
         }
         Ok(engine)

@@ -7,7 +7,7 @@
 //! | `prescribed_motion` | motions of supports and seams, lifted to the rods |
 //! | `assembly` | elements, loads and contact summed into gradient and tangent |
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
-//! | `contact_tangents` | tangents of the contact curves at the nodes |
+//! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
@@ -25,6 +25,7 @@ pub(crate) mod contact_side;
 pub(in crate::solve) mod contact_tangents;
 pub(crate) mod engine;
 pub(in crate::solve) mod fields;
+mod measured_tangents;
 pub(in crate::solve) mod moment_load;
 pub(in crate::solve) mod prescribed_motion;
 pub(in crate::solve) mod problem_size;
