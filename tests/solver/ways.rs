@@ -247,6 +247,8 @@ fn compare(name: &str, scene: Scene) -> (f64, bool) {
             elastic(state),
             state.num_unstable
         );
+        // also of sheared rods, whose tangents a checkpoint does not have
+        assert!(*way != "checkpoint halfway" || elastic(state) == elastic(first), "{name}: not the same bits");
         worst = worst.max(energy);
     }
     (worst, ways.iter().all(|(_, state)| sites(state) == sites(first)))
@@ -275,12 +277,12 @@ fn different_ways_come_to_the_same_state() {
     agree(vec![
         ("ring, one point, 32 cubics", ring(32, 1.6, 8), 1e-7),
         ("bowed and turned, 32 cubics", bowed(32), 1e-7),
+        ("ring, one point, sheared, 32 cubics", sheared(32), 7e-5),
     ]);
 }
 
 /// Where lines are carried by a few nodes, more than one set of pressures closes the gaps; tangents of sheared rods are
-/// right to some 1e-3 rad. The tolerances are three times
-/// what was measured, for want of 1e-7.
+/// right to some 1e-3 rad. The tolerances are three times what was measured, for want of 1e-7.
 #[test]
 #[ignore = "slow: minutes"]
 fn different_ways_on_more_meshes() {
@@ -294,7 +296,6 @@ fn different_ways_on_more_meshes() {
         ("ring, three points, 32 cubics", ring(32, 2.6, 14), 1e-4),
         ("ring, line, 32 cubics", ring(32, 3.6, 18), 1e-3),
         ("ring, line, 64 cubics", ring(64, 3.6, 18), 6e-5),
-        ("ring, one point, sheared, 32 cubics", sheared(32), 7e-5),
         ("ring, one point, sheared, 64 cubics", sheared(64), 2e-5),
         ("minicircle, 48 cubics", minicircle(48, -3.0, 15), 3e-5),
         ("minicircle, 96 cubics", minicircle(96, -3.0, 15), 3e-5),
