@@ -1,6 +1,6 @@
 //! A state is a state: its energy and its contact sites do not depend on how it was reached.
 //!
-//! The last ramp of a scene is gone in other step sizes, in five stages, by `step_to`, from a checkpoint halfway, with a
+//! The last ramp of a scene is gone in other step sizes, in five stages, by `step_to`, from a checkpoint on the way, with a
 //! last step of 1e-4 of the way, beyond and back; and the last configuration comes to rest once more without its
 //! contact pressures. Where the state is unique and stable, all give the same.
 //!
@@ -174,12 +174,12 @@ impl LastStage {
         solution.unwrap().solver
     }
 
-    /// The whole way, broken off halfway and taken up again.
+    /// The whole way, broken off towards its end and taken up again.
     fn resumed_from_a_checkpoint(&self) -> Observation {
         let stages = self.stages(&[(1.0, self.steps)]);
         let mut kept: Option<Restart> = None;
         let mut halt = |progress: &Progress, waypoint: &Waypoint| {
-            if progress.stage + 1 < stages.len() || progress.fraction < 0.5 {
+            if progress.stage + 1 < stages.len() || progress.fraction < 0.8 {
                 return ControlFlow::Continue(());
             }
             kept = waypoint.restart();
@@ -218,7 +218,7 @@ impl LastStage {
             ("a last step of 1e-4", self.run(&[(0.9999, n), (1.0, 1)]).0),
             ("beyond and back", self.run(&[(1.005, n), (1.0, 1)]).0),
             ("step_to", self.by_steps_of_its_own()),
-            ("checkpoint halfway", self.resumed_from_a_checkpoint()),
+            ("checkpoint on the way", self.resumed_from_a_checkpoint()),
             ("its configuration again", self.restarted_from_its_configuration(&solver)),
         ]
     }
@@ -248,7 +248,7 @@ fn compare(name: &str, scene: Scene) -> (f64, bool) {
             state.num_unstable
         );
         // also of sheared rods, whose tangents a checkpoint does not have
-        assert!(*way != "checkpoint halfway" || elastic(state) == elastic(first), "{name}: not the same bits");
+        assert!(*way != "checkpoint on the way" || elastic(state) == elastic(first), "{name}: not the same bits");
         worst = worst.max(energy);
     }
     (worst, ways.iter().all(|(_, state)| sites(state) == sites(first)))
