@@ -70,3 +70,18 @@ fn sheared_rods_press_each_other() {
     println!("energies on 12 and 16 elements {coarse} {fine}");
     assert!((coarse / fine - 1.0).abs() < 2e-4, "{coarse} {fine}");
 }
+
+/// A ring that is sheared beside its point of contact is in balance: what contact seems to do on the spin of its sections
+/// does not count.
+#[test]
+fn a_sheared_ring_is_in_balance() {
+    let text = "[[rods]]\nclosed = true\nshape = { kind = \"circle\", length = 1.0 }\n\
+        section = { bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 300, contact_radius = 0.01 }\n\
+        elements = 32\n[[stages]]\nramp = { excess_link = { to = 1.6 } }\nsteps = 8\n";
+    let scene = Scene::from_toml(text, Path::new("")).unwrap();
+    let solution = run(scene.model, &scene.stages, &Options::default(), &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(solution.status, Status::Converged);
+    let residual = solution.solver.engine().relative_residual();
+    println!("relative residual {residual:e}");
+    assert!(residual < 1e-8, "{residual:e}");
+}

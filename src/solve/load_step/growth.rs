@@ -194,7 +194,7 @@ fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
     let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions.len()];
     for pair in side.broad_phase.pairs() {
         let (first, second) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
-        let curve = side.tangents.cubic(state, [second, second + 1], rod.spacing()).0;
+        let curve = side.cubic(state, second);
         for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
             let distance = (curve.point(part) - state.positions[first]).norm();
             if distance < near && opposite[first].is_none_or(|(known, _)| distance < known) {

@@ -304,7 +304,7 @@ impl ZeroEnergyModes {
     /// that its supports let pass and loads do no work on (a closed rod clamped at one node travels along its own shape
     /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
     /// while it spins back). None otherwise.
-    pub(crate) fn of(engine: &Engine, state: &State, plane_contacts: &[PlaneContact]) -> Self {
+    fn of(engine: &Engine, state: &State, plane_contacts: &[PlaneContact]) -> Self {
         if engine.model.rods.len() != 1 {
             return Self::default();
         }
@@ -389,9 +389,7 @@ impl ZeroEnergyModes {
                 false => continue,
             };
             let work: f64 = forces.iter().zip(motion).map(|(g, v)| g * v).sum();
-            for (i, (g, v)) in residual.gradient.iter_mut().zip(motion).enumerate() {
-                *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
-            }
+            subtract_force(&mut residual.gradient, motion, work, self.weights);
         }
         if self.is_sheared {
             self.several.remove_forces(&residual.contact_gradient, &mut residual.gradient);
@@ -490,6 +488,13 @@ fn weights(engine: &Engine) -> [f64; 2] {
 
 fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).enumerate().map(|(i, (x, y))| weights[usize::from(i % 6 >= 3)] * x * y).sum()
+}
+
+/// Takes the force out of a gradient that does this work on a motion.
+fn subtract_force(gradient: &mut [f64], motion: &[f64], work: f64, weights: [f64; 2]) {
+    for (i, (g, v)) in gradient.iter_mut().zip(motion).enumerate() {
+        *g -= work * weights[usize::from(i % 6 >= 3)] * v;
+    }
 }
 
 fn subtract(x: &mut [f64], direction: &[f64], amount: f64) {

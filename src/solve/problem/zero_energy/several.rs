@@ -4,7 +4,9 @@
 //! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
 //! along themselves is left to the mesh's ripple.
 
-use super::{Supports, holds_all, is_free, is_loaded, normals_of, rigid_motions, spin_of, spins, subtract};
+use super::{
+    Supports, holds_all, is_free, is_loaded, normals_of, rigid_motions, spin_of, spins, subtract, subtract_force,
+};
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
 use crate::solve::problem::assembly::Residual;
@@ -82,9 +84,7 @@ impl Several {
             };
             let work: f64 = motion.iter().map(of_rod).sum();
             for (rod, values) in motion {
-                for (i, (g, v)) in gradient[self.range(*rod)].iter_mut().zip(values).enumerate() {
-                    *g -= work * self.weights[usize::from(i % 6 >= 3)] * v;
-                }
+                subtract_force(&mut gradient[self.range(*rod)], values, work, self.weights);
             }
         }
     }
