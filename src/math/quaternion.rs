@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::math::{Quat, Vec3};
+use crate::math::{Mat3, Quat, Vec3};
 
 /// A quaternion (w, x, y, z), not necessarily of unit length.
 pub type Q = [f64; 4];
@@ -63,6 +63,22 @@ pub fn to_array(q: &Quat) -> Q {
 /// The rotation vector about a unit axis, of an angle in rad and whole turns more, that is nearest to another vector.
 pub fn nearest_turn(axis: &Vec3, angle: f64, to: &Vec3) -> Vec3 {
     axis * (angle + TAU * ((to.dot(axis) - angle) / TAU).round())
+}
+
+/// The rotation vector, rad, of a rotation and whole turns more, that is nearest to another vector.
+pub fn rotation_vector(rotation: &Quat, to: &Vec3) -> Vec3 {
+    match rotation.axis_angle() {
+        Some((axis, angle)) => nearest_turn(&axis, angle, to),
+        None => to.try_normalize(0.0).map_or(*to, |axis| nearest_turn(&axis, 0.0, to)),
+    }
+}
+
+/// The rotation R for which the sum of b · R a is largest, from the sum of b aᵀ; `None` if there is none.
+pub fn rotation_of(spread: &Mat3) -> Option<Quat> {
+    let svd = spread.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let mirror = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, (u * v_t).determinant().signum()));
+    Some(Quat::from_matrix(&(u * mirror * v_t)))
 }
 
 /// Rotation by the rotation vector `theta` (rad).

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Unit;
 
-use crate::math::quaternion::{exp, spin};
+use crate::math::quaternion::{exp, rotation_of, spin};
 use crate::math::{Mat3, Quat, Vec3};
 use crate::solve::problem::state::State;
 
@@ -54,10 +54,7 @@ impl Screw {
         let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
         let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
         let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
-        let svd = spread.svd(true, true);
-        let (u, v_t) = (svd.u?, svd.v_t?);
-        let mirror = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, (u * v_t).determinant().signum()));
-        let rotation = Quat::from_matrix(&(u * mirror * v_t));
+        let rotation = rotation_of(&spread)?;
         let (axis, angle) = rotation.axis_angle()?;
         let shift = to - rotation * from;
         let rise = shift.dot(&axis);
