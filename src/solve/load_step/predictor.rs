@@ -22,18 +22,10 @@ use crate::math::quaternion::{exp, rotation_of, rotation_vector, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::solve::measures::{FARTHEST, FINE, MAX_ROUNDS, SAME};
+use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS, SAME, SLIGHT};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, spin_shares};
 use crate::solve::problem::state::{State, seam_shares};
-
-/// Largest difference, rad, between a prediction and the one from a state less, which is of the order of its error. When
-/// it was chosen, pUC19 in 20 steps took 859 iterations with this limit and 1027 with .15, because predictions that differ by
-/// .12 to .145 failed after 30 to 50, and the thin rod of `tests/scenes` 2118 and 2438.
-const UNCERTAIN: f64 = 0.1;
-/// Turn, rad, of the surroundings of a node from which on they tell how the rod turns about itself, because they are
-/// curved then. With 1, 2, 3 a minicircle takes 376, 375, 363 iterations, the thin rod of `tests/scenes` 1654, 1656, 1729.
-const KNOWN: f64 = 2.0;
 
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,7 +181,8 @@ impl History {
         let mut increment = extrapolated(engine, target, place, &line);
         let forces = extrapolated_forces(engine, place, &line);
         let simpler = extrapolated(engine, target, place, &line[..line.len() - 1]);
-        if largest_difference(&increment, &simpler) > UNCERTAIN {
+        // the difference is of the order of the error
+        if largest_difference(&increment, &simpler) > SLIGHT {
             return None;
         }
         for (node, free) in engine.free.iter().enumerate() {
@@ -238,7 +231,7 @@ fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Vi
 }
 
 /// Rotations of the surroundings of each node from one state to another: of as much of the rod to either side as it takes
-/// for its curve to turn by [`KNOWN`], at least an element and at most [`MAX_ROUNDS`]. The frame decides, by as little as
+/// that chords do not stand for its arcs, at least an element and at most [`MAX_ROUNDS`]. The frame decides, by as little as
 /// two shapes count as the same, how a straight piece turns about itself.
 fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
     let mut all = Vec::with_capacity(engine.num_nodes());
@@ -260,7 +253,7 @@ fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
                     size += before.norm_squared();
                     turned += turns[k as usize];
                 }
-                if reach >= order && turned >= KNOWN {
+                if reach >= order && turned >= 2.0 * ARC {
                     break;
                 }
             }
