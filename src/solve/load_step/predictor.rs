@@ -26,6 +26,7 @@ use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS, SAME, SLIGHT};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, spin_shares};
 use crate::solve::problem::state::{State, seam_shares};
+use crate::solve::search::workspace::Foretold;
 
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,14 +84,13 @@ fn change(to: &BTreeMap<Control, f64>, from: &BTreeMap<Control, f64>) -> BTreeMa
 pub(crate) struct Prediction {
     /// From the state with its turns [lifted](lifted) to the predicted one; supports move as prescribed.
     pub(crate) increment: Vec<f64>,
-    /// Shear forces and tension at the points of each element \[F\].
-    pub(crate) forces: Vec<[[f64; 3]; 3]>,
+    pub(crate) foretold: Foretold,
 }
 
 impl Prediction {
     /// The present state.
     pub(crate) fn still(engine: &Engine) -> Self {
-        Self { increment: vec![0.0; 6 * engine.num_nodes()], forces: Vec::new() }
+        Self { increment: vec![0.0; 6 * engine.num_nodes()], foretold: Foretold::default() }
     }
 }
 
@@ -181,8 +181,9 @@ impl History {
         let mut increment = extrapolated(engine, target, place, &line);
         let forces = extrapolated_forces(engine, place, &line);
         let simpler = extrapolated(engine, target, place, &line[..line.len() - 1]);
-        // the difference is of the order of the error
-        if largest_difference(&increment, &simpler) > SLIGHT {
+        // of the order of the error
+        let uncertainty = largest_difference(&increment, &simpler);
+        if uncertainty > SLIGHT {
             return None;
         }
         for (node, free) in engine.free.iter().enumerate() {
@@ -191,7 +192,7 @@ impl History {
             }
         }
         drive.add_to(&mut increment);
-        Some(Prediction { increment, forces })
+        Some(Prediction { increment, foretold: Foretold { forces, uncertainty } })
     }
 }
 

@@ -28,6 +28,7 @@ use crate::solve::problem::state::State;
 use crate::solve::search::newton::NewtonReport;
 use crate::solve::search::trust_region::progress::{PROGRESS, stored_energy};
 use crate::solve::search::trust_region::unseen;
+use crate::solve::search::workspace::Foretold;
 
 /// Depth of the core law relative to the contact distance, because with .1 instead pUC19 with its whole link in one
 /// step takes 464 iterations for 335, a minicircle 442 for 404, and tweezers do not converge.
@@ -115,7 +116,7 @@ impl Solver {
                     return Ok(());
                 }
             }
-            solver.workspace.start_forces.clone_from(&prediction.forces);
+            solver.workspace.foretold.clone_from(&prediction.foretold);
             solver.search(&drive.scaled(1.0 - fraction), report)?;
             solver.enforce_gaps(report)
         })
@@ -169,7 +170,7 @@ impl Solver {
             }
             solver.engine.state = state;
             solver.engine.take_tangents();
-            solver.workspace.start_forces = forces;
+            solver.workspace.foretold = Foretold::forces(forces);
             solver.search(&PrescribedMotion::default(), report)?;
             solver.enforce_gaps(report)
         })
@@ -270,7 +271,8 @@ impl Solver {
             }
         } else if near && overlap < ROUGH {
             let multiplier_estimate = self.multiplier_estimate(core, pressure)?;
-            (pressures, self.workspace.start_forces) = (multiplier_estimate.pressures, multiplier_estimate.forces);
+            pressures = multiplier_estimate.pressures;
+            self.workspace.foretold = Foretold::forces(multiplier_estimate.forces);
         }
         self.start_under(core, &pressures);
         Ok(())

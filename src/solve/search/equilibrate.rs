@@ -30,7 +30,7 @@ impl Workspace {
         let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
         engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
         let drive = &drive;
-        let forces = std::mem::take(&mut self.start_forces);
+        let foretold = std::mem::take(&mut self.foretold);
         engine.state = start.clone();
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
@@ -38,7 +38,7 @@ impl Workspace {
         let direct = NewtonOptions { stable_only: false, max_iterations: MAX_ITERATIONS, ..options.clone() };
         if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
             let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
-            if let Some(report) = plain(self, engine, (drive, &forces), &direct, &mut spent)? {
+            if let Some(report) = plain(self, engine, (drive, &foretold), &direct, &mut spent)? {
                 return Ok(report);
             }
             engine.state = start.clone();
@@ -46,7 +46,7 @@ impl Workspace {
         }
         if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
             let direct = if options.stable_only { &direct } else { options };
-            match self.direct(engine, (drive, &forces), direct, options.stable_only) {
+            match self.direct(engine, (drive, &foretold), direct, options.stable_only) {
                 Ok(report) if !options.stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if options.stable_only => {}
@@ -55,7 +55,7 @@ impl Workspace {
             engine.state = start;
         }
         let mut report =
-            self.trust_region_search(engine, drive, options, (&forces, leaving.unwrap_or(f64::NEG_INFINITY)))?;
+            self.trust_region_search(engine, (drive, &foretold), options, leaving.unwrap_or(f64::NEG_INFINITY))?;
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)

@@ -7,7 +7,7 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::interrupt::Interrupt;
-use crate::solve::search::workspace::Workspace;
+use crate::solve::search::workspace::{Foretold, Workspace};
 
 /// Options of an equilibrium search; lengths are relative to the node spacing, rotations in rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,15 +68,15 @@ impl Iteration {
     }
 }
 
-/// Prescribed motions, and the shear forces and the tension of the first linearisation (empty: those of the state).
-pub(super) type SearchStart<'a> = (&'a PrescribedMotion, &'a [[[f64; 3]; 3]]);
+/// Prescribed motions, and what is known of the end.
+pub(super) type SearchStart<'a> = (&'a PrescribedMotion, &'a Foretold);
 
 impl Workspace {
     /// Plain mixed-integration-point Newton: no shift, no descent test.
     pub(super) fn direct(
         &mut self,
         engine: &mut Engine,
-        (drive, forces): SearchStart,
+        (drive, foretold): SearchStart,
         options: &NewtonOptions,
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
@@ -84,7 +84,7 @@ impl Workspace {
         let mut remaining = 1.0;
         let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
         let mut state = engine.state.clone();
-        let mut stress = engine.stress_with(&state, forces);
+        let mut stress = engine.stress_with(&state, &foretold.forces);
         for iteration in 0..options.max_iterations {
             if self.must_stop(options) {
                 return Ok(report);

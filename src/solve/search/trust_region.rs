@@ -27,7 +27,9 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, increment_size, relative_residual};
+use crate::solve::search::newton::{
+    Iteration, NewtonOptions, NewtonReport, SearchStart, increment_size, relative_residual,
+};
 use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
 use corrected_step::{CorrectedStep, StepStart};
@@ -76,14 +78,9 @@ enum Advance {
 }
 
 impl Search {
-    fn new(
-        engine: &Engine,
-        drive: &PrescribedMotion,
-        forces: &[[[f64; 3]; 3]],
-        (options, rough): (&NewtonOptions, Option<f64>),
-    ) -> Self {
+    fn new(engine: &Engine, (drive, foretold): SearchStart, (options, rough): (&NewtonOptions, Option<f64>)) -> Self {
         let state = engine.state.clone();
-        let stress = engine.stress_with(&state, forces);
+        let stress = engine.stress_with(&state, &foretold.forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let progress = SearchProgress::new(options.max_iterations);
         let rest = Convergence::new(options.tol_increment, rough);
@@ -91,7 +88,7 @@ impl Search {
             state,
             stress,
             remaining,
-            trust: TrustRegion::new(),
+            trust: TrustRegion::new(foretold.uncertainty),
             rest,
             progress,
             rejections: 0,
@@ -125,20 +122,19 @@ impl Search {
 }
 
 impl Workspace {
-    /// Searches for an equilibrium. `forces`, if not empty, are the shear forces and the tension of the first
-    /// linearisation. Below the potential `floor` the search ends, not converged.
+    /// Searches for an equilibrium. Below the potential `floor` the search ends, not converged.
     pub(crate) fn trust_region_search(
         &mut self,
         engine: &mut Engine,
-        drive: &PrescribedMotion,
+        start: SearchStart,
         options: &NewtonOptions,
-        (forces, floor): (&[[[f64; 3]; 3]], f64),
+        floor: f64,
     ) -> Result<NewtonReport, SolveError> {
-        let mut search = Search::new(engine, drive, forces, (options, self.rough));
+        let mut search = Search::new(engine, start, (options, self.rough));
         self.shift = 0.0;
         while !search.report.converged && !search.progress.is_over() {
             self.refresh(engine, &search.state)?;
-            let drive_now = drive.scaled(search.remaining);
+            let drive_now = start.0.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
             if residual.potential.total() < floor {
                 break;

@@ -26,6 +26,29 @@ pub(in crate::solve) const MAX_SHIFT: f64 = 1e30;
 /// on its clamp falls (`tests/solver/held_motions.rs`).
 const LOOSE: f64 = 1e-3;
 
+/// What is known beforehand of the end of a search.
+#[derive(Debug, Clone)]
+pub(crate) struct Foretold {
+    /// Shear forces and tension of the first linearisation, per element and integration point \[F\]; empty: those of the
+    /// state.
+    pub(crate) forces: Vec<[[f64; 3]; 3]>,
+    /// Rotations, rad, from the start to the end, by the order of magnitude; infinite: not known.
+    pub(crate) uncertainty: f64,
+}
+
+impl Default for Foretold {
+    fn default() -> Self {
+        Self::forces(Vec::new())
+    }
+}
+
+impl Foretold {
+    /// Nothing but forces.
+    pub(crate) fn forces(forces: Vec<[[f64; 3]; 3]>) -> Self {
+        Self { forces, uncertainty: f64::INFINITY }
+    }
+}
+
 /// Matrix, factorisation and other data that searches share.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
@@ -48,9 +71,8 @@ pub(crate) struct Workspace {
     pub(crate) timings: Timings,
     /// Extent of the last step of a rough search, whose result is the start of the next one; `None`: not rough.
     pub(crate) rough: Option<f64>,
-    /// Shear forces and tension, per element and integration point, of the first linearisation of the next search;
-    /// empty: those of the state.
-    pub(crate) start_forces: Vec<[[f64; 3]; 3]>,
+    /// Of the next search.
+    pub(crate) foretold: Foretold,
     /// The next search starts from an equilibrium under slightly different pressures: its first steps are plain.
     pub(crate) near_rest: bool,
     /// Bases of the unknowns of the last linearisation.

@@ -1,7 +1,7 @@
 //! Radius of the trust region, by the outcome of the last steps.
 
 use super::RAISING;
-use crate::solve::measures::{ARC, MAX_ROUNDS};
+use crate::solve::measures::{ARC, MAX_ROUNDS, ROUGH};
 
 /// Largest radius, rad.
 pub(super) const LARGEST: f64 = 2.0;
@@ -32,8 +32,9 @@ pub(super) struct TrustRegion {
 }
 
 impl TrustRegion {
-    pub(super) fn new() -> Self {
-        Self { radius: ARC }
+    /// At first as large as the end of the search is uncertain (rad).
+    pub(super) fn new(uncertainty: f64) -> Self {
+        Self { radius: uncertainty.clamp(ROUGH, ARC) }
     }
 
     /// After an accepted step.
@@ -64,7 +65,7 @@ mod tests {
 
     #[test]
     fn what_was_foreseen_makes_it_larger() {
-        let mut trust = TrustRegion::new();
+        let mut trust = TrustRegion::new(f64::INFINITY);
         trust.reject(0.01);
         assert_eq!(trust.radius, 0.0025);
         trust.accept(StepOutcome { extent: 0.0025, ..STEP });
@@ -74,9 +75,15 @@ mod tests {
     }
 
     #[test]
+    fn it_begins_as_large_as_the_end_is_uncertain() {
+        let begins = |uncertainty: f64| TrustRegion::new(uncertainty).radius;
+        assert_eq!([1e-9, 0.03, f64::INFINITY].map(begins), [ROUGH, 0.03, ARC]);
+    }
+
+    #[test]
     fn what_was_not_foreseen_makes_it_smaller() {
         let after = |step: StepOutcome| {
-            let mut trust = TrustRegion::new();
+            let mut trust = TrustRegion::new(f64::INFINITY);
             trust.accept(step);
             trust.radius
         };
