@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Rotation3;
+
 use crate::math::{Mat3, Quat, Vec3};
 
 /// A quaternion (w, x, y, z), not necessarily of unit length.
@@ -75,10 +77,12 @@ pub fn rotation_vector(rotation: &Quat, to: &Vec3) -> Vec3 {
 
 /// The rotation R for which the sum of b · R a is largest, from the sum of b aᵀ; `None` if there is none.
 pub fn rotation_of(spread: &Mat3) -> Option<Quat> {
-    let svd = spread.svd(true, true);
+    // three numbers take a few iterations each; without a limit there is no end for some
+    let svd = spread.try_svd(true, true, f64::EPSILON, 100)?;
     let (u, v_t) = (svd.u?, svd.v_t?);
     let mirror = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, (u * v_t).determinant().signum()));
-    Some(Quat::from_matrix(&(u * mirror * v_t)))
+    let rotation = Quat::from_rotation_matrix(&Rotation3::from_matrix_unchecked(u * mirror * v_t));
+    rotation.coords.iter().all(|x| x.is_finite()).then_some(rotation)
 }
 
 /// Rotation by the rotation vector `theta` (rad).
@@ -95,6 +99,8 @@ pub fn spin(angle: f64) -> Quat {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]
@@ -107,5 +113,31 @@ mod tests {
             nalgebra::Quaternion::new(0.3, -0.7, 0.2, 1.1) * nalgebra::Quaternion::new(0.5, 1.0, -2.0, 0.25);
         let ours = mul(&q, &[0.5, 1.0, -2.0, 0.25]);
         assert_eq!(ours, [nalgebra_product.w, nalgebra_product.i, nalgebra_product.j, nalgebra_product.k]);
+    }
+
+    /// Of all angles, half a turn among them; also of an unequal spread, and of points in a plane.
+    #[test]
+    fn rotations_are_found_from_spreads() {
+        for axis in [Vec3::x(), Vec3::z(), Vec3::new(1.0, 2.0, 2.0) / 3.0, Vec3::new(0.6, 0.0, -0.8)] {
+            for angle in [0.0, 1e-9, 1.0, 3.0, PI, PI - 1e-9] {
+                let turn = exp(&(axis * angle));
+                for stretch in [Vec3::new(1.0, 1.0, 1.0), Vec3::new(2.0, 1e-3, 1.0), Vec3::new(1.0, 0.0, 0.5)] {
+                    let spread = turn.to_rotation_matrix().matrix() * Mat3::from_diagonal(&stretch);
+                    let off = rotation_of(&spread).unwrap().angle_to(&turn);
+                    assert!(off < 1e-7, "{axis:?} {angle} {stretch:?}: {off:e}");
+                }
+            }
+        }
+        assert_eq!(rotation_of(&Mat3::from_element(f64::NAN)), None);
+    }
+
+    #[test]
+    fn rotation_vectors_go_on_from_others() {
+        let turn = exp(&(Vec3::z() * 1.0));
+        assert!((rotation_vector(&turn, &(Vec3::z() * 7.0)) - Vec3::z() * (1.0 + TAU)).norm() < 1e-12);
+        assert!((rotation_vector(&turn, &(Vec3::z() * -5.0)) - Vec3::z() * (1.0 - TAU)).norm() < 1e-12);
+        let none = Quat::identity();
+        assert!((rotation_vector(&none, &(Vec3::x() * 6.0)) - Vec3::x() * TAU).norm() < 1e-12);
+        assert_eq!(rotation_vector(&none, &Vec3::zeros()), Vec3::zeros());
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::BasePairs;
 use crate::dna::pose::{parameters, pose};
+use crate::math::quaternion::rotation_of;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::text::finite;
 use crate::text::npy::NpyArray;
@@ -177,11 +178,11 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// The frame with these axes, made orthonormal.
-fn frame(axes: &[Vec3; 3]) -> Result<Quat, String> {
+pub(super) fn frame(axes: &[Vec3; 3]) -> Result<Quat, String> {
     let matrix = Mat3::from_columns(axes);
     let off = (matrix.transpose() * matrix - Mat3::identity()).amax();
     if off.is_finite() && off <= TOL_FRAME && matrix.determinant() > 0.0 {
-        return Ok(Quat::from_matrix(&matrix));
+        return rotation_of(&matrix).ok_or_else(|| "axes that are no frame".to_owned());
     }
     Err(format!("axes that are no right-handed unit frame (off by {off:.1e})"))
 }

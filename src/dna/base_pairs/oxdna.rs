@@ -2,10 +2,12 @@
 
 use std::fmt::Write as _;
 
+use super::frames::frame;
 use super::{BOX, BasePairs, OXDNA_LENGTH, OXDNA_OFFSET};
 use crate::dna::sequence::{Sequence, base};
 use crate::error::InputError;
-use crate::math::{Mat3, Quat, Vec3};
+use crate::math::Vec3;
+use crate::text::finite;
 
 impl BasePairs {
     /// oxDNA's configuration: the strand of the sequence, then its complement, each from its 3′ end to its 5′ end.
@@ -72,11 +74,11 @@ impl BasePairs {
         let refuse = |line: usize, reason: &str| format!("line {line}: {reason}");
         let mut rows = Vec::new();
         for (number, line) in (1..).zip(text.lines()).skip(3).filter(|(_, line)| !line.trim().is_empty()) {
-            let cells: Vec<f64> = line.split_whitespace().filter_map(|cell| cell.parse().ok()).collect();
+            let cells: Vec<f64> = line.split_whitespace().map_while(|cell| finite(cell).ok()).collect();
             let Some(&[x, y, z, ax, ay, az, cx, cy, cz]) = cells.first_chunk::<9>() else {
                 return Err(refuse(number, "position, a1 and a3 expected: nine numbers or more"));
             };
-            rows.push([Vec3::new(x, y, z), Vec3::new(ax, ay, az), Vec3::new(cx, cy, cz)]);
+            rows.push((number, [Vec3::new(x, y, z), Vec3::new(ax, ay, az), Vec3::new(cx, cy, cz)]));
         }
         if rows.is_empty() || rows.len() % 2 == 1 {
             return Err(refuse(text.lines().count(), "two strands of as many nucleotides expected"));
@@ -84,11 +86,10 @@ impl BasePairs {
         let count = rows.len() / 2;
         let mut pairs = Self { closed, ..Self::default() };
         for k in 0..count {
-            let ([r, a1, a3], [other, ..]) = (&rows[count - 1 - k], &rows[count + k]);
+            let ((number, [r, a1, a3]), (_, [other, ..])) = (&rows[count - 1 - k], &rows[count + k]);
             let (d2, d3) = (-a1, -a3);
             pairs.positions.push((r + other) * (0.5 * OXDNA_LENGTH));
-            let frame = Mat3::from_columns(&[d2.cross(&d3), d2, d3]);
-            pairs.frames.push(Quat::from_matrix(&frame));
+            pairs.frames.push(frame(&[d2.cross(&d3), d2, d3]).map_err(|reason| refuse(*number, &reason))?);
         }
         let along = |k: usize| (pairs.positions[k + 1] - pairs.positions[k]).dot(&(pairs.frames[k] * Vec3::z()));
         if (0..count - 1).map(along).sum::<f64>() < 0.0 {

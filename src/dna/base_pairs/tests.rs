@@ -40,6 +40,12 @@ fn configurations_read_back() {
     }
     let refused = BasePairs::from_oxdna("t = 0\nb = 1 1 1\nE = 0 0 0\n1 2 3\n", true).unwrap_err();
     assert!(refused.contains("line 4: position, a1 and a3 expected"), "{refused}");
+    // axes of a nucleotide of the first strand that are none, and a number that is none
+    for (axes, reason) in [("1 0 0  1 0 0", "no right-handed unit frame"), ("nan 0 0  0 0 1", "a1 and a3 expected")] {
+        let text = format!("t = 0\nb = 1 1 1\nE = 0 0 0\n1 2 3  {axes}\n1 2 4  -1 0 0  0 0 -1\n");
+        let refused = BasePairs::from_oxdna(&text, false).unwrap_err();
+        assert!(refused.contains("line 4: ") && refused.contains(reason), "{refused}");
+    }
 }
 
 /// Partners face each other across the axis, neighbours are listed from 3′ to 5′, and a3 points to the 5′ end.
