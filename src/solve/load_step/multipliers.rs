@@ -178,8 +178,7 @@ impl Solver {
             }
             // on lines of contact along a coarse mesh the ripples of elements stay open; the secant needs two tries to find
             // how fast a gap closes (`contact_held_open`)
-            let is_most = 2.0 * releasable > work;
-            releases = is_most && releasable > NOTHING && secant_steps.in_vain < IN_VAIN;
+            releases = releasable > NOTHING && secant_steps.in_vain < IN_VAIN;
             if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
                 let own = own.at_places_of(&side.set, &gaps).values;
                 gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
