@@ -43,5 +43,6 @@ pub(in crate::solve) const MAX_ROUNDS: usize = 10;
 pub(in crate::solve) const MAX_ITERATIONS: usize = 16;
 /// Halvings that shorten an interval to rounding, because each gives a bit.
 pub(in crate::solve) const HALVINGS: usize = f64::MANTISSA_DIGITS as usize;
-/// Results computed in parallel before they are added in order, because the buffer must not grow with the mesh.
+/// Results computed in parallel before they are added in order, because the buffer must not grow with the mesh, and tasks
+/// that are shared out, because that is some dozens for each of many threads.
 pub(in crate::solve) const AT_ONCE: usize = 1024;

@@ -26,8 +26,7 @@ use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::NewtonReport;
-use crate::solve::search::trust_region::progress::{PROGRESS, stored_energy};
-use crate::solve::search::trust_region::unseen;
+use crate::solve::search::trust_region::progress::stored_energy;
 use crate::solve::search::workspace::Foretold;
 
 /// Depth of the core law relative to the contact distance, because with .1 instead pUC19 with its whole link in one
@@ -421,14 +420,14 @@ impl Solver {
             let still = PrescribedMotion::default();
             let fraction = self.engine.step_fraction(&before, &increment)?;
             self.engine.state = before.retract(&increment, fraction);
-            let floor = potential.potential.total() - unseen(&potential);
+            let floor = potential.potential.total() - potential.rounding;
             let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
             let fall = potential.potential.total() - self.engine.residual(&self.engine.state).potential.total();
             // a motion without energy, such as the turning of the helix of a ring with two bending stiffnesses
-            let is_neutral = left.converged && fall.abs() <= unseen(&potential);
+            let is_neutral = left.converged && fall.abs() <= potential.rounding;
             if may_leave && !is_neutral {
                 report.escapes += 1;
-                idle = if fall > PROGRESS * stored_energy(&potential) { 0 } else { idle + 1 };
+                idle = if fall > ROUGH * stored_energy(&potential) { 0 } else { idle + 1 };
                 outcome = left;
                 continue;
             }

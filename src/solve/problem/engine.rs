@@ -20,10 +20,6 @@ use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
 
-/// Largest EA L²/B of rods whose elements are computed in the plane of a planar model, because that rounds their frames
-/// once more, and rounding leaves the shear strains of slenderer ones few digits as it is.
-const MOST_SLENDER: f64 = 1e10;
-
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Element {
@@ -404,10 +400,7 @@ fn materials(model: &Model) -> Vec<Stiffnesses> {
 }
 
 fn planes(model: &Model) -> Vec<Option<RodPlane>> {
-    let plane = |rod: &Rod| {
-        let slender = rod.section.stretching * rod.length * rod.length > MOST_SLENDER * rod.section.smaller_bending();
-        (model.planar && !slender && rod.stiffness.is_none()).then(|| RodPlane::new(&to_array(&rod.frames[0])))
-    };
+    let plane = |rod: &Rod| (model.planar && rod.stiffness.is_none()).then(|| RodPlane::new(&to_array(&rod.frames[0])));
     model.rods.iter().map(plane).collect()
 }
 

@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use crate::contact::potential::plane::PlaneContact;
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
-use crate::solve::measures::{NOTHING, SAME};
+use crate::solve::measures::{FINE, NOTHING, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -31,10 +31,10 @@ use several::Several;
 
 mod several;
 
-/// Square of a motion where a rod is held, over the largest, below which supports let it pass, because coordinates in
-/// files have six digits: ends that are coaxial but for those would leave a motion that costs a ten millionth of the
-/// energy, and searches end neither in its valley nor on its ridge.
-const PASSES: f64 = 1e-11;
+/// Square of a motion where a rod is held, over the largest, below which supports let it pass: ends that are coaxial but
+/// for the last digits of a file would leave a motion that costs a ten millionth of the energy, and searches end neither
+/// in its valley nor on its ridge.
+const PASSES: f64 = FINE * FINE;
 
 fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };

@@ -1,11 +1,31 @@
-//! Lowest eigenvalue, and the direction in which an unstable equilibrium is left.
+//! Shifts that leave no negative eigenvalue, the lowest eigenvalue, and the direction in which an unstable equilibrium is left.
 
 use crate::error::SolveError;
-use crate::solve::measures::MAX_ITERATIONS;
+use crate::solve::measures::{HALVINGS, MAX_ITERATIONS};
 use crate::solve::problem::engine::Engine;
-use crate::solve::search::workspace::{MAX_SHIFT, Workspace};
+use crate::solve::search::workspace::Workspace;
 
 impl Workspace {
+    /// Factorises with `shift`, raised by factors of `climbing` until no eigenvalue is negative; the shift then.
+    ///
+    /// # Errors
+    /// When no shift makes the tangent positive definite.
+    pub(super) fn convex_shift(
+        &mut self,
+        engine: &Engine,
+        (mut shift, climbing): (f64, f64),
+        iteration: usize,
+    ) -> Result<f64, SolveError> {
+        // doubled this often, a shift is 10³² times as large: the matrix has broken down
+        for _ in 0..2 * HALVINGS {
+            if self.factorise(engine, shift) == Some(0) {
+                return Ok(shift);
+            }
+            shift *= climbing;
+        }
+        Err(SolveError::Factorisation { iteration, shift })
+    }
+
     /// Lowest eigenvalue of the factorised (positive definite) tangent + shift × mass, from above, by a few inverse
     /// iterations that start from the last such vector.
     pub(crate) fn lowest_above(&mut self, engine: &Engine, rounds: usize) -> f64 {
@@ -37,13 +57,8 @@ impl Workspace {
     /// # Errors
     /// When no shift makes the tangent positive definite.
     pub(crate) fn negative_direction(&mut self, engine: &mut Engine) -> Result<Vec<f64>, SolveError> {
-        let mut shift = 1.0;
-        while self.factorise(engine, shift) != Some(0) {
-            shift *= 2.0;
-            if shift > MAX_SHIFT {
-                return Err(SolveError::Factorisation { iteration: 0, shift });
-            }
-        }
+        // finely, because the nearer the shift is to the lowest eigenvalue, the better that one stands out
+        self.convex_shift(engine, (1.0, 2.0), 0)?;
         // from the fixed start, whatever the searches before have left
         self.softest.clear();
         // so few rounds that something of other modes stays in it: a direction converged to rounding has the symmetry of

@@ -46,12 +46,9 @@ const RELAXING: f64 = 0.5;
 /// Factor on the shift after a rejected step, at least, and by which the radius shrinks, because a step that is hardly
 /// shorter is rejected again.
 const RAISING: f64 = 4.0;
-/// Fraction of a rejected step that supports push that is tried next, because it costs an evaluation only.
-const SHORTENED: f64 = 0.4;
-/// Decrease of the potential, over the expected one, with which a step is accepted.
+/// Decrease of the potential, over the expected one, with which a step is accepted. With .1 instead, a rod a million times
+/// as long as thick does not come to rest under its whole load at once.
 const LEAST: f64 = 0.05;
-/// Roundings of the potential below which a decrease cannot be told from none.
-const UNSEEN: f64 = 10.0;
 
 /// State of a search.
 struct Search {
@@ -207,7 +204,7 @@ impl Workspace {
             true if step.extent > LARGEST => LARGEST,
             // shifts do not shorten prescribed motions
             true => {
-                *longest = SHORTENED * fraction;
+                *longest = SHORTER[0] * fraction;
                 return *longest >= SAME;
             }
             false => {
@@ -267,7 +264,7 @@ impl Workspace {
         (step, trial): (&ModelStep, CorrectedStep),
     ) {
         let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
-        let unseen = trial.expected.abs() <= unseen(residual);
+        let unseen = trial.expected.abs() <= residual.rounding;
         search.trust.accept(StepOutcome {
             extent: step.extent,
             fraction: trial.fraction,
@@ -309,9 +306,4 @@ impl Workspace {
 /// Decrease of the potential.
 fn gain(residual: &Residual, trial: &CorrectedStep) -> f64 {
     residual.potential.total() - trial.potential
-}
-
-/// Changes of the potential that cannot be distinguished from zero.
-pub(in crate::solve) fn unseen(residual: &Residual) -> f64 {
-    UNSEEN * residual.rounding
 }

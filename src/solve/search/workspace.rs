@@ -15,8 +15,6 @@ use crate::sparse::{Factor, Pattern};
 /// Eigenvalues above minus this (in units of B/L⁴) count as neutral, because rigid motions and sliding of a uniform
 /// ring along itself are neutral but for rounding and discretisation.
 pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
-/// Largest shift, because a matrix that is not positive definite with it has broken down.
-pub(in crate::solve) const MAX_SHIFT: f64 = 1e30;
 
 /// The same where a motion may cost next to nothing that neither springs hold nor elasticity. Of several rods, one that
 /// others push comes to rest where it just touches them without force; what force the tolerance leaves (1e-8 B/L²)

@@ -7,12 +7,6 @@ use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::engine::{Element, Engine};
 use crate::solve::problem::state::State;
 
-/// Elements whose tangents are computed in parallel before they are added in order, because these have five kilobytes each
-/// and should fit into a cache.
-const TANGENTS: usize = 128;
-/// Elements with their tangents per parallel piece of work, because there are few of them at once.
-const TANGENT_GRAIN: usize = 8;
-
 impl Engine {
     /// Gradient and potential of all elements.
     pub(in crate::solve) fn add_element_gradients(&self, state: &State, out: &mut Residual) {
@@ -34,11 +28,10 @@ impl Engine {
         out: &mut Residual,
         sink: &mut Sink,
     ) {
-        let mut results =
-            vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); TANGENTS.min(self.elements.len())];
-        for first in (0..self.elements.len()).step_by(TANGENTS) {
-            let count = TANGENTS.min(self.elements.len() - first);
-            parallel::each(&mut results[..count], TANGENT_GRAIN, &|k, (result, blocks)| {
+        let mut results = vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); AT_ONCE.min(self.elements.len())];
+        for first in (0..self.elements.len()).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(self.elements.len() - first);
+            parallel::each(&mut results[..count], parallel::DEAR, &|k, (result, blocks)| {
                 *blocks = [[0.0; MAX_DOF]; MAX_DOF];
                 let e = first + k;
                 *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(blocks));

@@ -14,14 +14,10 @@ use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
 use crate::math::{Vec3, parallel};
-use crate::solve::measures::{ARC, ROUNDING, SLIGHT};
+use crate::solve::measures::{ARC, AT_ONCE, ROUNDING, SLIGHT};
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
-/// Pairs of runs to share out among threads.
-const SHARES: usize = 256;
-/// Fewest segments that are shared out, because below that threads cost more than they save.
-const SMALL: usize = 2048;
 
 /// A run of segments, or of whole curves.
 struct SegmentRun {
@@ -137,11 +133,8 @@ impl<'a> PassageTree<'a> {
 
     /// Largest t ≤ 1 for which no pair of strands comes nearer than is to be kept.
     pub(super) fn fraction(&self) -> f64 {
-        if self.set.len() < SMALL {
-            return self.descend(vec![[0, 0]], usize::MAX, 1.0).1;
-        }
         // shares are the same for any number of threads, and so is the minimum
-        let (shares, t) = self.descend(vec![[0, 0]], SHARES, 1.0);
+        let (shares, t) = self.descend(vec![[0, 0]], AT_ONCE, 1.0);
         let fractions = parallel::map(shares.len(), 1, &|k| self.descend(vec![shares[k]], usize::MAX, t).1);
         fractions.into_iter().fold(t, f64::min)
     }

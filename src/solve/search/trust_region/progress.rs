@@ -1,11 +1,7 @@
 //! Budget of a search: iterations without progress.
 
+use crate::solve::measures::ROUGH;
 use crate::solve::problem::assembly::Residual;
-
-/// Decrease of the potential relative to the stored energy, or advance of a prescribed motion relative to its
-/// remainder, that counts as progress, because a snap of magnetic tweezers descends for 700 iterations by some 1e-2 of
-/// its energy in a hundred.
-pub(in crate::solve) const PROGRESS: f64 = 1e-2;
 
 /// Energy stored in rods and contact.
 pub(in crate::solve) fn stored_energy(residual: &Residual) -> f64 {
@@ -27,11 +23,13 @@ impl SearchProgress {
         Self { allowed, idle: 0, potential: f64::INFINITY, remaining: 1.0 }
     }
 
-    /// Records the state before an iteration.
+    /// Records the state before an iteration. Progress is a decrease of the potential by a hundredth of the stored energy,
+    /// because a snap of magnetic tweezers descends for 700 iterations by as much in a hundred, or as large an advance
+    /// of a prescribed motion, relative to its remainder.
     pub(super) fn see(&mut self, residual: &Residual, remaining: f64) {
         let potential = residual.potential.total();
-        let falls = potential < self.potential - PROGRESS * stored_energy(residual);
-        let advances = remaining < (1.0 - PROGRESS) * self.remaining;
+        let falls = potential < self.potential - ROUGH * stored_energy(residual);
+        let advances = remaining < (1.0 - ROUGH) * self.remaining;
         if falls || advances {
             (self.idle, self.potential, self.remaining) = (0, potential, remaining);
         }

@@ -7,9 +7,9 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::step_bound::{displacement, largest_turn};
-use crate::solve::search::workspace::{MAX_SHIFT, NEUTRAL_SHIFT, Workspace};
+use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 
-use super::{RAISING, unseen};
+use super::RAISING;
 
 /// Smallest shift, in units of B/L⁴, because that is the eigenvalue of a rod's softest bending.
 const FIRST_SHIFT: f64 = 10.0;
@@ -67,13 +67,7 @@ impl Workspace {
             return Ok(());
         }
         let lower = self.shift;
-        self.shift = (RAISING * self.shift).max(FIRST_SHIFT);
-        while self.factorise(engine, self.shift) != Some(0) {
-            self.shift *= CLIMBING;
-            if self.shift > MAX_SHIFT {
-                return Err(SolveError::Factorisation { iteration, shift: self.shift });
-            }
-        }
+        self.shift = self.convex_shift(engine, ((RAISING * self.shift).max(FIRST_SHIFT), CLIMBING), iteration)?;
         let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
         if estimate < WORTHWHILE * self.shift {
             let safe = self.shift;
@@ -123,7 +117,7 @@ impl Workspace {
             step = self.model_step(engine, residual, drive, at)?;
         }
         if radius.is_finite() && self.shift > 0.0 {
-            step.lengthen(radius, unseen(residual));
+            step.lengthen(radius, residual.rounding);
         }
         Ok(step)
     }
