@@ -25,7 +25,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
-use crate::solve::measures::{ARC, FARTHEST, MAX_ITERATIONS, ROUGH, SAME};
+use crate::solve::measures::{ARC, ROUGH, SAME};
 use crate::solve::path::continuation::corner::Corner;
 use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
@@ -34,6 +34,10 @@ use crate::solve::path::run::Progress;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::timing::Instant;
 
+/// Newton iterations per point that the step size aims at.
+const AIM: f64 = 5.0;
+/// Lengths of such a step within which the corner is sought.
+const CORNER_REACH: f64 = 4.0;
 /// Longest chord of a step in units of its length along the tangent, because beyond it Newton has gone to another path.
 const MAX_CHORD: f64 = 1.25;
 
@@ -347,7 +351,7 @@ fn trace(
 /// A corner within reach of a step that failed, if it has become short.
 fn corner(tracer: &mut Tracer, here: &Point, step: f64, options: &FollowOptions) -> Option<Corner> {
     let short = ROUGH * options.step;
-    if step < short { tracer.round_corner(here, FARTHEST * step, short).unwrap_or(None) } else { None }
+    if step < short { tracer.round_corner(here, CORNER_REACH * step, short).unwrap_or(None) } else { None }
 }
 
 /// A step along the path.
@@ -364,10 +368,10 @@ struct Stride {
 impl Stride {
     /// Length of the next step over that of this one.
     fn lengthening(&self) -> f64 {
-        // as many iterations a search as a good one takes; each augmentation of contact offsets asks for another
+        // iterations of one search; each augmentation of contact offsets asks for another
         let iterations = self.next.iterations.max(1) as f64 / (1 + self.next.augmentations) as f64;
-        let ratio = (0.5 * MAX_ITERATIONS as f64 / iterations).sqrt().min(0.5 * ARC / self.turned.max(SAME));
-        ratio.clamp(0.5, FARTHEST)
+        let ratio = (AIM / iterations).sqrt().min(0.5 * ARC / self.turned.max(SAME));
+        ratio.clamp(0.5, 2.0)
     }
 }
 
