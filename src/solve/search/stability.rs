@@ -1,7 +1,8 @@
-//! Shifts that leave no negative eigenvalue, the lowest eigenvalue, and the direction in which an unstable equilibrium is left.
+//! Shifts that leave no negative eigenvalue, the lowest eigenvalue, and the direction in which an unstable equilibrium is
+//! left.
 
 use crate::error::SolveError;
-use crate::solve::measures::{HALVINGS, MAX_ITERATIONS};
+use crate::solve::measures::MAX_ITERATIONS;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::workspace::Workspace;
 
@@ -13,11 +14,13 @@ impl Workspace {
     pub(super) fn convex_shift(
         &mut self,
         engine: &Engine,
-        (mut shift, climbing): (f64, f64),
+        mut shift: f64,
+        climbing: f64,
         iteration: usize,
     ) -> Result<f64, SolveError> {
-        // doubled this often, a shift is 10³² times as large: the matrix has broken down
-        for _ in 0..2 * HALVINGS {
+        // a matrix that is not positive definite with so much more has broken down
+        let most = shift / f64::EPSILON.powi(2);
+        while shift <= most {
             if self.factorise(engine, shift) == Some(0) {
                 return Ok(shift);
             }
@@ -58,7 +61,7 @@ impl Workspace {
     /// When no shift makes the tangent positive definite.
     pub(crate) fn negative_direction(&mut self, engine: &mut Engine) -> Result<Vec<f64>, SolveError> {
         // finely, because the nearer the shift is to the lowest eigenvalue, the better that one stands out
-        self.convex_shift(engine, (1.0, 2.0), 0)?;
+        self.convex_shift(engine, 1.0, 2.0, 0)?;
         // from the fixed start, whatever the searches before have left
         self.softest.clear();
         // so few rounds that something of other modes stays in it: a direction converged to rounding has the symmetry of

@@ -67,7 +67,7 @@ impl Workspace {
             return Ok(());
         }
         let lower = self.shift;
-        self.shift = self.convex_shift(engine, ((RAISING * self.shift).max(FIRST_SHIFT), CLIMBING), iteration)?;
+        self.shift = self.convex_shift(engine, (RAISING * self.shift).max(FIRST_SHIFT), CLIMBING, iteration)?;
         let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
         if estimate < WORTHWHILE * self.shift {
             let safe = self.shift;
