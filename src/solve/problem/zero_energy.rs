@@ -111,13 +111,13 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
     nodes.flat_map(six).collect()
 }
 
-/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it; of
+/// Displacements of some nodes as a whole, by the model's length, and their rotations about their centre, in the plane those that stay in it; of
 /// these those that keep the gaps to planes with such normals.
 fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], normals: &[Vec3]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
     let (along, about) = left_by_planes(normals, engine.model.planar);
     let of_all = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| motion(nodes.iter().copied(), of_node);
-    let displacements = along.iter().map(|axis| of_all(&|_| (*axis, Vec3::zeros())));
+    let displacements = along.iter().map(|axis| of_all(&|_| (*axis * engine.scales.length, Vec3::zeros())));
     let rotation = |axis: &Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), *axis));
     displacements.chain(about.iter().map(rotation)).collect()
 }
@@ -464,13 +464,11 @@ fn pin_held(
     }
 }
 
-/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length:
-/// centred differences between the neighbours, turned back through the seam where it lies between.
+/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by its length: centred differences between the neighbours, turned back through the seam where it lies between.
 fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     let (first, count) = (engine.first_node[0], engine.first_node[1] - engine.first_node[0]);
     let local = node - first;
-    let rod = &engine.model.rods[0];
-    let reach = 2.0 * rod.length / count as f64;
+    let reach = 2.0 / count as f64;
     let (before, after) = ((local + count - 1) % count + first, (local + 1) % count + first);
     let seam = crate::math::quaternion::spin(state.seams[0]);
     let frame_after = if local + 1 == count { state.frames[after] * seam } else { state.frames[after] };
