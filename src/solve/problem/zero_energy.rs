@@ -111,8 +111,9 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
     nodes.flat_map(six).collect()
 }
 
-/// Displacements of some nodes as a whole, by the model's length, and their rotations about their centre, in the plane those that stay in it; of
-/// these those that keep the gaps to planes with such normals.
+/// Displacements of some nodes as a whole, by the model's length, lest they count otherwise beside rotations in another
+/// unit, and their rotations about their centre, in the plane those that stay in it; of these those that keep the gaps to
+/// planes with such normals.
 fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], normals: &[Vec3]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
     let (along, about) = left_by_planes(normals, engine.model.planar);
@@ -464,7 +465,8 @@ fn pin_held(
     }
 }
 
-/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by its length: centred differences between the neighbours, turned back through the seam where it lies between.
+/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by its length: centred
+/// differences between the neighbours, turned back through the seam where it lies between.
 fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     let (first, count) = (engine.first_node[0], engine.first_node[1] - engine.first_node[0]);
     let local = node - first;
