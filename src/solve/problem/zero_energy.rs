@@ -111,14 +111,13 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
     nodes.flat_map(six).collect()
 }
 
-/// Displacements of some nodes as a whole, by the model's length, lest they count otherwise beside rotations in another
-/// unit, and their rotations about their centre, in the plane those that stay in it; of these those that keep the gaps to
-/// planes with such normals.
+/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it; of
+/// these those that keep the gaps to planes with such normals.
 fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], normals: &[Vec3]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
     let (along, about) = left_by_planes(normals, engine.model.planar);
     let of_all = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| motion(nodes.iter().copied(), of_node);
-    let displacements = along.iter().map(|axis| of_all(&|_| (*axis * engine.scales.length, Vec3::zeros())));
+    let displacements = along.iter().map(|axis| of_all(&|_| (*axis, Vec3::zeros())));
     let rotation = |axis: &Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), *axis));
     displacements.chain(about.iter().map(rotation)).collect()
 }
@@ -262,27 +261,38 @@ impl Supports {
         Some(motion)
     }
 
+    /// A motion by a radian, or by the model's length, where it is largest: those by a unit of length would count for more or
+    /// for less beside rotations in another unit.
+    fn sized(&self, motion: &[f64]) -> Vec<f64> {
+        let weight = |i: usize| if i % 6 < 3 { self.scale } else { 1.0 };
+        let largest = motion.iter().enumerate().map(|(i, x)| weight(i) * x.abs()).fold(0.0, f64::max);
+        if largest == 0.0 { motion.to_vec() } else { motion.iter().map(|x| x / largest).collect() }
+    }
+
     /// A basis of the combinations of motions that move nothing that is held.
     fn all_that_pass(&self, motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         if motions.is_empty() {
             return Vec::new();
         }
-        let modes = self.modes(motions);
+        let motions: Vec<Vec<f64>> = motions.iter().map(|motion| self.sized(motion)).collect();
+        let modes = self.modes(&motions);
         let largest = modes.eigenvalues.amax().max(1.0);
-        let mode = |k: usize| self.combined(motions, |i| modes.eigenvectors[(i, k)]);
+        let mode = |k: usize| self.combined(&motions, |i| modes.eigenvectors[(i, k)]);
         let soft = (0..motions.len()).filter(|k| modes.eigenvalues[*k] <= PASSES * largest).map(mode);
         soft.filter_map(|motion| self.passing(motion, largest)).collect()
     }
 
     /// `motion` with as much of the others as it takes to move nothing that is held; none if they cannot do that.
-    fn let_pass(&self, mut motion: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
+    fn let_pass(&self, motion: &[f64], others: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let mut motion = self.sized(motion);
         if others.is_empty() {
             return self.passing(motion, 1.0);
         }
-        let modes = self.modes(others);
+        let others: Vec<Vec<f64>> = others.iter().map(|other| self.sized(other)).collect();
+        let modes = self.modes(&others);
         let largest = modes.eigenvalues.amax().max(1.0);
         for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > PASSES * largest) {
-            let mode = self.combined(others, |i| modes.eigenvectors[(i, k)]);
+            let mode = self.combined(&others, |i| modes.eigenvectors[(i, k)]);
             let part = self.dot(&motion, &mode) / modes.eigenvalues[k];
             subtract(&mut motion, &mode, part);
         }
@@ -325,7 +335,7 @@ impl ZeroEnergyModes {
         let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
         if !free {
             let supports = Supports::of(engine, state, &nodes);
-            sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
+            sliding = sliding.and_then(|motion| supports.let_pass(&motion, &motions));
             // a straight rod between coaxial clamps turns back as much as it turns
             let least = SAME * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
             motions = supports.all_that_pass(&motions);
@@ -465,12 +475,13 @@ fn pin_held(
     }
 }
 
-/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by its length: centred
-/// differences between the neighbours, turned back through the seam where it lies between.
+/// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length:
+/// centred differences between the neighbours, turned back through the seam where it lies between.
 fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     let (first, count) = (engine.first_node[0], engine.first_node[1] - engine.first_node[0]);
     let local = node - first;
-    let reach = 2.0 / count as f64;
+    let rod = &engine.model.rods[0];
+    let reach = 2.0 * rod.length / count as f64;
     let (before, after) = ((local + count - 1) % count + first, (local + 1) % count + first);
     let seam = crate::math::quaternion::spin(state.seams[0]);
     let frame_after = if local + 1 == count { state.frames[after] * seam } else { state.frames[after] };
