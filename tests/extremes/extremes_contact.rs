@@ -81,8 +81,8 @@ fn units_of_length_and_force() {
 }
 
 /// A ring held at a node, pushed aside at the opposite one and twisted into contact *returns* the same energy in any unit,
-/// to 1e-9. (Symptom before: it did not come to rest in units of 1e-9 and less. Which motions a clamp lets pass was told from
-/// displacements by 1 and rotations by 1 rad, whatever the unit.)
+/// to 1e-9. (Symptom before: a ring whose length was 1e-9 and less did not come to rest. Which motions a clamp lets pass was
+/// told from displacements by 1 and rotations by 1 rad, whatever the unit.)
 #[test]
 fn a_ring_held_at_a_node_in_any_unit() {
     let energy = |unit: f64| {

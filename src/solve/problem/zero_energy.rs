@@ -261,38 +261,39 @@ impl Supports {
         Some(motion)
     }
 
-    /// A motion by a radian, or by the model's length, where it is largest: those by a unit of length would count for more or
-    /// for less beside rotations in another unit.
-    fn sized(&self, motion: &[f64]) -> Vec<f64> {
+    /// Brings motions to a radian, or to the model's length, where they are largest: those by a unit of length would count for
+    /// more or for less beside rotations in another unit.
+    fn size(&self, motions: &mut [Vec<f64>]) {
         let weight = |i: usize| if i % 6 < 3 { self.scale } else { 1.0 };
-        let largest = motion.iter().enumerate().map(|(i, x)| weight(i) * x.abs()).fold(0.0, f64::max);
-        if largest == 0.0 { motion.to_vec() } else { motion.iter().map(|x| x / largest).collect() }
+        for motion in motions {
+            let sizes = motion.iter().enumerate().map(|(i, x)| weight(i) * x.abs());
+            let largest = sizes.fold(f64::MIN_POSITIVE, f64::max);
+            motion.iter_mut().for_each(|x| *x /= largest);
+        }
     }
 
-    /// A basis of the combinations of motions that move nothing that is held.
+    /// A basis of the combinations of motions, brought to one [size](Self::size), that move nothing that is held.
     fn all_that_pass(&self, motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         if motions.is_empty() {
             return Vec::new();
         }
-        let motions: Vec<Vec<f64>> = motions.iter().map(|motion| self.sized(motion)).collect();
-        let modes = self.modes(&motions);
+        let modes = self.modes(motions);
         let largest = modes.eigenvalues.amax().max(1.0);
-        let mode = |k: usize| self.combined(&motions, |i| modes.eigenvectors[(i, k)]);
+        let mode = |k: usize| self.combined(motions, |i| modes.eigenvectors[(i, k)]);
         let soft = (0..motions.len()).filter(|k| modes.eigenvalues[*k] <= PASSES * largest).map(mode);
         soft.filter_map(|motion| self.passing(motion, largest)).collect()
     }
 
-    /// `motion` with as much of the others as it takes to move nothing that is held; none if they cannot do that.
-    fn let_pass(&self, motion: &[f64], others: &[Vec<f64>]) -> Option<Vec<f64>> {
-        let mut motion = self.sized(motion);
+    /// `motion` with as much of the others, of one [size](Self::size), as it takes to move nothing that is held; none if they
+    /// cannot do that.
+    fn let_pass(&self, mut motion: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
         if others.is_empty() {
             return self.passing(motion, 1.0);
         }
-        let others: Vec<Vec<f64>> = others.iter().map(|other| self.sized(other)).collect();
-        let modes = self.modes(&others);
+        let modes = self.modes(others);
         let largest = modes.eigenvalues.amax().max(1.0);
         for k in (0..others.len()).filter(|k| modes.eigenvalues[*k] > PASSES * largest) {
-            let mode = self.combined(&others, |i| modes.eigenvectors[(i, k)]);
+            let mode = self.combined(others, |i| modes.eigenvectors[(i, k)]);
             let part = self.dot(&motion, &mode) / modes.eigenvalues[k];
             subtract(&mut motion, &mode, part);
         }
@@ -335,7 +336,9 @@ impl ZeroEnergyModes {
         let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
         if !free {
             let supports = Supports::of(engine, state, &nodes);
-            sliding = sliding.and_then(|motion| supports.let_pass(&motion, &motions));
+            supports.size(&mut motions);
+            supports.size(sliding.as_mut_slice());
+            sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             // a straight rod between coaxial clamps turns back as much as it turns
             let least = SAME * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
             motions = supports.all_that_pass(&motions);

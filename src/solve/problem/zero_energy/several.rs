@@ -56,8 +56,10 @@ impl Several {
                 // spins of the rods that are held may make up for what supports hold
                 let held = group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod));
                 let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
-                let motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
-                let mut passing = Supports::of(engine, state, &nodes).all_that_pass(&motions);
+                let mut motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
+                let supports = Supports::of(engine, state, &nodes);
+                supports.size(&mut motions);
+                let mut passing = supports.all_that_pass(&motions);
                 passing.retain(|motion| !is_loaded(engine, state, &nodes, motion));
                 passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
                 if !passing.is_empty() {

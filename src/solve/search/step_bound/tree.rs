@@ -133,12 +133,10 @@ impl<'a> PassageTree<'a> {
 
     /// Largest t ≤ 1 for which no pair of strands comes nearer than is to be kept.
     pub(super) fn fraction(&self) -> f64 {
-        if self.set.len() <= AT_ONCE {
-            // deepest first a small fraction, which spares other pairs a look, is known sooner
-            return self.descend(vec![[0, 0]], usize::MAX, 1.0).1;
-        }
+        // a small set is not shared out: deepest first a small fraction, which spares other pairs a look, is known sooner
+        let enough = if self.set.len() <= AT_ONCE { usize::MAX } else { AT_ONCE };
         // shares are the same for any number of threads, and so is the minimum
-        let (shares, t) = self.descend(vec![[0, 0]], AT_ONCE, 1.0);
+        let (shares, t) = self.descend(vec![[0, 0]], enough, 1.0);
         let fractions = parallel::map(shares.len(), 1, &|k| self.descend(vec![shares[k]], usize::MAX, t).1);
         fractions.into_iter().fold(t, f64::min)
     }
