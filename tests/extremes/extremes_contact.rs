@@ -39,10 +39,13 @@ fn ring_model(unit: f64, force: f64, center: Vec3, law: ContactLaw, elements: us
     Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }
 }
 
-/// Units of length and force from 1e-12 to 1e12 *return* the same numbers: all to 1e-9, in the same iterations.
+/// Units of length and force from 2e-13 to 4e12 *return* the same numbers to the last bit, in the same iterations. Units
+/// are powers of 64, in which numbers, square roots and cube roots round as they do in 1: where rounding differs, it may
+/// decide where the figure-eight of a free ring comes to lie on the mesh, which changes the energy by 2e-5.
 ///
-/// (Symptom before: from 1e6 on, the energy differed by 2e-5. The direction in which the flat ring is left was sought
-/// from a start vector that mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh.)
+/// (Symptoms before: from 1e6 on, the energy differed by 2e-5. The direction in which the flat ring is left was sought
+/// from a start vector that mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh. Later,
+/// in 64³, another iteration: the largest change of a contact force was that of forces and moments, whatever their unit.)
 #[test]
 fn units_of_length_and_force() {
     let run = |unit: f64, force: f64| {
@@ -69,14 +72,10 @@ fn units_of_length_and_force() {
         (iterations, numbers)
     };
     let (iterations, reference) = run(1.0, 1.0);
-    for (unit, force) in
-        [(1e-12, 1.0), (1e-9, 1e-12), (1e-6, 1e12), (1e-3, 1.0), (1e6, 1.0), (1e12, 1e-12), (1e12, 1e12)]
-    {
+    for (unit, force) in [(-7, 0), (-5, -7), (-3, 7), (-2, 0), (3, 0), (7, -7), (7, 7)] {
+        let [unit, force] = [unit, force].map(|power| 64f64.powi(power));
         let (ours, numbers) = run(unit, force);
-        assert_eq!(ours, iterations, "unit {unit:e}, force {force:e}");
-        for (x, exact) in numbers.iter().zip(&reference) {
-            assert!((x / exact - 1.0).abs() < 1e-9, "unit {unit:e}, force {force:e}: {numbers:?} {reference:?}");
-        }
+        assert_eq!((ours, numbers), (iterations.clone(), reference), "unit {unit:e}, force {force:e}");
     }
 }
 
@@ -397,18 +396,18 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, and one a
-/// little thicker too as long as the rod can be stretched to the ideal length: EA = 1e5 B/L² lets it by 1.2 % at L/D =
-/// 16.3, 2.5 % at 16 (under κ' = 100 neither came to rest: feet of normals are not unique where the radius of curvature
-/// falls to the contact distance). From 15 on it is *refused* by `MaxIterations` or `Penetration`. (Symptom before,
-/// from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be factorised" and infinite
-/// energy. Mechanism: the law was hardened to one of infinite energy from .08 D on while pressure still held strands
-/// deeper in each other. Threshold: the energy under the harder law must be finite where it begins, as that of the
-/// linear laws is that it is hardened to now.)
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, and one a little
+/// thicker too as long as the rod can be stretched to the ideal length: EA = 1e5 B/L² lets it by 1.2 % at L/D = 16.3, 2.5
+/// % at 16, 9.2 % at 15 (under κ' = 100 neither came to rest: feet of normals are not unique where the radius of
+/// curvature falls to the contact distance). From 14 on it is *refused* by `MaxIterations` or `Penetration`. (Symptom
+/// before, from a torus knot whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be factorised" and
+/// infinite energy. Mechanism: the law was hardened to one of infinite energy from .08 D on while pressure still held
+/// strands deeper in each other. Threshold: the energy under the harder law must be finite where it begins, as that of
+/// the linear laws is that it is hardened to now.)
 #[test]
 fn a_knot_at_its_limit() {
-    let ratios = [30.0, 20.0, 17.0, 16.6, 16.5, 16.45, 16.3, 16.0];
-    for (ratio, exists) in ratios.map(|ratio| (ratio, true)).into_iter().chain([(15.0, false)]) {
+    let ratios = [30.0, 20.0, 17.0, 16.6, 16.5, 16.45, 16.3, 16.0, 15.0];
+    for (ratio, exists) in ratios.map(|ratio| (ratio, true)).into_iter().chain([(14.0, false)]) {
         let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.5 / ratio);
         let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));
         let rod = Rod::new("knot", &knot, RodMesh::closed(48, 3), section, Natural::Straight).unwrap();

@@ -173,14 +173,9 @@ impl Solver {
         if secant_steps.rounds < FEW || met {
             let Complementarity { work, releasable, gaps: own } = self.complementarity(&residual);
             outstanding.complementarity = met.then_some(work);
-            if met {
-                secant_steps.note(releasable);
-            }
-            // on lines of contact along a coarse mesh the ripples of elements stay open; the secant needs two tries to find
-            // how fast a gap closes (`contact_held_open`)
-            releases = releasable > NOTHING && secant_steps.in_vain < IN_VAIN;
-            if let Some(side) = self.engine.contact.as_ref().filter(|_| releases) {
-                let own = own.at_places_of(&side.set, &gaps).values;
+            if let Some(side) = self.engine.contact.as_ref().filter(|_| releasable > NOTHING) {
+                let own = secant_steps.not_in_vain(&side.set, &own).at_places_of(&side.set, &gaps).values;
+                releases = own.iter().any(|gap| *gap > 0.0);
                 gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
             }
         }
@@ -210,30 +205,31 @@ impl Solver {
 
 /// Secant steps that lower the offsets of gaps held open. At the edge of a zone, or between two nodes that carry a
 /// contact, a gap may hardly depend on the offset; lowered by the gap alone, such an offset would not let go.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(in crate::solve) struct SecantSteps {
     secant_steps: ContactField,
     /// Gap at the last augmentation, and the decrease of the offset in it \[L\].
     before: Option<[ContactField; 2]>,
-    /// Least work of offsets on releasable gaps, relative to the elastic energy.
-    least: f64,
-    /// Releases in a row that did not halve it.
-    in_vain: usize,
+    /// Gap of each place when it was released last \[L\] …
+    released: Option<ContactField>,
+    /// … and how many releases there did not halve it.
+    in_vain: Option<ContactField>,
     /// Number of rounds so far.
     rounds: usize,
 }
 
-impl Default for SecantSteps {
-    fn default() -> Self {
-        Self { secant_steps: ContactField::default(), before: None, least: f64::INFINITY, in_vain: 0, rounds: 0 }
-    }
-}
-
 impl SecantSteps {
-    /// Records the work left to release when penetrations are within the tolerance.
-    fn note(&mut self, work: f64) {
-        self.in_vain = if work > 0.5 * self.least { self.in_vain + 1 } else { 0 };
-        self.least = self.least.min(work);
+    /// Gaps to release: none where that was in vain. On lines of contact along a coarse mesh the ripples of elements stay
+    /// open; the secant needs two tries to find how fast a gap closes (`contact_held_open`).
+    fn not_in_vain(&mut self, set: &CurveSet, gaps: &ContactField) -> ContactField {
+        let [released, in_vain] = [&self.released, &self.in_vain]
+            .map(|field| field.as_ref().map_or_else(|| gaps.map(|_, _| 0.0), |field| field.at_places_of(set, gaps)));
+        let again = |k: usize, gap: f64| released.values[k] > 0.0 && gap > 0.5 * released.values[k];
+        let in_vain = in_vain.map(|k, count| if again(k, gaps.values[k]) { count + 1.0 } else { count });
+        let left = gaps.map(|k, gap| if in_vain.values[k] < IN_VAIN as f64 { gap } else { 0.0 });
+        self.released = Some(released.map(|k, last| if left.values[k] > 0.0 { left.values[k] } else { last }));
+        self.in_vain = Some(in_vain);
+        left
     }
 
     /// Factors for these gaps: 1 where strands touch or overlap; where a gap was wider than `open` \[L\] before and still

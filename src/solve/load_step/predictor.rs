@@ -446,8 +446,8 @@ mod tests {
         assert_eq!(place(1.1, 0.0).unwrap().1, 3);
     }
 
-    /// One stage, three, or single steps: the same predictions in as many iterations (but where the ring buckles, which
-    /// takes some 65 that rounding of what is prescribed may change), the same states.
+    /// One stage, three, or single steps, of values that no rounding tells apart: the same predictions in as many
+    /// iterations, the same states to the last bit.
     #[test]
     fn a_path_does_not_know_its_stages() {
         let options = Options::default();
@@ -462,29 +462,23 @@ mod tests {
             assert_eq!(solution.status, Status::Converged);
             (seen, solution.solver.engine.state)
         };
-        let (whole, state) = path(&[stage(1.8, 9)]);
+        let (whole, state) = path(&[stage(2.0, 8)]);
         assert!(whole.iter().filter(|(_, predicted)| *predicted).count() >= 4, "{whole:?}");
-        let (parts, other) = path(&[stage(0.8, 4), stage(1.4, 3), stage(1.8, 2)]);
-        let same = |a: &[(usize, bool)], b: &[(usize, bool)]| {
-            let alike = |(a, b): (&(usize, bool), &(usize, bool))| a.1 == b.1 && (a.0 == b.0 || a.0.min(b.0) > 30);
-            assert!(a.len() == b.len() && a.iter().zip(b).all(alike), "{a:?} {b:?}");
-        };
-        same(&whole, &parts);
+        let (parts, other) = path(&[stage(1.0, 4), stage(1.5, 2), stage(2.0, 2)]);
+        assert_eq!(whole, parts);
         let mut solver = Solver::new(clamped(true), options.clone()).unwrap();
         let mut single = vec![{
             let start = solver.step_to(&[]).unwrap();
             (start.iterations, start.predicted)
         }];
-        for k in 1..=9 {
-            let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: 0.2 * f64::from(k) }]).unwrap();
+        for k in 1..=8 {
+            let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: 0.25 * f64::from(k) }]).unwrap();
             single.push((report.iterations, report.predicted));
         }
-        same(&whole, &single);
-        // where its loop lies on the mesh is decided as the ring buckles, by rounding of what is prescribed
-        let energy = |state: &State| solver.engine.residual(state).potential.total();
+        assert_eq!(whole, single);
         for end in [&other, &solver.engine.state] {
-            let apart = energy(end) / energy(&state) - 1.0;
-            assert!(apart.abs() < 1e-7, "{apart:e}");
+            assert_eq!(end.positions, state.positions);
+            assert_eq!(end.frames, state.frames);
         }
     }
 }

@@ -69,6 +69,13 @@ pub(crate) struct Residual {
     pub(crate) bases: Bases,
 }
 
+impl Residual {
+    /// Components of the contact forces on the nodes, without the moments, which are in another unit \[F\].
+    pub(crate) fn contact_forces(&self) -> impl Iterator<Item = f64> {
+        self.contact_gradient.chunks(6).flat_map(|node| node[..3].iter().copied())
+    }
+}
+
 /// Tangent in the pattern's values plus the load-step right-hand side.
 #[derive(Debug, Default)]
 pub(crate) struct Tangent {

@@ -40,9 +40,6 @@ use step::ModelStep;
 /// Fractions of a step that are tried before the shift is raised, because a fraction costs an evaluation, a shift a
 /// factorisation.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
-/// Factor on the shift after a step as long as the radius, because a shift that is too small costs one factorisation
-/// only.
-const RELAXING: f64 = 0.5;
 /// Factor on the shift after a rejected step, at least, and by which the radius shrinks, because a step that is hardly
 /// shorter is rejected again.
 const RAISING: f64 = 4.0;
@@ -128,7 +125,8 @@ impl Workspace {
         floor: f64,
     ) -> Result<NewtonReport, SolveError> {
         let mut search = Search::new(engine, start, (options, self.rough));
-        self.shift = 0.0;
+        // a search knows nothing of the one before
+        self.softest.clear();
         while !search.report.converged && !search.progress.is_over() {
             self.refresh(engine, &search.state)?;
             let drive_now = start.0.scaled(search.remaining);
@@ -156,6 +154,8 @@ impl Workspace {
     ) -> Result<Advance, SolveError> {
         let unbalanced = relative_residual(engine, residual);
         let mut longest = 1.0;
+        // no step knows the shift of the one before: contact that was put right asks for none any more
+        self.shift = 0.0;
         loop {
             if self.must_stop(options) {
                 return Ok(Advance::Interrupted);
@@ -275,7 +275,6 @@ impl Workspace {
             // under a new law the first step is the longest: its extent bounds the next ones
             search.trust.radius = search.trust.radius.min(step.extent);
         }
-        self.shift *= RELAXING * (step.extent / search.trust.radius).min(1.0);
         // the geometric stiffness is that of the stresses which the linear solve balanced, not of the stresses off the
         // constraint surface
         search.stress = engine.predicted_stress(&search.state, &trial.increment);
@@ -295,7 +294,6 @@ impl Workspace {
         if let Some(side) = &mut engine.contact {
             side.before = None;
         }
-        self.shift = 0.0;
         let state = engine.state.clone();
         self.refresh(engine, &state)?;
         report.num_unstable = self.count_unstable(engine)?;

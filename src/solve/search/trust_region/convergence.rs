@@ -92,6 +92,6 @@ impl Convergence {
 
 /// Size of the rotations caused by the largest contact force, rad: F L²/B.
 fn contact_bends(engine: &Engine, residual: &Residual) -> f64 {
-    let force = residual.contact_gradient.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let force = residual.contact_forces().fold(0.0f64, |a, b| a.max(b.abs()));
     force * engine.scales.length.powi(2) / engine.scales.bending
 }

@@ -126,7 +126,7 @@ impl Workspace {
         }
         let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
         trial.potential = there.potential.total();
-        trial.contact_change = relative_change(&before.contact_gradient, &there.contact_gradient);
+        trial.contact_change = relative_change(before, &there);
         // below the rounding of the potential corrections are rounding, unless the potential rises by more
         let noise = before.rounding;
         trial.settled |= trial.expected.abs() < noise && gain(before, trial) >= -noise;
@@ -202,9 +202,10 @@ impl Workspace {
     }
 }
 
-/// Largest difference relative to the largest value before; 0 if all are 0.
-fn relative_change(before: &[f64], after: &[f64]) -> f64 {
-    let largest = before.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-    let change = before.iter().zip(after).fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
+/// Largest change of a contact force relative to the largest before; 0 if none changes.
+fn relative_change(before: &Residual, after: &Residual) -> f64 {
+    let largest = before.contact_forces().fold(0.0f64, |a, b| a.max(b.abs()));
+    let both = before.contact_forces().zip(after.contact_forces());
+    let change = both.fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / largest }
 }

@@ -60,14 +60,12 @@ impl Workspace {
     /// half again as much as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of
     /// a Newton step.
     fn convexify(&mut self, engine: &Engine, iteration: usize) -> Result<(), SolveError> {
-        if self.shift < FIRST_SHIFT {
-            self.shift = 0.0;
-        }
         if self.factorise(engine, self.shift) == Some(0) {
             return Ok(());
         }
         let lower = self.shift;
-        self.shift = self.convex_shift(engine, (RAISING * self.shift).max(FIRST_SHIFT), CLIMBING, iteration)?;
+        let start = (RAISING * self.shift).max(-MARGIN * self.softest_quotient(engine)).max(FIRST_SHIFT);
+        self.shift = self.convex_shift(engine, start, CLIMBING, iteration)?;
         let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
         if estimate < WORTHWHILE * self.shift {
             let safe = self.shift;
@@ -78,6 +76,16 @@ impl Workspace {
             }
         }
         Ok(())
+    }
+
+    /// Rayleigh quotient of the last estimate of the softest direction; 0 without one.
+    fn softest_quotient(&self, engine: &Engine) -> f64 {
+        if self.softest.is_empty() {
+            return 0.0;
+        }
+        let product = self.multiply(engine, &self.tangent.values, &self.softest);
+        let inertia = self.free_dot(engine, &self.softest, |i| engine.metric[i] * self.softest[i]);
+        self.free_dot(engine, &self.softest, |i| product[i]) / inertia
     }
 
     /// The Newton step of the present factorisation, with slope and curvature of the model.
