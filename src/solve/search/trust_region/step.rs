@@ -16,8 +16,8 @@ const FIRST_SHIFT: f64 = 10.0;
 /// Factor on a shift that leaves a negative eigenvalue, because a shift that is raised too far is lowered again by an
 /// estimate, and each try is a factorisation.
 const CLIMBING: f64 = 8.0;
-/// Margin of estimates: on the shift that the lowest eigenvalue asks for, on the radius, and on how much lower a shift must be
-/// to be worth a factorisation, because to meet any exactly takes more factorisations than a step saves.
+/// Margin of estimates: on the shift that the lowest eigenvalue asks for, and on the radius, because to meet either exactly
+/// takes more factorisations than a step saves.
 const MARGIN: f64 = 1.5;
 
 /// A step and the quadratic model along it.
@@ -65,7 +65,8 @@ impl Workspace {
         let start = (RAISING * self.shift).max(-MARGIN * self.softest_quotient(engine)).max(FIRST_SHIFT);
         self.shift = self.convex_shift(engine, start, CLIMBING, iteration)?;
         let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
-        if MARGIN * estimate < self.shift {
+        // lowered by a factor of two at least, as it is raised: less is not worth a factorisation
+        if 2.0 * estimate < self.shift {
             let safe = self.shift;
             self.shift = estimate.max(NEUTRAL_SHIFT);
             if self.factorise(engine, self.shift) != Some(0) {
