@@ -210,10 +210,8 @@ pub(in crate::solve) struct SecantSteps {
     secant_steps: ContactField,
     /// Gap at the last augmentation, and the decrease of the offset in it \[L\].
     before: Option<[ContactField; 2]>,
-    /// Gap of each place when it was released last \[L\] …
-    released: Option<ContactField>,
-    /// … and how many releases there did not halve it.
-    in_vain: Option<ContactField>,
+    /// Gap of each place when it was released last \[L\], and how many releases there did not halve it.
+    released: Option<[ContactField; 2]>,
     /// Number of rounds so far.
     rounds: usize,
 }
@@ -222,13 +220,15 @@ impl SecantSteps {
     /// Gaps to release: none where that was in vain. On lines of contact along a coarse mesh the ripples of elements stay
     /// open; the secant needs two tries to find how fast a gap closes (`contact_held_open`).
     fn not_in_vain(&mut self, set: &CurveSet, gaps: &ContactField) -> ContactField {
-        let [released, in_vain] = [&self.released, &self.in_vain]
-            .map(|field| field.as_ref().map_or_else(|| gaps.map(|_, _| 0.0), |field| field.at_places_of(set, gaps)));
-        let again = |k: usize, gap: f64| released.values[k] > 0.0 && gap > 0.5 * released.values[k];
+        let [last, in_vain] = match &self.released {
+            Some(fields) => fields.each_ref().map(|field| field.at_places_of(set, gaps)),
+            None => [(); 2].map(|()| gaps.map(|_, _| 0.0)),
+        };
+        let again = |k: usize, gap: f64| last.values[k] > 0.0 && gap > 0.5 * last.values[k];
         let in_vain = in_vain.map(|k, count| if again(k, gaps.values[k]) { count + 1.0 } else { count });
         let left = gaps.map(|k, gap| if in_vain.values[k] < IN_VAIN as f64 { gap } else { 0.0 });
-        self.released = Some(released.map(|k, last| if left.values[k] > 0.0 { left.values[k] } else { last }));
-        self.in_vain = Some(in_vain);
+        let last = last.map(|k, last| if left.values[k] > 0.0 { left.values[k] } else { last });
+        self.released = Some([last, in_vain]);
         left
     }
 

@@ -95,7 +95,7 @@ impl Workspace {
             }
             let (wanted, excess) = self.corrected(engine, &linear, &trial, there);
             let change: Vec<f64> = wanted.iter().zip(&trial.increment).map(|(w, x)| w - x).collect();
-            let size = self.energy_norm_sq(engine, &change) / linear.energy;
+            let size = self.energy_norm_sq(engine, &change, self.shift) / linear.energy;
             if best.as_ref().is_none_or(|b| trial.potential < b.potential) {
                 best = Some(trial.clone());
             }
@@ -177,12 +177,11 @@ impl Workspace {
             return false;
         }
         let width = engine.contact.as_ref().map_or(engine.scales.lever, |side| 2.0 * side.min_radius);
-        let energy = self.energy_norm_sq(engine, correction);
+        let energy = self.energy_norm_sq(engine, correction, self.shift);
         if energy <= linear.energy {
             return false;
         }
-        let inertia = |x: &[f64]| self.free_dot(engine, x, |i| engine.metric[i] * x[i]);
-        let [step, moved] = [&linear.increment, correction].map(inertia);
+        let [step, moved] = [&linear.increment, correction].map(|x| self.inertia(engine, x));
         let shorter = (moved / step).sqrt() / SLIGHT;
         let stiffness = energy / moved;
         let largest = (engine.scales.length / width).powi(4);
@@ -193,12 +192,6 @@ impl Workspace {
             self.factorise(engine, shift);
         }
         is_larger
-    }
-
-    /// ΔᵀKΔ of the assembled (unshifted) tangent plus shift.
-    fn energy_norm_sq(&self, engine: &Engine, change: &[f64]) -> f64 {
-        let product = self.multiply(engine, &self.tangent.values, change);
-        self.free_dot(engine, change, |i| product[i] + self.shift * engine.metric[i] * change[i])
     }
 }
 

@@ -19,6 +19,9 @@ const CLIMBING: f64 = 8.0;
 /// Margin of estimates: on the shift that the lowest eigenvalue asks for, and on the radius, because to meet either exactly
 /// takes more factorisations than a step saves.
 const MARGIN: f64 = 1.5;
+/// Factor by which a shift is raised or lowered at least, because each try is a factorisation. With 1.5 for lowering, a
+/// penalty of κ' = 10⁸ without augmentation does not come to rest.
+const LEAST_CHANGE: f64 = 2.0;
 
 /// A step and the quadratic model along it.
 pub(super) struct ModelStep {
@@ -65,8 +68,7 @@ impl Workspace {
         let start = (RAISING * self.shift).max(-MARGIN * self.softest_quotient(engine)).max(FIRST_SHIFT);
         self.shift = self.convex_shift(engine, start, CLIMBING, iteration)?;
         let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
-        // lowered by a factor of two at least, as it is raised: less is not worth a factorisation
-        if 2.0 * estimate < self.shift {
+        if LEAST_CHANGE * estimate < self.shift {
             let safe = self.shift;
             self.shift = estimate.max(NEUTRAL_SHIFT);
             if self.factorise(engine, self.shift) != Some(0) {
@@ -82,9 +84,18 @@ impl Workspace {
         if self.softest.is_empty() {
             return 0.0;
         }
-        let product = self.multiply(engine, &self.tangent.values, &self.softest);
-        let inertia = self.free_dot(engine, &self.softest, |i| engine.metric[i] * self.softest[i]);
-        self.free_dot(engine, &self.softest, |i| product[i]) / inertia
+        self.energy_norm_sq(engine, &self.softest, 0.0) / self.inertia(engine, &self.softest)
+    }
+
+    /// xᵀ(K + τM)x of the assembled (unshifted) tangent and the shift τ.
+    pub(super) fn energy_norm_sq(&self, engine: &Engine, x: &[f64], shift: f64) -> f64 {
+        let product = self.multiply(engine, &self.tangent.values, x);
+        self.free_dot(engine, x, |i| product[i] + shift * engine.metric[i] * x[i])
+    }
+
+    /// xᵀMx.
+    pub(super) fn inertia(&self, engine: &Engine, x: &[f64]) -> f64 {
+        self.free_dot(engine, x, |i| engine.metric[i] * x[i])
     }
 
     /// The Newton step of the present factorisation, with slope and curvature of the model.
@@ -98,7 +109,7 @@ impl Workspace {
         let raw = self.raw_step(engine, residual);
         let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
         let work = -slope - self.free_dot(engine, &raw, |i| self.tangent.drive[i]);
-        let inertia = self.free_dot(engine, &raw, |i| engine.metric[i] * raw[i]);
+        let inertia = self.inertia(engine, &raw);
         let increment = self.finished_step(raw.clone(), drive, iteration)?;
         let extent = extent(engine, residual, &increment);
         Ok(ModelStep { increment, raw, extent, slope, curvature: work - self.shift * inertia, inertia })
@@ -119,7 +130,7 @@ impl Workspace {
             if step.extent <= MARGIN * radius {
                 break;
             }
-            self.shift = self.shift_for(&step, step.extent / radius).max(2.0 * self.shift);
+            self.shift = self.shift_for(&step, step.extent / radius).max(LEAST_CHANGE * self.shift);
             self.factorise(engine, self.shift);
             step = self.model_step(engine, residual, drive, at)?;
         }
