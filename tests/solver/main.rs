@@ -33,6 +33,7 @@ mod fidelity;
 mod free_rods;
 mod held_motions;
 mod honest_endings;
+mod light_contact;
 mod long_plectonemes;
 mod natural_twist;
 mod planar;

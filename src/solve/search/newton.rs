@@ -2,11 +2,14 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{CONTRACTION, IN_VAIN};
+use crate::solve::measures::{CONTRACTION, IN_VAIN, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
+use crate::solve::search::contact_balance::{is_light, largest_contact_force};
 use crate::solve::search::interrupt::Interrupt;
+use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::{Foretold, Workspace};
 
 /// Options of an equilibrium search; lengths are relative to the node spacing, rotations in rad.
@@ -107,7 +110,10 @@ impl Workspace {
                 // pressures of the law before are used in the first step under a new one only
                 side.before = None;
             }
-            if fraction == 1.0 && increment <= options.tol_increment {
+            if fraction == 1.0
+                && increment <= options.tol_increment
+                && self.balances_contact(engine, (&residual, &state), (increment, options.tol_increment))?
+            {
                 report.converged = true;
                 break;
             }
@@ -119,6 +125,25 @@ impl Workspace {
         self.refresh(engine, &state)?;
         report.num_unstable = self.count_unstable(engine)?;
         Ok(report)
+    }
+
+    /// Whether the forces of contact are in balance at `state`, after a step of this size from `before`: contact is so
+    /// stiff that a step below the tolerance may change them much.
+    fn balances_contact(
+        &mut self,
+        engine: &mut Engine,
+        (before, state): (&Residual, &State),
+        (size, tol_increment): (f64, f64),
+    ) -> Result<bool, SolveError> {
+        if engine.contact.is_none() {
+            return Ok(true);
+        }
+        timed(&mut self.timings.detection, || engine.update_contact(state))?;
+        let mut there = timed(&mut self.timings.assembly, || engine.residual_of_trial(state));
+        self.zero_energy.remove_forces(&mut there);
+        let largest = largest_contact_force(before).max(largest_contact_force(&there));
+        Ok(unbalanced(engine, &there) <= SAME * largest * engine.scales.lever
+            || is_light(engine, before, size, tol_increment))
     }
 
     /// Whether the search is to stop; kept until the caller resets it.
@@ -167,16 +192,19 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
 /// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node
 /// spacing, so that pure bending, where all forces are rounding, is judged by its moments.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
-    let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
-    let unbalanced = residual.bases.without_reactions(&residual.gradient);
-    let (mut gradient, mut magnitude) = (0.0f64, 0.0f64);
-    for node in 0..engine.num_nodes() {
-        for k in 0..6 {
-            magnitude = magnitude.max(residual.magnitude[6 * node + k] * scale(k));
-            if engine.free[node][k] {
-                gradient = gradient.max(unbalanced[6 * node + k].abs() * scale(k));
-            }
-        }
-    }
-    if magnitude > 0.0 { gradient / magnitude } else { 0.0 }
+    let sizes = residual.magnitude.iter().enumerate().map(|(i, size)| size * lever(engine, i));
+    let magnitude = sizes.fold(0.0, f64::max);
+    if magnitude > 0.0 { unbalanced(engine, residual) / magnitude } else { 0.0 }
+}
+
+/// Largest free |gradient|, forces times the node spacing \[F L\].
+fn unbalanced(engine: &Engine, residual: &Residual) -> f64 {
+    let gradient = residual.bases.without_reactions(&residual.gradient);
+    let free = gradient.iter().enumerate().filter(|(i, _)| engine.free[i / 6][i % 6]);
+    free.map(|(i, x)| x.abs() * lever(engine, i)).fold(0.0, f64::max)
+}
+
+/// The node spacing for a force, 1 for a moment.
+fn lever(engine: &Engine, unknown: usize) -> f64 {
+    if unknown % 6 < 3 { engine.scales.lever } else { 1.0 }
 }

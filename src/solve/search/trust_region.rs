@@ -104,10 +104,8 @@ impl Search {
         trial: &CorrectedStep,
         size: f64,
     ) -> Result<bool, SolveError> {
-        let acceptable = if self.rest.is_tiny(size, trial) {
-            true
-        } else if self.is_pushed() || !engine.is_conservative() {
-            trial.settled
+        let acceptable = if self.is_pushed() || !engine.is_conservative() {
+            trial.settled || self.rest.is_tiny(size, trial)
         } else {
             gain(residual, trial) >= LEAST * trial.expected - residual.rounding
         };

@@ -5,6 +5,7 @@ use super::step::ModelStep;
 use crate::solve::measures::{BALANCED, CONTRACTION, FEW, FINE, SAME, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
+use crate::solve::search::contact_balance::is_light;
 
 /// Sizes of an accepted step.
 pub(super) struct Accepted {
@@ -84,14 +85,8 @@ impl Convergence {
     /// Whether contact forces have converged after a tiny step.
     fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
         let nearly = trial.contact_change <= SAME && accepted.unbalanced <= SAME;
-        // forces of strands that touch without load are rounding, and never converge
-        let light = accepted.size <= SAME * self.tol_increment && (nearly || contact_bends(engine, residual) <= FINE);
-        light || trial.contact_change <= FINE.max(10.0 * self.tol_increment)
+        nearly && accepted.size <= SAME * self.tol_increment
+            || is_light(engine, residual, accepted.size, self.tol_increment)
+            || trial.contact_change <= FINE.max(10.0 * self.tol_increment)
     }
-}
-
-/// Size of the rotations caused by the largest contact force, rad: F L²/B.
-fn contact_bends(engine: &Engine, residual: &Residual) -> f64 {
-    let force = residual.contact_forces().fold(0.0f64, |a, b| a.max(b.abs()));
-    force * engine.scales.length.powi(2) / engine.scales.bending
 }

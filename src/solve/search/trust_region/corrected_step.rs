@@ -9,6 +9,7 @@ use crate::solve::measures::{CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
+use crate::solve::search::contact_balance::relative_change;
 use crate::solve::search::step_bound::largest_turn;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
@@ -193,12 +194,4 @@ impl Workspace {
         }
         is_larger
     }
-}
-
-/// Largest change of a contact force relative to the largest before; 0 if none changes.
-fn relative_change(before: &Residual, after: &Residual) -> f64 {
-    let largest = before.contact_forces().fold(0.0f64, |a, b| a.max(b.abs()));
-    let both = before.contact_forces().zip(after.contact_forces());
-    let change = both.fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
-    if change == 0.0 { 0.0 } else { change / largest }
 }
