@@ -12,8 +12,8 @@ pub(in crate::solve) const LAST_PLACES: f64 = 10.0;
 /// any load, motion or stiffness that is meant: works and angles of given numbers, the energy held by open gaps, springs
 /// that keep a matrix regular.
 pub(in crate::solve) const NOTHING: f64 = 1e-9;
-/// Relative residual of a state in balance. Below it tiny steps are those at a saddle or rounding, because it
-/// is that of the default tolerance of increments.
+/// Relative residual of a state in balance, and size of steps whose decrease is rounding. Below it tiny steps are those at
+/// a saddle or rounding, because it is that of the default tolerance of increments.
 pub(in crate::solve) const BALANCED: f64 = 1e-8;
 /// Relative accuracy of contact forces and of gaps, and that of numbers given with six digits.
 pub(in crate::solve) const FINE: f64 = 1e-6;

@@ -104,8 +104,10 @@ impl Search {
         trial: &CorrectedStep,
         size: f64,
     ) -> Result<bool, SolveError> {
-        let acceptable = if self.is_pushed() || !engine.is_conservative() {
-            trial.settled || self.rest.is_tiny(size, trial)
+        let acceptable = if trial.is_rounding(size) {
+            true
+        } else if self.is_pushed() || !engine.is_conservative() {
+            trial.settled
         } else {
             gain(residual, trial) >= LEAST * trial.expected - residual.rounding
         };
@@ -227,7 +229,7 @@ impl Workspace {
         let mut trial = self.trial(engine, from, step, longest)?;
         for &shorter in if from.pushed { [].as_slice() } else { &SHORTER } {
             let falls = gain(residual, &trial) >= LEAST * trial.expected - residual.rounding;
-            if trial.settled || falls || search.rest.is_tiny(size, &trial) {
+            if trial.settled || falls || trial.is_rounding(size) {
                 break;
             }
             let obstacle = trial.obstacle;

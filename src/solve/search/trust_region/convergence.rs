@@ -37,8 +37,8 @@ impl Convergence {
         Self { tol_increment, rough, at_saddle: 0, decrements: Vec::new() }
     }
 
-    /// Whether a step is below the tolerance: decrease and corrections are rounding there.
-    pub(super) fn is_tiny(&self, size: f64, trial: &CorrectedStep) -> bool {
+    /// Whether a step is below the tolerance.
+    fn is_tiny(&self, size: f64, trial: &CorrectedStep) -> bool {
         size <= self.tol_increment && trial.potential.is_finite()
     }
 

@@ -5,7 +5,7 @@ use super::gain;
 use super::step::ModelStep;
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
+use crate::solve::measures::{BALANCED, CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -32,6 +32,14 @@ pub(super) struct CorrectedStep {
     pub(super) obstacle: Option<SolveError>,
     /// C e of the last correction. Its sum with the linear prediction are the stresses that balance the step.
     pub(super) excess: Option<Vec<[Stress; 3]>>,
+}
+
+impl CorrectedStep {
+    /// Whether the step, of this size, is so small that its decrease and its corrections are rounding, whatever the
+    /// tolerance.
+    pub(super) fn is_rounding(&self, size: f64) -> bool {
+        size <= BALANCED && self.potential.is_finite()
+    }
 }
 
 /// The state from which a step is taken.
