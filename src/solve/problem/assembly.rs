@@ -74,6 +74,11 @@ impl Residual {
     pub(crate) fn contact_forces(&self) -> impl Iterator<Item = f64> {
         self.contact_gradient.chunks(6).flat_map(|node| node[..3].iter().copied())
     }
+
+    /// Largest of [`Residual::contact_forces`] \[F\].
+    pub(crate) fn largest_contact_force(&self) -> f64 {
+        self.contact_forces().fold(0.0f64, |a, b| a.max(b.abs()))
+    }
 }
 
 /// Tangent in the pattern's values plus the load-step right-hand side.

@@ -1,25 +1,39 @@
-//! Whether contact forces have found their places with the last step of a search.
+//! Whether contact is in balance after the last step of a search.
 
+use crate::error::SolveError;
 use crate::solve::measures::{FINE, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+use crate::solve::search::newton::unbalanced;
+use crate::solve::search::timing::timed;
+use crate::solve::search::workspace::Workspace;
 
-/// Largest change of a contact force relative to the largest before; 0 if none changes.
-pub(super) fn relative_change(before: &Residual, after: &Residual) -> f64 {
-    let both = before.contact_forces().zip(after.contact_forces());
-    let change = both.fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
-    if change == 0.0 { 0.0 } else { change / largest_contact_force(before) }
-}
-
-/// \[F\].
-pub(super) fn largest_contact_force(residual: &Residual) -> f64 {
-    residual.contact_forces().fold(0.0f64, |a, b| a.max(b.abs()))
+impl Workspace {
+    /// Whether the forces of contact are in balance at `state`, after a step of this size from `before`: contact is so
+    /// stiff that a step below the tolerance may change them much.
+    pub(super) fn balances_contact(
+        &mut self,
+        engine: &mut Engine,
+        (before, state): (&Residual, &State),
+        (size, tol_increment): (f64, f64),
+    ) -> Result<bool, SolveError> {
+        if engine.contact.is_none() {
+            return Ok(true);
+        }
+        timed(&mut self.timings.detection, || engine.update_contact(state))?;
+        let mut there = timed(&mut self.timings.assembly, || engine.residual_of_trial(state));
+        self.zero_energy.remove_forces(&mut there);
+        let largest = before.largest_contact_force().max(there.largest_contact_force());
+        Ok(unbalanced(engine, &there) <= SAME * largest * engine.scales.lever
+            || is_light(engine, before, size, tol_increment))
+    }
 }
 
 /// Whether a step is far below the tolerance of increments, and contact forces bend no rod: forces of strands that touch
 /// without load are rounding, and never converge.
 pub(super) fn is_light(engine: &Engine, residual: &Residual, size: f64, tol_increment: f64) -> bool {
     // rotations that the largest contact force causes, F L²/B
-    let bends = largest_contact_force(residual) * engine.scales.length.powi(2) / engine.scales.bending;
+    let bends = residual.largest_contact_force() * engine.scales.length.powi(2) / engine.scales.bending;
     size <= SAME * tol_increment && bends <= FINE
 }

@@ -6,7 +6,7 @@
 //! | `equilibrate` | a search from start to end; begin here |
 //! | `newton` | the plain search |
 //! | `trust_region` | the guarded search: corrected steps that the potential confirms |
-//! | `contact_balance` | whether contact forces have found their places |
+//! | `contact_balance` | whether contact is in balance after a search |
 //! | `second_order` | forces that a step's linear prediction missed |
 //! | `step_bound` | the longest step in which no strand passes another |
 //! | `stability` | unstable directions of a state |

@@ -2,14 +2,11 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{CONTRACTION, IN_VAIN, SAME};
+use crate::solve::measures::{CONTRACTION, IN_VAIN};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::state::State;
-use crate::solve::search::contact_balance::{is_light, largest_contact_force};
 use crate::solve::search::interrupt::Interrupt;
-use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::{Foretold, Workspace};
 
 /// Options of an equilibrium search; lengths are relative to the node spacing, rotations in rad.
@@ -127,25 +124,6 @@ impl Workspace {
         Ok(report)
     }
 
-    /// Whether the forces of contact are in balance at `state`, after a step of this size from `before`: contact is so
-    /// stiff that a step below the tolerance may change them much.
-    fn balances_contact(
-        &mut self,
-        engine: &mut Engine,
-        (before, state): (&Residual, &State),
-        (size, tol_increment): (f64, f64),
-    ) -> Result<bool, SolveError> {
-        if engine.contact.is_none() {
-            return Ok(true);
-        }
-        timed(&mut self.timings.detection, || engine.update_contact(state))?;
-        let mut there = timed(&mut self.timings.assembly, || engine.residual_of_trial(state));
-        self.zero_energy.remove_forces(&mut there);
-        let largest = largest_contact_force(before).max(largest_contact_force(&there));
-        Ok(unbalanced(engine, &there) <= SAME * largest * engine.scales.lever
-            || is_light(engine, before, size, tol_increment))
-    }
-
     /// Whether the search is to stop; kept until the caller resets it.
     pub(crate) fn must_stop(&mut self, options: &NewtonOptions) -> bool {
         self.interrupted |= options.interrupt.is_raised();
@@ -182,8 +160,7 @@ fn blend(stress: &mut [[Stress; 3]], predicted: &[[Stress; 3]], fraction: f64) {
 
 /// Largest displacement over the node spacing, or rotation (rad), of an increment.
 pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
-    let lever = engine.scales.lever;
-    step.iter().enumerate().map(|(i, x)| if i % 6 < 3 { x.abs() / lever } else { x.abs() }).fold(0.0, |a, b| {
+    step.iter().enumerate().map(|(i, x)| x.abs() / lever(engine, i)).fold(0.0, |a, b| {
         // NaN must not be swallowed by max
         if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
     })
@@ -198,7 +175,7 @@ pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
 }
 
 /// Largest free |gradient|, forces times the node spacing \[F L\].
-fn unbalanced(engine: &Engine, residual: &Residual) -> f64 {
+pub(super) fn unbalanced(engine: &Engine, residual: &Residual) -> f64 {
     let gradient = residual.bases.without_reactions(&residual.gradient);
     let free = gradient.iter().enumerate().filter(|(i, _)| engine.free[i / 6][i % 6]);
     free.map(|(i, x)| x.abs() * lever(engine, i)).fold(0.0, f64::max)

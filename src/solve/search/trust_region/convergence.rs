@@ -42,8 +42,8 @@ impl Convergence {
         size <= self.tol_increment && trial.potential.is_finite()
     }
 
-    /// Whether the search is stuck: the shift made the step shorter than the tolerance, and so acceptable, although
-    /// forces are out of balance. Without this test it would not end where strands have no room left.
+    /// Whether the search is stuck: the shift made the step shorter than the tolerance, although forces are out of
+    /// balance. Without this test it would not end where strands have no room left.
     pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
         accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > SAME
     }

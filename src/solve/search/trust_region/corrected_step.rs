@@ -9,7 +9,6 @@ use crate::solve::measures::{BALANCED, CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
-use crate::solve::search::contact_balance::relative_change;
 use crate::solve::search::step_bound::largest_turn;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
@@ -202,4 +201,11 @@ impl Workspace {
         }
         is_larger
     }
+}
+
+/// Largest change of a contact force relative to the largest before; 0 if none changes.
+fn relative_change(before: &Residual, after: &Residual) -> f64 {
+    let both = before.contact_forces().zip(after.contact_forces());
+    let change = both.fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
+    if change == 0.0 { 0.0 } else { change / before.largest_contact_force() }
 }
