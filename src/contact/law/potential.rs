@@ -47,7 +47,7 @@ mod term;
 /// it must be continuous where contact continues from one segment to the next, on either strand. Parallel over
 /// candidates in the current rayon pool; the result does not depend on the number of threads.
 pub fn evaluate(set: &CurveSet, candidates: &[[u32; 2]], law: Law, offset: &Offsets, want: Want) -> Vec<PairTerm> {
-    evaluate_within(&ContactGeometry::of_set(set), candidates, &Pressures { law, offset, before: None }, want)
+    evaluate_within(&ContactGeometry::of_set(set), candidates, &Pressures::of(law, offset), want)
 }
 
 /// The curves that terms are evaluated on.
@@ -152,6 +152,9 @@ impl ContactGeometry<'_> {
         let PairSearch { pressures, nearest, pieces } = search;
         let contact_distance = self.strands.radius_of(i) + self.strands.radius_of(j);
         let distance = self.nearest(i, j);
+        if distance >= contact_distance + pressures.largest_offset {
+            return;
+        }
         for (slave, master) in [(i, j), (j, i)] {
             let reach = pressures.reach(slave, master, contact_distance);
             if distance >= reach[0].max(reach[1]) {

@@ -117,11 +117,15 @@ impl ContactSide {
 
     /// Gap up to which pairs are candidates, and how much farther they are looked for \[L\].
     pub(crate) fn candidate_range(&self) -> (f64, f64) {
-        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
-        let largest = self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max);
         // in steps, so that a slowly growing offset does not rebuild the list every time
-        let range = self.min_radius * (2.0 * largest / self.min_radius).max(0.02).log2().ceil().exp2();
+        let range = self.min_radius * (2.0 * self.largest_offset() / self.min_radius).max(0.02).log2().ceil().exp2();
         (range, 0.5 * self.min_radius)
+    }
+
+    /// Largest offset, those of the law before included \[L\]; 0 if all are negative.
+    pub(crate) fn largest_offset(&self) -> f64 {
+        let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
+        self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max)
     }
 
     /// Offsets of none at all.

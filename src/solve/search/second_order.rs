@@ -64,7 +64,7 @@ impl Engine {
     fn add_new_at_planes(&self, residual: &Residual, there: &Residual, forces: &mut [f64]) {
         let Some(side) = &self.contact else { return };
         let offset = |segment, plane| side.offset_to_plane(segment, plane);
-        let pressures = Pressures { law: side.law, offset: &offset, before: None };
+        let pressures = Pressures::of(side.law, &offset);
         let at = |contact: &PlaneContact| (contact.segment, contact.plane);
         // both are in the order of segments and planes
         let is_new = |contact: &&PlaneContact| residual.plane_contacts.binary_search_by_key(&at(contact), at).is_err();
@@ -90,7 +90,7 @@ impl Engine {
         let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
         let geometry = potential::ContactGeometry::of_set(&side.set);
         let offset = |slave, master| side.offset(slave, master);
-        let pressures = Pressures { law: side.law, offset: &offset, before: None };
+        let pressures = Pressures::of(side.law, &offset);
         for batch in pairs.chunks(AT_ONCE) {
             let found = self.install(|| potential::evaluate_ends(&geometry, batch, &pressures, Request::default()));
             for term in found.into_iter().flatten().filter(|term| wanted(&term.pair)) {

@@ -13,9 +13,17 @@ pub(crate) struct Pressures<'a> {
     /// The former law and its offsets, right after a change of law. Its pressures are kept: the new law is linearised
     /// about the overlap at which it has the same pressure. The next Newton step moves the strands to that overlap.
     pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
+    /// No offset is larger \[L\]. A list of candidates reaches farther than contact, and offsets of each pair are dear to
+    /// look up.
+    pub(crate) largest_offset: f64,
 }
 
-impl Pressures<'_> {
+impl<'a> Pressures<'a> {
+    /// Those of a law with offsets of any size.
+    pub(crate) fn of(law: Law, offset: &'a Offsets<'a>) -> Self {
+        Self { law, offset, before: None, largest_offset: f64::INFINITY }
+    }
+
     /// Distance from the master's centreline at which the pressure ends, at both ends of the slave \[L\].
     pub(super) fn reach(&self, slave: usize, master: usize, contact_distance: f64) -> [f64; 2] {
         let offset = self.before.map_or(self.offset, |(_, offset)| offset);

@@ -26,7 +26,7 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
     let mut pieces = Vec::new();
     pair.pieces(&mut pieces);
     assert!(!pieces.is_empty());
-    let pressures = Pressures { law: Law::Linear { stiffness: 1e3 }, offset: &|_, _| [0.0; 2], before: None };
+    let pressures = penalty(1e3);
     let pair_law = PairLaw {
         pressures: &pressures,
         contact_distance: 0.05,
@@ -86,7 +86,7 @@ fn derivatives_of_the_cut_integral_match_finite_differences() {
 
 /// A plain penalty.
 fn penalty(stiffness: f64) -> Pressures<'static> {
-    Pressures { law: Law::Linear { stiffness }, offset: &|_, _| [0.0; 2], before: None }
+    Pressures::of(Law::Linear { stiffness }, &|_, _| [0.0; 2])
 }
 
 /// Three segments about the origin, and one that passes at about the distance `away`: crossing, parallel, at right
@@ -387,7 +387,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
     let contact_distance = 0.5;
     for (before, law) in laws.iter().flat_map(|b| laws.iter().map(move |l| (*b, *l))).filter(|(b, l)| b != l) {
         let (old_offset, new_offset) = (|_: usize, _: usize| old, |_: usize, _: usize| new);
-        let pressures = Pressures { law, offset: &new_offset, before: Some((before, &old_offset)) };
+        let pressures = Pressures { before: Some((before, &old_offset)), ..Pressures::of(law, &new_offset) };
         let reach = old.map(|c| contact_distance + c);
         let pair_law = PairLaw {
             pressures: &pressures,
@@ -432,4 +432,39 @@ fn a_known_place_does_not_spoil_the_guess() {
     assert_eq!(line.at(0.7), 0.5);
     line.add(0.4, 0.7);
     assert!((line.at(0.5) - 0.9).abs() < 1e-12);
+}
+
+/// Pairs farther apart than the largest offset reaches are left out before their own offsets are looked up: no term is
+/// lost by that, also where the former law reaches farther than the new one.
+#[test]
+fn a_bound_on_the_offsets_loses_no_term() {
+    let mut random = Random(11);
+    let [mut found, mut missed] = [0; 2];
+    for case in 0..400 {
+        let height = 0.3 + 0.06 * random.unit();
+        let mut input = |z: f64| {
+            let point = |m: usize| Vec3::new(m as f64 / 3.0, 0.1 * random.unit(), z + 0.02 * random.unit());
+            CurveInput {
+                segments: vec![Cubic { b: std::array::from_fn(point) }],
+                lengths: vec![1.0],
+                closed: false,
+                radius: 0.15,
+            }
+        };
+        let set = CurveSet::new(vec![input(0.0), input(height)]).unwrap();
+        let (near, far) = (|slave: usize, _: usize| [0.01 * slave as f64, 0.0], |_: usize, _: usize| [0.02, 0.03]);
+        let law = Law::Linear { stiffness: 1e3 };
+        let before = (case % 2 == 0).then_some((law, &far as &Offsets));
+        let all = Pressures { before, ..Pressures::of(law, &near) };
+        let bounded = Pressures { largest_offset: if before.is_some() { 0.03 } else { 0.01 }, ..all };
+        let terms = |pressures: &Pressures| {
+            evaluate_within(&ContactGeometry::of_set(&set), &[[0, 1]], pressures, Want::Gradient)
+        };
+        let (all, bounded) = (terms(&all), terms(&bounded));
+        assert_eq!(all.len(), bounded.len(), "case {case}");
+        assert!(all.iter().zip(&bounded).all(|(a, b)| a.energy == b.energy && a.gradient == b.gradient), "case {case}");
+        found += all.len();
+        missed += usize::from(all.is_empty());
+    }
+    assert!(found > 100 && missed > 50, "{found} {missed}");
 }

@@ -35,6 +35,7 @@ impl Engine {
             return;
         }
         let geometry = potential::ContactGeometry::of_set(&side.set);
+        let largest_offset = side.largest_offset();
         // second derivatives live for one part of the candidates only: five kilobytes a term
         for pairs in side.broad_phase.pairs().chunks(AT_ONCE) {
             let offset = |slave, master| side.offset(slave, master);
@@ -42,7 +43,7 @@ impl Engine {
             let offset_before =
                 |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
             let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
-            let pressures = potential::Pressures { law: side.law, offset: &offset, before };
+            let pressures = potential::Pressures { law: side.law, offset: &offset, before, largest_offset };
             for found in potential::evaluate_ends(&geometry, pairs, &pressures, request).into_iter().flatten() {
                 let nodes = side.nodes_of(&found.pair);
                 out.potential.contact += found.energy;
@@ -78,7 +79,7 @@ impl Engine {
         let offset_before =
             |segment, plane| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends_for_plane(offsets, segment, plane));
         let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
-        let pressures = potential::Pressures { law: side.law, offset: &offset, before };
+        let pressures = potential::Pressures { before, ..potential::Pressures::of(side.law, &offset) };
         for found in plane::evaluate(&side.set, &side.planes, &pressures, request) {
             let nodes = side.nodes[found.contact.segment];
             out.potential.contact += found.energy;

@@ -27,7 +27,7 @@ fn a_strand_along_a_plane_has_the_law_per_length() {
     for (depth, offset) in [(0.02, 0.0), (-0.01, 0.03), (0.0, 0.05)] {
         let set = strand(RADIUS - depth, false);
         let offsets = |_: usize, _: usize| [offset; 2];
-        let pressures = Pressures { law: LAW, offset: &offsets, before: None };
+        let pressures = Pressures::of(LAW, &offsets);
         let terms = evaluate(&set, &[FLOOR], &pressures, ALL);
         assert_eq!(terms.len(), 4);
         let overlap = offset + depth;
@@ -44,7 +44,7 @@ fn a_strand_along_a_plane_has_the_law_per_length() {
         assert_eq!(plane_runs(&set, &terms.into_iter().map(|term| term.contact).collect::<Vec<_>>()).len(), 1);
     }
     let offsets = |_: usize, _: usize| [0.0; 2];
-    let pressures = Pressures { law: LAW, offset: &offsets, before: None };
+    let pressures = Pressures::of(LAW, &offsets);
     assert!(evaluate(&strand(RADIUS * 1.0001, false), &[FLOOR], &pressures, ALL).is_empty());
 }
 
@@ -53,7 +53,7 @@ fn a_strand_along_a_plane_has_the_law_per_length() {
 fn zones_end_where_the_offset_meets_the_gap() {
     let set = strand(RADIUS + 0.03, false);
     let offsets = |segment: usize, _: usize| if segment == 1 { [0.1, 0.0] } else { [0.0; 2] };
-    let pressures = Pressures { law: LAW, offset: &offsets, before: None };
+    let pressures = Pressures::of(LAW, &offsets);
     let terms = evaluate(&set, &[FLOOR], &pressures, ALL);
     assert_eq!(terms.len(), 1);
     let zone = terms[0].contact.zones[0];

@@ -31,7 +31,7 @@ fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
 fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let set = crossing();
     let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize, _: usize| [0.01, -0.01]);
-    let (geometry, pressures) = (ContactGeometry::of_set(&set), Pressures { law, offset: &offset, before: None });
+    let (geometry, pressures) = (ContactGeometry::of_set(&set), Pressures::of(law, &offset));
     let points = evaluate_within(&geometry, &[[0, 1]], &pressures, Want::Hessian);
     let ends = evaluate_ends(&geometry, &[[0, 1]], &pressures, Request { tangent: true, zones: false });
     let ends: Vec<_> = ends.into_iter().flatten().collect();
