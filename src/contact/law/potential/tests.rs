@@ -439,11 +439,11 @@ fn a_known_place_does_not_spoil_the_guess() {
 #[test]
 fn a_bound_on_the_offsets_loses_no_term() {
     let mut random = Random(11);
-    let [mut found, mut missed] = [0; 2];
+    let [mut apart, mut missed] = [0; 2];
     for case in 0..400 {
         let height = 0.3 + 0.06 * random.unit();
         let mut input = |z: f64| {
-            let point = |m: usize| Vec3::new(m as f64 / 3.0, 0.1 * random.unit(), z + 0.02 * random.unit());
+            let point = |m: usize| Vec3::new(m as f64 / 3.0, 0.003 * random.unit(), z + 0.003 * random.unit());
             CurveInput {
                 segments: vec![Cubic { b: std::array::from_fn(point) }],
                 lengths: vec![1.0],
@@ -463,8 +463,9 @@ fn a_bound_on_the_offsets_loses_no_term() {
         let (all, bounded) = (terms(&all), terms(&bounded));
         assert_eq!(all.len(), bounded.len(), "case {case}");
         assert!(all.iter().zip(&bounded).all(|(a, b)| a.energy == b.energy && a.gradient == b.gradient), "case {case}");
-        found += all.len();
+        // in contact by its offset only
+        apart += usize::from(height > 0.307 && !all.is_empty());
         missed += usize::from(all.is_empty());
     }
-    assert!(found > 100 && missed > 50, "{found} {missed}");
+    assert!(apart > 30 && missed > 50, "{apart} {missed}");
 }
