@@ -85,7 +85,7 @@ impl Detector {
         let mut found = std::mem::take(&mut self.pair_forces);
         let this = &*self;
         let geometry = ContactGeometry::new(strands.clone(), &this.lengths, Some(&this.exclusion));
-        let pressures = Pressures { largest_offset: 0.0, ..Pressures::of(law, &|_, _| [0.0; 2]) };
+        let pressures = Pressures::without_offsets(law);
         for block in this.broad.pairs().chunks(BLOCK) {
             found.resize(block.len(), PairForce::NONE);
             parallel::each_part(&mut found, DEAR, &|first, part| {
@@ -118,7 +118,7 @@ impl Detector {
         let strands = self.update(curves, self.options.range.max(0.0))?;
         let wanted = |p: &&[u32; 2]| potential::wanted(&strands, &self.exclusion, p.map(|k| k as usize));
         let pairs: Vec<[u32; 2]> = self.broad.pairs().iter().filter(wanted).copied().collect();
-        let pressures = Pressures { largest_offset: 0.0, ..Pressures::of(law, &|_, _| [0.0; 2]) };
+        let pressures = Pressures::without_offsets(law);
         let geometry = ContactGeometry::new(strands, &self.lengths, Some(&self.exclusion));
         Ok(potential::evaluate_within(&geometry, &pairs, &pressures, want))
     }

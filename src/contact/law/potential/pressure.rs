@@ -24,6 +24,11 @@ impl<'a> Pressures<'a> {
         Self { law, offset, before: None, largest_offset: f64::INFINITY }
     }
 
+    /// Those of a plain penalty.
+    pub(crate) fn without_offsets(law: Law) -> Self {
+        Self { largest_offset: 0.0, ..Self::of(law, &|_, _| [0.0; 2]) }
+    }
+
     /// Distance from the master's centreline at which the pressure ends, at both ends of the slave \[L\].
     pub(super) fn reach(&self, slave: usize, master: usize, contact_distance: f64) -> [f64; 2] {
         let offset = self.before.map_or(self.offset, |(_, offset)| offset);

@@ -86,7 +86,7 @@ fn derivatives_of_the_cut_integral_match_finite_differences() {
 
 /// A plain penalty.
 fn penalty(stiffness: f64) -> Pressures<'static> {
-    Pressures::of(Law::Linear { stiffness }, &|_, _| [0.0; 2])
+    Pressures::without_offsets(Law::Linear { stiffness })
 }
 
 /// Three segments about the origin, and one that passes at about the distance `away`: crossing, parallel, at right
