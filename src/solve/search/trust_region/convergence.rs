@@ -20,7 +20,8 @@ pub(super) struct Accepted {
 
 /// Convergence test over the steps of a search.
 pub(super) struct Convergence {
-    tol_increment: f64,
+    /// See [`NewtonOptions::tol_increment`](crate::solve::NewtonOptions::tol_increment).
+    pub(super) tol_increment: f64,
     /// Extent of the last step of a rough search.
     rough: Option<f64>,
     /// Tiny shifted steps in a row.
