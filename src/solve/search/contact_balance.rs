@@ -1,4 +1,4 @@
-//! Whether contact is in balance after the last step of a search: the measure of rest of every search.
+//! Whether contact is in balance after the last step of a search.
 
 use crate::error::SolveError;
 use crate::solve::measures::{FINE, SAME};
@@ -8,10 +8,6 @@ use crate::solve::problem::state::State;
 use crate::solve::search::newton::unbalanced;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
-
-/// Largest force out of balance over the largest contact force, because the most exact preset states contact forces to
-/// 5e-4. With 1e-3, light forces on stiff contact are off by as much; with 1e-5, five strands take 1147 iterations for 1078.
-const UNBALANCED: f64 = 1e-4;
 
 impl Workspace {
     /// Whether the forces of contact are in balance at `state`, after a step of this size from `before`: contact is so
@@ -29,16 +25,15 @@ impl Workspace {
         let mut there = timed(&mut self.timings.assembly, || engine.residual_of_trial(state));
         self.zero_energy.remove_forces(&mut there);
         let largest = before.largest_contact_force().max(there.largest_contact_force());
-        Ok(largest == 0.0
-            || unbalanced(engine, &there) <= UNBALANCED * largest * engine.scales.lever
-            || is_light(engine, largest, size, tol_increment))
+        Ok(unbalanced(engine, &there) <= SAME * largest * engine.scales.lever
+            || is_light(engine, before, size, tol_increment))
     }
 }
 
-/// Whether a step is far below the tolerance of increments, and contact forces, the largest of which is given, bend no
-/// rod: forces of strands that touch without load are rounding, and never converge.
-fn is_light(engine: &Engine, largest: f64, size: f64, tol_increment: f64) -> bool {
-    // rotations that the force causes, F L²/B
-    let bends = largest * engine.scales.length.powi(2) / engine.scales.bending;
+/// Whether a step is far below the tolerance of increments, and contact forces bend no rod: forces of strands that touch
+/// without load are rounding, and never converge.
+pub(super) fn is_light(engine: &Engine, residual: &Residual, size: f64, tol_increment: f64) -> bool {
+    // rotations that the largest contact force causes, F L²/B
+    let bends = residual.largest_contact_force() * engine.scales.length.powi(2) / engine.scales.bending;
     size <= SAME * tol_increment && bends <= FINE
 }

@@ -179,7 +179,7 @@ impl Workspace {
             });
             if is_accepted {
                 let accepted = Accepted { size, unbalanced, noise: residual.rounding, shift, goes_on: false };
-                return self.accept(engine, search, (residual, accepted), (&step, trial));
+                return Ok(self.accept(engine, search, (residual, accepted), (&step, trial)));
             }
             // the decrease that is left in a full step is below the rounding of the potential: no search gets
             // farther (a step that was cut short shows nothing)
@@ -246,20 +246,13 @@ impl Workspace {
         search: &mut Search,
         (residual, accepted): (&Residual, Accepted),
         (step, trial): (&ModelStep, CorrectedStep),
-    ) -> Result<Advance, SolveError> {
+    ) -> Advance {
         search.remaining *= 1.0 - trial.fraction;
         let accepted = Accepted { goes_on: search.is_pushed(), ..accepted };
-        let rests = search.rest.is_still(step, &trial, &accepted)
-            && (self.rough.is_some()
-                || self.balances_contact(
-                    engine,
-                    (residual, &trial.state),
-                    (accepted.size, search.rest.tol_increment),
-                )?);
-        search.report.converged = search.rest.is_reached(rests, &trial, &accepted);
+        search.report.converged = search.rest.is_reached(engine, residual, (step, &trial), &accepted);
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
         self.move_to(engine, search, residual, (step, trial));
-        Ok(if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done })
+        if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done }
     }
 
     /// Takes over the state of a trial, and what the step tells of the next one.

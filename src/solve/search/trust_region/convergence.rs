@@ -2,7 +2,10 @@
 
 use super::corrected_step::CorrectedStep;
 use super::step::ModelStep;
-use crate::solve::measures::{BALANCED, CONTRACTION, FEW, SAME, SLIGHT};
+use crate::solve::measures::{BALANCED, CONTRACTION, FEW, FINE, SAME, SLIGHT};
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::engine::Engine;
+use crate::solve::search::contact_balance::is_light;
 
 /// Sizes of an accepted step.
 pub(super) struct Accepted {
@@ -20,8 +23,7 @@ pub(super) struct Accepted {
 
 /// Convergence test over the steps of a search.
 pub(super) struct Convergence {
-    /// See [`NewtonOptions::tol_increment`](crate::solve::NewtonOptions::tol_increment).
-    pub(super) tol_increment: f64,
+    tol_increment: f64,
     /// Extent of the last step of a rough search.
     rough: Option<f64>,
     /// Tiny shifted steps in a row.
@@ -36,21 +38,8 @@ impl Convergence {
     }
 
     /// Whether a step is below the tolerance.
-    fn is_tiny(&self, accepted: &Accepted, trial: &CorrectedStep) -> bool {
-        accepted.size <= self.tol_increment && trial.potential.is_finite()
-    }
-
-    /// Whether an accepted step is so short that the search ends with it, if forces are in balance.
-    pub(super) fn is_still(&self, step: &ModelStep, trial: &CorrectedStep, accepted: &Accepted) -> bool {
-        let tiny = self.is_tiny(accepted, trial);
-        let short = match self.rough {
-            None => tiny,
-            // relative motion decides, for a long rod swings far by little, once forces have found their places: the
-            // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
-            // softer law
-            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTRACTION),
-        };
-        short && trial.fraction == 1.0 && accepted.shift == 0.0
+    fn is_tiny(&self, size: f64, trial: &CorrectedStep) -> bool {
+        size <= self.tol_increment && trial.potential.is_finite()
     }
 
     /// Whether the search is stuck: the shift made the step shorter than the tolerance, although forces are out of
@@ -59,11 +48,23 @@ impl Convergence {
         accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > SAME
     }
 
-    /// Whether the search has converged with an accepted step: `rests` if it [is still](Self::is_still) and forces are in
-    /// balance after it.
-    pub(super) fn is_reached(&mut self, rests: bool, trial: &CorrectedStep, accepted: &Accepted) -> bool {
-        let tiny = self.is_tiny(accepted, trial);
+    /// Whether the search has converged with an accepted step from the state of `residual`.
+    pub(super) fn is_reached(
+        &mut self,
+        engine: &Engine,
+        residual: &Residual,
+        (step, trial): (&ModelStep, &CorrectedStep),
+        accepted: &Accepted,
+    ) -> bool {
+        let tiny = self.is_tiny(accepted.size, trial);
         let indefinite = accepted.shift > 0.0;
+        let still = match self.rough {
+            None => tiny && self.balances(engine, residual, trial, accepted),
+            // relative motion decides, for a long rod swings far by little, once forces have found their places: the
+            // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
+            // softer law
+            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTRACTION),
+        };
         // tiny shifted steps with a small residual are those at a saddle; the caller decides whether to leave it
         // (a large shift alone makes any step tiny)
         let balanced = accepted.unbalanced <= BALANCED;
@@ -78,6 +79,14 @@ impl Convergence {
         // steps that leave a saddle grow by far more than that in three steps
         let stays = |last: f64, before: f64| last > SLIGHT * before && (!indefinite || SLIGHT * last < before);
         let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
-        rests || trial.fraction == 1.0 && (self.at_saddle >= FEW || idle)
+        trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= FEW || idle)
+    }
+
+    /// Whether contact forces have converged after a tiny step.
+    fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
+        let nearly = trial.contact_change <= SAME && accepted.unbalanced <= SAME;
+        nearly && accepted.size <= SAME * self.tol_increment
+            || is_light(engine, residual, accepted.size, self.tol_increment)
+            || trial.contact_change <= FINE.max(10.0 * self.tol_increment)
     }
 }
