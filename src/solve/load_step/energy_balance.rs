@@ -23,15 +23,12 @@ use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{LAST_PLACES, ROUNDING, SLIGHT};
+use crate::solve::measures::{LAST_PLACES, ROUNDING, SAME, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
 use crate::solve::problem::state::State;
 
-/// Part of a step's change of a number over which the potential is differenced, because its square, by which the third
-/// derivative counts, is 1e-8, and rounding is divided by no less.
-const DIFFERENCE: f64 = 1e-4;
 /// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a ring
 /// of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
@@ -179,5 +176,6 @@ fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64
         }
         engine.potential_without_contact(&moved)
     };
-    (at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE)
+    // the third derivative counts by the square of this, 1e-6, and rounding is divided by no less
+    (at(SAME) - at(-SAME)) / (2.0 * SAME)
 }
