@@ -54,7 +54,7 @@ fn forces_of_light_contact_are_in_balance() {
     }
 }
 
-/// Symptom: on 70 elements the most exact preset's force was off by 1.1e-3, where it states 5e-4. Mechanism: a search that
+/// Symptom: on 67 elements the most exact preset's force was off by 1.1e-3, where it states 5e-4. Mechanism: a search that
 /// was at rest might leave a thousandth of the largest contact force out of balance on every node.
 #[test]
 fn light_contact_is_as_exact_as_its_preset_states() {
