@@ -7,19 +7,22 @@ use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Stage, Support};
+use supercoil::scene::{Contact, ContactLaw, Fidelity, LineLoad, Model, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{Options, Status, run};
+
+/// Contact radius of the beams, L.
+const RADIUS: f64 = 0.01;
 
 /// Two clamped beams, B = L = 1, that line loads press together, twelve times beyond first touch, in four steps:
 /// the contact force, B/L², and the iterations.
 fn beams(elements: usize, law: ContactLaw, tol_increment: f64) -> (f64, usize) {
-    let (radius, gap) = (0.01, 1e-4);
-    let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, radius);
+    let gap = 1e-4;
+    let section = Section::isotropic(1.0, 1.0, 1e7, 1e7, RADIUS);
     let beam = |name: &str, height: f64| {
         let shape = Shape::Line { start: Vec3::y() * height, direction: Vec3::x(), length: 1.0 };
         Rod::new(name, &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
     };
-    let rods = vec![beam("lower", 0.0), beam("upper", 2.0 * radius + gap)];
+    let rods = vec![beam("lower", 0.0), beam("upper", 2.0 * RADIUS + gap)];
     let last = rods[0].num_nodes() - 1;
     let supports = (0..2).flat_map(|rod| [0, last].map(|node| Support::clamp(NodeRef { rod, node }))).collect();
     let line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
@@ -60,10 +63,11 @@ fn forces_of_light_contact_are_in_balance() {
 fn light_contact_is_as_exact_as_its_preset_states() {
     let augmented = ContactLaw::AugmentedLagrangian { stiffness: 1e3, tol_penetration: 1e-8 };
     let (exact, _) = beams(320, augmented, 1e-8);
-    // a node spacing of .25 contact distances, as the preset takes it, and 4 % more and less
-    for elements in [64, 67, 70] {
-        let law = ContactLaw::ByMesh { least: 1e3, tol_penetration: 1e-8 };
-        let (force, _) = beams(elements, law, 1e-8);
+    let preset = Fidelity::Reference;
+    let own = preset.elements(1.0, 1.0, RADIUS);
+    // the preset's mesh, and 4 % fewer and more elements
+    for elements in [own - 3, own, own + 3] {
+        let (force, _) = beams(elements, preset.contact().law, preset.tol_increment());
         assert!((force / exact - 1.0).abs() < 1e-4, "{elements} elements: {force} for {exact}");
     }
 }
@@ -73,8 +77,7 @@ fn light_contact_is_as_exact_as_its_preset_states() {
 #[test]
 fn small_steps_lower_the_potential() {
     for elements in [8, 9, 10] {
-        let law = ContactLaw::ByMesh { least: Contact::DEFAULT_LEAST_STIFFNESS, tol_penetration: 1e-2 };
-        let (_, iterations) = beams(elements, law, 1e-4);
+        let (_, iterations) = beams(elements, Fidelity::Draft.contact().law, Fidelity::Draft.tol_increment());
         assert!(iterations < 250, "{elements} elements: {iterations}");
     }
 }
