@@ -35,6 +35,7 @@ mod held_motions;
 mod honest_endings;
 mod light_contact;
 mod long_plectonemes;
+mod moments;
 mod natural_twist;
 mod planar;
 mod planes;

@@ -93,7 +93,7 @@ impl Solver {
         let grows = changes.numbers().any(|((_, which), _)| *which == RodNumber::Length);
         let unclear =
             is_penalty && changes.numbers().next().is_some() || grows && engine.model.electrostatics.is_some();
-        if unclear || !engine.is_conservative() {
+        if unclear || engine.bears_moments() {
             return None;
         }
         let state = engine.state.clone();

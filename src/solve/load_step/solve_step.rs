@@ -23,6 +23,7 @@ use crate::solve::problem::assembly::Potential;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::contact_tangents::MaterialTangents;
+use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::NewtonReport;
@@ -420,14 +421,16 @@ impl Solver {
             let still = PrescribedMotion::default();
             let fraction = self.engine.step_fraction(&before, &increment)?;
             self.engine.state = before.retract(&increment, fraction);
-            let floor = potential.potential.total() - potential.rounding;
+            let work = work_of_moments(&self.engine, &increment) * fraction;
+            let floor = potential.potential.total() + work - potential.rounding;
             let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
-            let fall = potential.potential.total() - self.engine.residual(&self.engine.state).potential.total();
+            let end = self.engine.residual(&self.engine.state).potential.total() - work - left.work;
+            let fall = potential.potential.total() - end;
             // a motion without energy, such as the turning of the helix of a ring with two bending stiffnesses
             let is_neutral = left.converged && fall.abs() <= potential.rounding;
             if may_leave && !is_neutral {
                 report.escapes += 1;
-                idle = if fall > ROUGH * stored_energy(&potential) { 0 } else { idle + 1 };
+                idle = if fall > ROUGH * stored_energy(&potential.potential) { 0 } else { idle + 1 };
                 outcome = left;
                 continue;
             }

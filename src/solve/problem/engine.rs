@@ -264,11 +264,16 @@ impl Engine {
         0.5 * self.scales.bending / radius.powi(3)
     }
 
-    /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
-    pub fn is_conservative(&self) -> bool {
+    /// Whether moments act, at nodes or along rods.
+    pub(crate) fn bears_moments(&self) -> bool {
         let mut moments =
             self.model.loads.iter().map(|l| l.moment).chain(self.model.line_loads.iter().map(|l| l.moment));
-        self.model.planar || self.state.load_factor == 0.0 || moments.all(|moment| moment == Vec3::zeros())
+        self.state.load_factor != 0.0 && moments.any(|moment| moment != Vec3::zeros())
+    }
+
+    /// Whether the loads have a potential: fixed-axis moments have none in three dimensions.
+    pub fn is_conservative(&self) -> bool {
+        self.model.planar || !self.bears_moments()
     }
 
     /// The model this engine was built from.

@@ -42,15 +42,27 @@ pub(crate) fn add_moment_skew(engine: &Engine, x: &mut [f64], mut solve: impl Fn
     }
 }
 
-/// Nodes with a moment, and the moment at the present load factor.
-fn loaded_rotations(engine: &Engine) -> Vec<(usize, Vec3)> {
-    let mut loaded: Vec<(usize, Vec3)> = Vec::new();
+/// Work of the moments along an increment \[F·L\]. Rotations go about one axis each, so that it is m·θ even where moments
+/// have no potential.
+pub(crate) fn work_of_moments(engine: &Engine, increment: &[f64]) -> f64 {
+    let rotation = |node: usize| Vec3::from_column_slice(&increment[6 * node + 3..6 * node + 6]);
+    moments(engine).map(|(node, moment)| moment.dot(&rotation(node))).fold(0.0, |sum, work| sum + work)
+}
+
+/// Nodes with the moments that act on them at the present load factor, a node as often as it has moments.
+fn moments(engine: &Engine) -> impl Iterator<Item = (usize, Vec3)> {
     let model = &engine.model;
     let at_nodes = model.loads.iter().map(|l| (engine.first_node[l.node.rod] + l.node.node, l.moment));
     let along = model.line_loads.iter().filter(|l| l.moment != Vec3::zeros());
     let along = along.flat_map(|l| engine.shares(l.rod).map(|(node, share)| (node, l.moment * share)));
-    for (node, moment) in at_nodes.filter(|(_, moment)| *moment != Vec3::zeros()).chain(along) {
-        let moment = moment * engine.state.load_factor;
+    let acting = at_nodes.filter(|(_, moment)| *moment != Vec3::zeros()).chain(along);
+    acting.map(|(node, moment)| (node, moment * engine.state.load_factor))
+}
+
+/// Nodes with a moment, and the moment at the present load factor.
+fn loaded_rotations(engine: &Engine) -> Vec<(usize, Vec3)> {
+    let mut loaded: Vec<(usize, Vec3)> = Vec::new();
+    for (node, moment) in moments(engine) {
         match loaded.iter_mut().find(|(n, _)| *n == node) {
             Some((_, sum)) => *sum += moment,
             None => loaded.push((node, moment)),

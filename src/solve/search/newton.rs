@@ -56,6 +56,8 @@ pub(crate) struct NewtonReport {
     pub(crate) iterations: Vec<Iteration>,
     /// Unstable directions of the last tangent (without shift).
     pub(crate) num_unstable: usize,
+    /// Work of moments along the search, by the steps of the trust region \[F·L\].
+    pub(crate) work: f64,
     /// What kept the last step from being taken as a whole, if the search did not converge.
     pub(crate) obstacle: Option<SolveError>,
 }

@@ -23,8 +23,9 @@ mod step;
 use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::solve::measures::{HALVINGS, SAME};
-use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
+use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::{
@@ -57,6 +58,8 @@ struct Search {
     trust: TrustRegion,
     rest: Convergence,
     progress: SearchProgress,
+    /// Work of moments since the start \[F·L\].
+    work: f64,
     /// Steps rejected or stuck in a row.
     rejections: usize,
     report: NewtonReport,
@@ -85,6 +88,7 @@ impl Search {
             trust: TrustRegion::new(foretold.uncertainty),
             rest,
             progress,
+            work: 0.0,
             rejections: 0,
             report: NewtonReport::default(),
         }
@@ -95,8 +99,8 @@ impl Search {
         self.remaining > 0.0
     }
 
-    /// Whether a trial decreases the potential enough (or, without a potential to compare, its corrections shrank) and
-    /// takes no strand through another.
+    /// Whether a trial decreases the potential enough (or, where supports push, its corrections shrank) and takes no strand
+    /// through another.
     fn accepts(
         &self,
         engine: &mut Engine,
@@ -106,7 +110,7 @@ impl Search {
     ) -> Result<bool, SolveError> {
         let acceptable = if trial.is_rounding(size) {
             true
-        } else if self.is_pushed() || !engine.is_conservative() {
+        } else if self.is_pushed() {
             trial.settled
         } else {
             gain(residual, trial) >= LEAST * trial.expected - residual.rounding
@@ -131,10 +135,14 @@ impl Workspace {
             self.refresh(engine, &search.state)?;
             let drive_now = start.0.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
-            if residual.potential.total() < floor {
+            let load = residual.potential.load - search.work;
+            let potential = Potential { load, ..residual.potential };
+            if potential.total() < floor {
                 break;
             }
-            search.progress.see(&residual, search.remaining);
+            // without a potential a search may go round in circles, on each of which moments do work
+            let potential = if engine.is_conservative() { potential } else { Potential::default() };
+            search.progress.see(&potential, search.remaining);
             match self.advance(engine, &mut search, (&residual, &drive_now), options)? {
                 Advance::Done => {}
                 Advance::NoFarther => break,
@@ -283,12 +291,14 @@ impl Workspace {
                 *t += e;
             }
         }
+        search.work += work_of_moments(engine, &trial.increment);
         search.state = trial.state;
         engine.state = search.state.clone();
     }
 
     fn finish(&mut self, engine: &mut Engine, search: Search) -> Result<NewtonReport, SolveError> {
         let mut report = search.report;
+        report.work = search.work;
         report.obstacle = report.obstacle.filter(|_| !report.converged);
         engine.state = search.state;
         if let Some(side) = &mut engine.contact {
@@ -301,7 +311,7 @@ impl Workspace {
     }
 }
 
-/// Decrease of the potential.
+/// Decrease of the potential less the work of moments.
 fn gain(residual: &Residual, trial: &CorrectedStep) -> f64 {
     residual.potential.total() - trial.potential
 }

@@ -18,6 +18,7 @@ mod closed;
 mod curve;
 mod draft;
 mod material;
+mod moments;
 mod open;
 mod open_knots;
 mod several;
@@ -41,7 +42,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 14] = [
+pub const FAMILIES: [Family; 15] = [
     Family { name: "clamped", make: open::clamped },
     Family { name: "paths", make: open::paths },
     Family { name: "tweezers", make: open::tweezers },
@@ -56,6 +57,7 @@ pub const FAMILIES: [Family; 14] = [
     Family { name: "linked_rings", make: several::linked_rings },
     Family { name: "cables", make: several::cables },
     Family { name: "beams", make: several::beams },
+    Family { name: "moments", make: moments::moments },
 ];
 
 /// One scene of a family.

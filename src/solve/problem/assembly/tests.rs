@@ -4,6 +4,7 @@ use super::*;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Plane};
+use crate::solve::problem::moment_load::work_of_moments;
 
 /// Two free rings that overlap, with dead loads and pressure, moved off every symmetry.
 fn engine() -> Engine {
@@ -114,6 +115,17 @@ fn gradient_and_tangent_with_charges_match_finite_differences() {
     check_derivatives(engine);
 }
 
+/// The rings under moments, whose work along a step counts as a potential does.
+#[test]
+fn gradient_and_tangent_under_moments_match_finite_differences() {
+    let mut engine = engine();
+    let node = NodeRef { rod: 1, node: 11 };
+    engine.model.loads.push(NodeLoad { node, force: Vec3::zeros(), moment: Vec3::new(4.0, -3.0, 2.0) });
+    let along = LineLoad { moment: Vec3::new(-1.0, 5.0, 3.0), ..LineLoad::of_force(0, Vec3::zeros()) };
+    engine.model.line_loads.push(along);
+    check_derivatives(engine);
+}
+
 /// The rings with planes that have been moved into them, under offsets that vary along the rods.
 fn engine_on_planes() -> Engine {
     let Engine { mut model, state, .. } = engine();
@@ -194,7 +206,7 @@ fn check_derivatives(mut engine: Engine) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let potential = |engine: &mut Engine, a: f64, b: f64| {
         let step: Vec<f64> = v.iter().zip(&w).map(|(v, w)| a * v + b * w).collect();
-        at(engine, &state.retract(&step, 1.0)).potential.total()
+        at(engine, &state.retract(&step, 1.0)).potential.total() - work_of_moments(engine, &step)
     };
     let h = 1e-6;
     let slope = (8.0 * (potential(&mut engine, h, 0.0) - potential(&mut engine, -h, 0.0))

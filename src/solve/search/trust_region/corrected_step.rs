@@ -8,6 +8,7 @@ use crate::rod::element::Stress;
 use crate::solve::measures::{BALANCED, CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
+use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::state::State;
 use crate::solve::search::step_bound::largest_turn;
 use crate::solve::search::timing::timed;
@@ -18,6 +19,7 @@ use crate::solve::search::workspace::Workspace;
 pub(super) struct CorrectedStep {
     pub(super) increment: Vec<f64>,
     pub(super) state: State,
+    /// Potential there, less the work of moments on the way \[F·L\].
     pub(super) potential: f64,
     /// Decrease that the quadratic model expects.
     pub(super) expected: f64,
@@ -133,7 +135,7 @@ impl Workspace {
             return None;
         }
         let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
-        trial.potential = there.potential.total();
+        trial.potential = there.potential.total() - work_of_moments(engine, &trial.increment);
         trial.contact_change = relative_change(before, &there);
         // below the rounding of the potential corrections are rounding, unless the potential rises by more
         let noise = before.rounding;

@@ -1,11 +1,11 @@
 //! Budget of a search: iterations without progress.
 
 use crate::solve::measures::ROUGH;
-use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::assembly::Potential;
 
 /// Energy stored in rods and contact.
-pub(in crate::solve) fn stored_energy(residual: &Residual) -> f64 {
-    residual.potential.elastic.iter().sum::<f64>() + residual.potential.contact.abs()
+pub(in crate::solve) fn stored_energy(potential: &Potential) -> f64 {
+    potential.elastic.iter().sum::<f64>() + potential.contact.abs()
 }
 
 /// Iterations since the last progress.
@@ -26,12 +26,12 @@ impl SearchProgress {
     /// Records the state before an iteration. Progress is a decrease of the potential by a hundredth of the stored energy,
     /// because a snap of magnetic tweezers descends for 700 iterations by as much in a hundred, or as large an advance
     /// of a prescribed motion, relative to its remainder.
-    pub(super) fn see(&mut self, residual: &Residual, remaining: f64) {
-        let potential = residual.potential.total();
-        let falls = potential < self.potential - ROUGH * stored_energy(residual);
+    pub(super) fn see(&mut self, potential: &Potential, remaining: f64) {
+        let total = potential.total();
+        let falls = total < self.potential - ROUGH * stored_energy(potential);
         let advances = remaining < (1.0 - ROUGH) * self.remaining;
         if falls || advances {
-            (self.idle, self.potential, self.remaining) = (0, potential, remaining);
+            (self.idle, self.potential, self.remaining) = (0, total, remaining);
         }
     }
 
@@ -50,11 +50,8 @@ impl SearchProgress {
 mod tests {
     use super::*;
 
-    fn at(potential: f64) -> Residual {
-        let mut residual = Residual::default();
-        residual.potential.elastic[0] = 1.0;
-        residual.potential.load = potential - 1.0;
-        residual
+    fn at(potential: f64) -> Potential {
+        Potential { elastic: [1.0, 0.0, 0.0, 0.0], load: potential - 1.0, ..Potential::default() }
     }
 
     #[test]
