@@ -79,6 +79,69 @@ fn the_same_bits_for_any_number_of_threads() {
     assert_eq!(bits(1), bits(3));
 }
 
+/// Rods that nothing else holds fall, and rest where planes carry their weight: tilted rings and an upright one on a floor, from
+/// near and far, at once and in steps; a rod with ends; a ring in a groove between two planes.
+#[test]
+fn rods_fall_onto_planes_that_carry_their_weight() {
+    let section = "{ bending = 1.0, twisting = 0.8, stretching = 4e4, shearing = 1.3e4, contact_radius = 0.01 }";
+    let circle =
+        |normal: &str| format!("closed = true\nshape = {{ kind = \"circle\", length = 1.0, normal = {normal} }}");
+    let arc = "shape = { kind = \"arc\", start = [0, 0, 0], tangent = [1, 0, 0.2], towards = [0, 1, 0], radius = 0.3, \
+               turns = 0.5305164769729845 }\nnatural = \"as-shaped\"";
+    let floor = |height: f64| format!("[[planes]]\nname = \"floor\"\npoint = [0, 0, {height}]\nnormal = [0, 0, 1]\n");
+    let side =
+        |name: &str, x: f64| format!("[[planes]]\nname = \"{name}\"\npoint = [0, 0, -1]\nnormal = [{x}, 0, 0.8]\n");
+    let groove = side("left", 0.6) + &side("right", -0.6);
+    let tilted = circle("[0.1, 0, 1]");
+    let cases = [
+        (tilted.as_str(), floor(-0.05), 1),
+        (&tilted, floor(-0.05), 3),
+        (&tilted, floor(-0.7), 1),
+        (&circle("[0, 1, 0]"), floor(-0.3), 2),
+        (arc, floor(-0.4), 2),
+        (&tilted, groove, 2),
+    ];
+    for (shape, planes, steps) in cases {
+        let text = format!(
+            "[[rods]]\nname = \"rod\"\n{shape}\nsection = {section}\nelements = 16\n{planes}\
+             [[line_loads]]\nforce = [0, 0, -20]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = {steps}\n"
+        );
+        let (solution, seen) = run(&text, &Options::default());
+        let reactions = &seen[seen.len() - 1].plane_reactions;
+        let each = if reactions.len() == 2 { 20.0 / 1.6 } else { 20.0 };
+        reactions.iter().for_each(|plane| assert!((plane.force - each).abs() < 1e-6, "{text}: {plane:?}"));
+        // what lies flat is bent as it is by nature, or to a circle
+        let end = &seen[seen.len() - 1].energies;
+        let flat = if shape == arc { 0.0 } else { 2.0 * std::f64::consts::PI.powi(2) };
+        if reactions.len() == 1 {
+            let heights = solution.solver.engine().positions(0).iter().map(|r| r.z);
+            let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+            assert!(high - low < 1e-6, "{text}: {low} {high}");
+            let elastic = end.stretching + end.shearing + end.bending + end.twisting;
+            assert!((elastic - flat).abs() < 1e-4 * flat.max(1.0), "{text}: {elastic} {flat}");
+        }
+    }
+}
+
+/// Where no plane faces the weight, or loads turn a rod, it would move for ever.
+#[test]
+fn rods_that_planes_do_not_carry_are_refused() {
+    let with = |line: &str, stage: &str| {
+        let text = format!("{RING}[[line_loads]]\n{line}\n[[stages]]\nramp = {{ {stage} }}\n");
+        Scene::from_toml(&text, Path::new("")).map(|_| ())
+    };
+    assert_eq!(with("force = [0, 0, -1]", "load = 1.0"), Ok(()));
+    for (line, stage, reason) in [
+        ("force = [0.001, 0, -1]", "load = 1.0", "free to move as a rigid body"),
+        ("force = [0, 0, 1]", "load = 1.0", "free to move as a rigid body"),
+        ("force = [0, 0, -1]\nmoment = [0, 0, 1]", "load = 1.0", "free to move as a rigid body"),
+        ("force = [0, 0, -1]", "load = -1.0", "rests on planes alone"),
+    ] {
+        let refusal = with(line, stage).unwrap_err().to_string();
+        assert!(refusal.contains(reason), "{line} {stage}: {refusal}");
+    }
+}
+
 /// A run among planes that is taken up half-way goes on with the same bits: where planes are belongs to the state.
 #[test]
 fn runs_among_planes_go_on_with_the_same_bits() {

@@ -157,7 +157,7 @@ pub(super) struct LineLoadText {
 }
 
 /// A plane pushes rods away along its normal, without friction, under the law of `[contact]`: their surfaces stay above
-/// it. It holds no rod by itself.
+/// it. It holds a rod by itself only where it faces the sum of the dead forces on the rod, as a table does its weight.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlaneText {

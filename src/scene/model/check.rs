@@ -7,7 +7,8 @@ use crate::rod::{Rod, RodNumber};
 use super::{ContactLaw, Electrostatics, Model, NodeRef, Pose, Ramp, Stage};
 
 /// Advice for a rod that only contact supports.
-const CARRIED_BY_CONTACT: &str = " (contact, which may part, does not count as one: where a rod is to rest on others, support \
+const CARRIED_BY_CONTACT: &str = " (planes count as one where they face the sum of the dead forces on the rod; contact with \
+    other rods, which may part, does not: where a rod is to rest on others, support \
     as many of its nodes as this takes in the direction in which they carry it, too, and move these by displacements \
     until their reactions vanish)";
 
@@ -36,7 +37,7 @@ impl Model {
     /// element, of two rods that both take part in contact, or of rods that together are free to move as a rigid body;
     /// an open or loaded rod that its supports leave free to move as a rigid body
     /// while dead loads act on it or other rods or planes may push it (closed rods may float when no dead load acts on
-    /// them); a plane whose normal is not of length 1, or which a rod starts beyond;
+    /// them, and rods may fall onto planes that face the sum of the dead forces on them); a plane whose normal is not of length 1, or which a rod starts beyond;
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
     pub fn check(&self) -> Result<(), InputError> {
@@ -218,7 +219,11 @@ impl Model {
         if self.loads.is_empty() && self.line_loads.is_empty() {
             return Err(InputError::inconsistent(field, "there are no loads to ramp: add loads or line_loads"));
         }
-        Ok(())
+        let lifted = |rod: &usize| factor < 0.0 && self.is_carried(*rod) && self.free_rigid_motion(*rod).is_some();
+        match (0..self.rods.len()).find(lifted) {
+            Some(rod) => self.require(false, field, rod, "rests on planes alone: a factor below 0 takes it off them"),
+            None => Ok(()),
+        }
     }
 
     fn check_inflated(&self, field: &str, rod: usize, pressure: f64) -> Result<(), InputError> {
@@ -450,7 +455,7 @@ impl Model {
     }
 
     fn check_supported(&self, rod: usize, cause: &str) -> Result<(), InputError> {
-        let Some(motion) = self.free_rigid_motion(rod) else { return Ok(()) };
+        let Some(motion) = self.free_rigid_motion(rod).filter(|_| !self.is_carried(rod)) else { return Ok(()) };
         let reason = format!(
             "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports{}",
             if (self.rods.len() > 1 || !self.planes.is_empty()) && self.contact.law.is_on() {

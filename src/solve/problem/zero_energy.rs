@@ -36,7 +36,8 @@ mod several;
 /// in its valley nor on its ridge.
 const PASSES: f64 = FINE * FINE;
 
-fn is_free(engine: &Engine, rod: usize) -> bool {
+/// Whether no support holds a component of a rod's nodes, and no joint.
+pub(crate) fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
     let swivels = || engine.swivels.iter().flat_map(|swivel| &swivel.nodes);
     !engine.is_joined(rod)
@@ -343,10 +344,11 @@ impl ZeroEnergyModes {
             let least = SAME * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
             motions = supports.all_that_pass(&motions);
             motions.retain(|motion| zero_energy.dot(motion, motion).sqrt() > least);
-            motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
-            sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
-            zero_energy.held = true;
         }
+        // those of a free rod that loads move, too, so that springs stop nothing else
+        zero_energy.held = !free || engine.bears_loads(0);
+        motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
+        sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
         for motion in motions {
             zero_energy.add(motion);
         }
@@ -418,6 +420,7 @@ impl ZeroEnergyModes {
         (pattern, bases): (&Pattern, &Bases),
         values: &mut [f64],
     ) {
+        let is_single = engine.model.rods.len() == 1;
         if self.held {
             let pinned = &self.motions[..self.sliding.unwrap_or(self.motions.len())];
             pin_held(engine, &engine.nodes(0).collect::<Vec<_>>(), pinned.to_vec(), (pattern, bases), values);
@@ -425,9 +428,9 @@ impl ZeroEnergyModes {
         for (nodes, motions) in &self.several.held {
             pin_held(engine, nodes, motions.clone(), (pattern, bases), values);
         }
-        for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_free(engine, *index)) {
-            let single = engine.model.rods.len() == 1;
-            let alone = if single { !self.on_planes } else { self.several.anchors.binary_search(&index).is_ok() };
+        let is_pinned = |index: &usize| is_free(engine, *index) && !(is_single && self.held);
+        for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_pinned(index)) {
+            let alone = if is_single { !self.on_planes } else { self.several.anchors.binary_search(&index).is_ok() };
             // of several free rods that touch, all but one, and those that touch planes: contact may resist their rigid
             // motions, and weak springs shorten steps only a little
             let factor = if alone { 1.0 } else { NOTHING };
