@@ -123,6 +123,27 @@ fn rods_fall_onto_planes_that_carry_their_weight() {
     }
 }
 
+/// A heap of three straight rods on a floor, which carries them all. (Symptom: it did not come to rest. Mechanism: its motions
+/// along the floor and the roll of each rod cost nothing, and counted as unstable by rounding.)
+#[test]
+fn a_heap_of_rods_comes_to_rest() {
+    let rod = |name: &str, place: [f64; 3], direction: [f64; 3], bending: &str| {
+        format!(
+            "[[rods]]\nname = \"{name}\"\nelements = 12\n\
+             shape = {{ kind = \"line\", start = {place:?}, direction = {direction:?}, length = 0.8 }}\n\
+             section = {{ bending = {bending}, twisting = 0.8, stretching = 4e3, shearing = 1.5e3, contact_radius = 0.03 }}\n\
+             [[line_loads]]\nrod = \"{name}\"\nforce = [0, 0, -10]\n"
+        )
+    };
+    let text = rod("a", [-0.38, 0.06, 0.3], [1.0, -0.15, 0.17], "[1.0, 1.5]")
+        + &rod("b", [-0.34, -0.06, 0.8], [1.0, 0.2, -0.07], "1.0")
+        + &rod("c", [-0.34, -0.04, 1.3], [1.0, 0.21, 0.12], "[1.0, 1.5]")
+        + "[[planes]]\npoint = [0, 0, -0.05]\nnormal = [0, 0, 1]\n[[stages]]\nramp = { load = 1.0 }\n";
+    let (_, seen) = run(&text, &Options::default());
+    let floor = &seen[seen.len() - 1].plane_reactions[0];
+    assert!((floor.force - 24.0).abs() < 1e-6, "{floor:?}");
+}
+
 /// Where no plane faces the weight, or loads turn a rod, it would move for ever.
 #[test]
 fn rods_that_planes_do_not_carry_are_refused() {

@@ -88,7 +88,7 @@ fn scenes_can_be_run() {
 }
 
 #[test]
-#[ignore = "slow: 750 runs, hours"]
+#[ignore = "slow: 800 runs, hours"]
 fn families_come_to_rest() {
     let run = |family: &'static families::Family, index: u64| -> Row {
         let scene = family.case(index).scene(folder()).unwrap();

@@ -37,12 +37,17 @@ mod several;
 const PASSES: f64 = FINE * FINE;
 
 /// Whether no support holds a component of a rod's nodes, and no joint.
-pub(crate) fn is_free(engine: &Engine, rod: usize) -> bool {
+fn is_free(engine: &Engine, rod: usize) -> bool {
     let wanted = if engine.model.planar { 3 } else { 6 };
     let swivels = || engine.swivels.iter().flat_map(|swivel| &swivel.nodes);
     !engine.is_joined(rod)
         && !swivels().any(|&node| engine.rod_of(node) == rod)
         && engine.free[engine.nodes(rod)].iter().all(|f| f.iter().filter(|x| **x).count() == wanted)
+}
+
+/// Whether nothing but contact holds a rod against loads.
+pub(crate) fn is_falling(engine: &Engine, rod: usize) -> bool {
+    engine.bears_loads(rod) && is_free(engine, rod)
 }
 
 /// Whether a rod's joints or supports let none of its motions pass, on the face of it.
@@ -331,7 +336,9 @@ impl ZeroEnergyModes {
         let touched = normals_of(engine, plane_contacts, &[0]);
         let mut motions = rigid_motions(engine, state, &nodes, &touched);
         zero_energy.on_planes = !touched.is_empty();
-        if spins(engine, 0) || !free && is_round(engine, 0) {
+        // springs of a falling rod, too, stop only what loads leave alone
+        zero_energy.held = !free || is_falling(engine, 0);
+        if spins(engine, 0) || zero_energy.held && is_round(engine, 0) {
             motions.push(spin_of(engine, state, 0, engine.nodes(0)));
         }
         let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
@@ -345,8 +352,6 @@ impl ZeroEnergyModes {
             motions = supports.all_that_pass(&motions);
             motions.retain(|motion| zero_energy.dot(motion, motion).sqrt() > least);
         }
-        // those of a free rod that loads move, too, so that springs stop nothing else
-        zero_energy.held = !free || engine.bears_loads(0);
         motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
         sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
         for motion in motions {
@@ -428,7 +433,8 @@ impl ZeroEnergyModes {
         for (nodes, motions) in &self.several.held {
             pin_held(engine, nodes, motions.clone(), (pattern, bases), values);
         }
-        let is_pinned = |index: &usize| is_free(engine, *index) && !(is_single && self.held);
+        let falls = |index: &usize| is_single && self.held || self.several.falling.contains(index);
+        let is_pinned = |index: &usize| is_free(engine, *index) && !falls(index);
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_pinned(index)) {
             let alone = if is_single { !self.on_planes } else { self.several.anchors.binary_search(&index).is_ok() };
             // of several free rods that touch, all but one, and those that touch planes: contact may resist their rigid

@@ -17,6 +17,7 @@
 mod closed;
 mod curve;
 mod draft;
+mod falling;
 mod material;
 mod moments;
 mod open;
@@ -42,7 +43,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 15] = [
+pub const FAMILIES: [Family; 16] = [
     Family { name: "clamped", make: open::clamped },
     Family { name: "paths", make: open::paths },
     Family { name: "tweezers", make: open::tweezers },
@@ -58,6 +59,7 @@ pub const FAMILIES: [Family; 15] = [
     Family { name: "cables", make: several::cables },
     Family { name: "beams", make: several::beams },
     Family { name: "moments", make: moments::moments },
+    Family { name: "falling", make: falling::falling },
 ];
 
 /// One scene of a family.

@@ -5,7 +5,8 @@
 //! along themselves is left to the mesh's ripple.
 
 use super::{
-    Supports, holds_all, is_free, is_loaded, normals_of, rigid_motions, spin_of, spins, subtract, subtract_force,
+    Supports, holds_all, is_falling, is_free, is_loaded, is_round, normals_of, rigid_motions, spin_of, spins, subtract,
+    subtract_force,
 };
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
@@ -25,21 +26,25 @@ pub(super) struct Several {
     first_node: Vec<usize>,
     /// One rod of each group that moves freely.
     pub(super) anchors: Vec<usize>,
-    /// Motions that each group's supports permit, with their nodes.
+    /// Motions that each group's supports and loads permit, with their nodes.
     pub(super) held: Vec<(Vec<usize>, Vec<Vec<f64>>)>,
+    /// Rods of groups whose free rods bear loads.
+    pub(super) falling: Vec<usize>,
 }
 
 impl Several {
-    /// Of a model where strands touch as in a residual; groups with free rods that bear loads have none.
+    /// Of a model where strands touch as in a residual.
     pub(super) fn of(engine: &Engine, state: &State, residual: &Residual, weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
-        let mut groups = groups(engine, &residual.contact_pairs);
-        let loaded = |rod: &usize| engine.bears_loads(*rod);
-        groups.retain(|group| !(group.iter().any(loaded) && group.iter().any(|rod| is_free(engine, *rod))));
-        for group in groups {
+        for group in groups(engine, &residual.contact_pairs) {
             let start = several.motions.len();
-            for &rod in group.iter().filter(|rod| is_free(engine, **rod) && spins(engine, **rod)) {
+            // loads do work on some of the motions of such a group, which are then left to them
+            let falls = group.iter().any(|&rod| is_falling(engine, rod));
+            for &rod in group.iter().filter(|rod| !falls && is_free(engine, **rod) && spins(engine, **rod)) {
                 several.add(start, vec![(rod, spin_of(engine, state, rod, engine.nodes(rod)))]);
+            }
+            if falls {
+                several.falling.extend(&group);
             }
             if group.iter().any(|&rod| holds_all(engine, rod)) {
                 continue;
@@ -47,14 +52,17 @@ impl Several {
             let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
             let touched = normals_of(engine, &residual.plane_contacts, &group);
             let rigid = rigid_motions(engine, state, &nodes, &touched);
-            if group.iter().all(|rod| is_free(engine, *rod)) {
+            if !falls && group.iter().all(|rod| is_free(engine, *rod)) {
                 if touched.is_empty() {
                     several.anchors.push(group[0]);
                 }
                 rigid.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
             } else {
                 // spins of the rods that are held may make up for what supports hold
-                let held = group.iter().filter(|rod| spins(engine, **rod) && !is_free(engine, **rod));
+                let rolls = |rod: usize| {
+                    if falls { is_round(engine, rod) } else { spins(engine, rod) && !is_free(engine, rod) }
+                };
+                let held = group.iter().filter(|rod| rolls(**rod));
                 let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
                 let mut motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
                 let supports = Supports::of(engine, state, &nodes);

@@ -6,7 +6,7 @@ use crate::solve::measures::FEW;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::zero_energy::is_free;
+use crate::solve::problem::zero_energy::is_falling;
 use crate::solve::search::step_bound::{displacement, largest_turn};
 use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 
@@ -153,7 +153,7 @@ impl Workspace {
 /// their contact distance (at planes along the normal only, because sliding changes nothing there), or the largest
 /// displacement of a rod that falls over the model's length.
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
-    let falling = (0..engine.model.rods.len()).filter(|rod| engine.bears_loads(*rod) && is_free(engine, *rod));
+    let falling = (0..engine.model.rods.len()).filter(|rod| is_falling(engine, *rod));
     let ways = falling.flat_map(|rod| engine.nodes(rod)).map(|node| displacement(step, node).norm());
     let turn = ways.map(|way| way / engine.scales.length).fold(largest_turn(step), f64::max);
     let Some(side) = &engine.contact else { return turn };
