@@ -346,8 +346,7 @@ impl Model {
                 return Err(InputError::inconsistent(field, "joins nodes of one element"));
             }
         }
-        let touches = |rod: &Rod| rod.section.contact_radius > 0.0 && self.contact.law.is_on();
-        if touches(a) && touches(b) {
+        if self.is_touchable(a) && self.is_touchable(b) {
             let reason =
                 "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
             return Err(InputError::inconsistent(field, reason));
@@ -440,7 +439,7 @@ impl Model {
         if let Some(i) = self.line_loads.iter().position(line_load) {
             return Some(format!("line_loads[{i}] acts on it"));
         }
-        let touchable = self.rods[rod].section.contact_radius > 0.0 && self.contact.law.is_on();
+        let touchable = self.is_touchable(&self.rods[rod]);
         let (others, planes) = (self.rods.len() > 1, !self.planes.is_empty());
         let pushed = !self.rods[rod].closed && touchable;
         match (others, planes) {

@@ -61,16 +61,23 @@ impl Model {
             || along.clone().any(|load| load.moment != Vec3::zeros());
         let length = self.rods[rod].length;
         let down = at_nodes.map(|load| load.force).sum::<Vec3>() + along.map(|load| load.force * length).sum::<Vec3>();
-        let touches = self.rods[rod].section.contact_radius > 0.0 && self.contact.law.is_on();
         let normal = |plane: usize| self.planes[plane].normal;
         let count = self.planes.len();
         let sets = (0..count).flat_map(|i| (i..count).flat_map(move |j| (j..count).map(move |k| [i, j, k])));
-        touches && !turned && down != Vec3::zeros() && sets.map(|set| set.map(normal)).any(|set| balances(set, &-down))
+        self.is_touchable(&self.rods[rod])
+            && !turned
+            && down != Vec3::zeros()
+            && sets.map(|set| set.map(normal)).any(|set| balances(set, &-down))
+    }
+
+    /// Whether a rod takes part in contact.
+    pub(super) fn is_touchable(&self, rod: &Rod) -> bool {
+        rod.section.contact_radius > 0.0 && self.contact.law.is_on()
     }
 
     /// Rods that take part in contact.
     fn touches(&self) -> impl Iterator<Item = &Rod> {
-        self.rods.iter().filter(|rod| rod.section.contact_radius > 0.0 && self.contact.law.is_on())
+        self.rods.iter().filter(|rod| self.is_touchable(rod))
     }
 }
 

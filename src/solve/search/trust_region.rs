@@ -58,8 +58,6 @@ struct Search {
     trust: TrustRegion,
     rest: Convergence,
     progress: SearchProgress,
-    /// Work of moments since the start \[F·L\].
-    work: f64,
     /// Steps rejected or stuck in a row.
     rejections: usize,
     report: NewtonReport,
@@ -88,7 +86,6 @@ impl Search {
             trust: TrustRegion::new(foretold.uncertainty),
             rest,
             progress,
-            work: 0.0,
             rejections: 0,
             report: NewtonReport::default(),
         }
@@ -135,7 +132,7 @@ impl Workspace {
             self.refresh(engine, &search.state)?;
             let drive_now = start.0.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
-            let load = residual.potential.load - search.work;
+            let load = residual.potential.load - search.report.work;
             let potential = Potential { load, ..residual.potential };
             if potential.total() < floor {
                 break;
@@ -291,14 +288,13 @@ impl Workspace {
                 *t += e;
             }
         }
-        search.work += work_of_moments(engine, &trial.increment);
+        search.report.work += work_of_moments(engine, &trial.increment);
         search.state = trial.state;
         engine.state = search.state.clone();
     }
 
     fn finish(&mut self, engine: &mut Engine, search: Search) -> Result<NewtonReport, SolveError> {
         let mut report = search.report;
-        report.work = search.work;
         report.obstacle = report.obstacle.filter(|_| !report.converged);
         engine.state = search.state;
         if let Some(side) = &mut engine.contact {
