@@ -98,22 +98,21 @@
 //!
 //! # Features
 //!
-//! The default is `parallel` and `cli`. Each feature adds what it needs; the last column counts the crates it brings
-//! (x86-64 Linux, beyond those of *none*; features share some).
+//! The default is `parallel` and `cli`. Each feature adds the crates that it needs.
 //!
-//! | feature | contains | crates |
-//! |---|---|---|
-//! | none | contact of curves, rods and scenes as data, DNA, VTK files | 39 |
-//! | `parallel` | threads; results are the same bits without | 5 |
-//! | `solver` | equilibria, paths, stability, observation; faer | 34 |
-//! | `serde` | states, restarts and reports can be written and read with serde | 3 |
-//! | `scenes` | scene files (TOML); `serde` | 22 |
-//! | `tables` | tables and states as CSV; `solver` | 40 |
-//! | `pictures` | pictures of tubes, plots | 26 |
-//! | `view` | films of rods as a page for the browser, as glTF; `pictures` | 36 |
-//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` | 87 |
-//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` | 97 |
-//! | `cli` | the command line; `sweeps` | 116 |
+//! | feature | contains |
+//! |---|---|
+//! | none | contact of curves, rods and scenes as data, DNA, VTK files |
+//! | `parallel` | threads; results are the same bits without |
+//! | `solver` | equilibria, paths, stability, observation; faer |
+//! | `serde` | states, restarts and reports can be written and read with serde |
+//! | `scenes` | scene files (TOML); `serde` |
+//! | `tables` | tables and states as CSV; `solver` |
+//! | `pictures` | pictures of tubes, plots |
+//! | `view` | films of rods as a page for the browser, as glTF; `pictures` |
+//! | `runs` | a scene from start to files, with checkpoints; all but `parallel` |
+//! | `sweeps` | thousands of scenes: plans, shards, results in Parquet; `runs` |
+//! | `cli` | the command line; `sweeps` |
 //!
 //! Without `solver` there are no modules `sparse`, `solve` and `observe`. Without features and with
 //! `solver` it builds for `wasm32-unknown-unknown` and runs in the browser (`live/` is a page with the solver in it).

@@ -1,5 +1,5 @@
-//! Rods whose supports hold less than all of their neutral motions: they come to rest as rods do that are free or held
-//! well.
+//! Rods whose supports hold less than all of their neutral motions: they converge like rods that are free or fully
+//! held.
 //!
 //! ```text
 //!      _  _             ___

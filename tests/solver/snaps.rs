@@ -1,4 +1,4 @@
-//! Snaps tell the energy that they set free: a ring that is turned; a strut beyond its Euler load bends without one.
+//! Snaps report the energy that they release: a ring that is turned; a strut beyond its Euler load bends without one.
 
 use crate::common;
 

@@ -1,4 +1,4 @@
-//! The twisted closed ring at thicknesses that no table has: D/L = .005, .02, .05, in a state with one point of
+//! The twisted closed ring at thicknesses that no table has: D/L = 0.005, 0.02, 0.05, in a state with one point of
 //! contact, with two, with three, and beyond.
 //!
 //! ```text

@@ -2,7 +2,7 @@
 //! the same everywhere.
 //!
 //! `pdf-writer` writes the file. It is one crate more, because all that it needs is here already; `svg2pdf`, which takes the
-//! finished SVG, would bring 43 (docs/BUILD.md).
+//! finished SVG, would bring 43 (docs/notes/build.md).
 
 use std::convert::Infallible;
 

@@ -1,5 +1,5 @@
-//! Runs the tests, slow ones included, and writes their verification rows to VERIFICATION.md: a summary, then one table
-//! per physical case.
+//! Runs the tests, slow ones included, and writes what their verification rows say: a row per test file to VERIFICATION.md,
+//! all rows to target/verification.md.
 //!
 //! `cargo run -p supercoil-tools --bin verification` for all (a quarter of an hour on two quiet cores),
 //! `cargo run -p supercoil-tools --bin verification -- lee_frame roll_up` for some tests only (to the terminal, without the slow
@@ -32,21 +32,21 @@ struct Section {
     rows: Vec<Row>,
 }
 
-const INTRODUCTION: &str = "# Verification\n\n\
-    Written by `cargo run -p supercoil-tools --bin verification` from the rows that the tests print; do not edit. Every row is asserted by the test file \
-    that heads its table: |measured − reference| ≤ tolerance. `cargo test NAME -- --nocapture` prints them again, with all digits; rows \
-    marked *slow* are of tests that run on demand only, with `--ignored` after the `--`. A row marked **fails** is beyond its tolerance; its test ends \
-    there, without the rows that would follow.\n\n\
-    Where references come from is told in the header of each test file: closed forms, numerical solutions of the continuous equations (shooting or \
-    collocation, all printed digits meant), or, for tight knots, the literature. Where a file computes its reference itself, by a method that \
-    shares nothing with the engine, it says so. Tolerances allow for the reference's last digit, for the mesh and for what separates the case from its \
-    limit (finite stiffness against stretch, thickness, penalty), as the header says.\n\n\
-    Units: each case's own, named in the quantity or in the header of its file; ratios, angles (rad) and turns (Lk, Tw, Wr) have none. \
+const SUMMARY: &str = "# Verification\n\n\
+    Written by `cargo run -p supercoil-tools --bin verification`; do not edit. One line per test file: its case with the source, the number of \
+    rows that it asserts, and the row nearest to its tolerance. The tool writes all rows to `target/verification.md`; \
+    `cargo test NAME -- --nocapture` prints them with all digits.\n\n\
+    References are closed forms, solutions of the continuous equations (shooting, collocation), or the literature for tight knots. The header of \
+    each test file has source, parameters and units. Where a file computes its reference itself, the method shares nothing with the engine. \
+    Tolerances cover the last digit of the reference, the mesh, and the distance of the case from its limit (finite stiffness, thickness, penalty).\n\n\
     B, C: bending and twisting stiffness; L length, R radius, D contact diameter, ε contact radius; κ contact stiffness; p order of the elements. \
-    Errors are absolute, rounded up to one digit, and numbers end one digit below their error, so that a rerun gives the same file as long as \
-    nothing has changed but the last bits; `<` marks errors below a hundredth of the tolerance, given to a power of ten. `≈ 0` is a number no larger than \
-    the error shown beside it. Orders of convergence are slopes fitted to errors over mesh sizes (or whatever is named), with the theory's value as reference. \
-    Of rows that differ in the slenderness L/ε only, the one with the largest error over its tolerance is shown.\n";
+    Numbers end one digit below their error. `≈ 0` is no larger than the error.\n";
+
+const DETAILS: &str = "# Verification, all rows\n\n\
+    Written by `cargo run -p supercoil-tools --bin verification`. Each row is asserted by the test file that heads its table: |measured − reference| ≤ \
+    tolerance. Rows marked *slow* need `--ignored` after the `--`. A row marked **fails** is beyond its tolerance; its test ends there.\n\n\
+    Errors are absolute, rounded up to one digit; `<` marks errors below a hundredth of the tolerance, given to a power of ten. Of rows that \
+    differ in the slenderness L/ε only, the one with the largest error over its tolerance is shown.\n";
 
 /// Headings, each with its test files; what is in none of them comes last.
 const GROUPS: [(&str, &[&str]); 6] = [
@@ -131,12 +131,16 @@ fn main() -> ExitCode {
             sections.push(Section { binary, caption: caption(&source), rows: condensed(rows), test });
         }
     }
-    let text = document(&sections);
+    let (summary, details) = (summary(&sections), details(&sections));
     if !wanted.is_empty() {
-        println!("\n{text}");
-    } else if let Err(error) = std::fs::write(root.join("VERIFICATION.md"), text) {
-        println!("VERIFICATION.md: {error}");
-        return ExitCode::FAILURE;
+        println!("\n{details}");
+    } else {
+        for (file, text) in [("VERIFICATION.md", summary), ("target/verification.md", details)] {
+            if let Err(error) = std::fs::write(root.join(file), text) {
+                println!("{file}: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
     }
     if failed.is_empty() {
         return ExitCode::SUCCESS;
@@ -214,7 +218,8 @@ fn condensed(rows: Vec<Row>) -> Vec<Row> {
     kept
 }
 
-fn document(sections: &[Section]) -> String {
+/// Headings with their sections.
+fn groups(sections: &[Section]) -> Vec<(&'static str, Vec<&Section>)> {
     let listed = |test: &str| GROUPS.iter().any(|(_, tests)| tests.contains(&test));
     let of_group = |tests: &'static [&'static str]| -> Vec<&Section> {
         if tests.is_empty() {
@@ -223,17 +228,44 @@ fn document(sections: &[Section]) -> String {
         tests.iter().filter_map(|test| sections.iter().find(|s| s.test == *test)).collect()
     };
     let groups = GROUPS.map(|(name, tests)| (name, of_group(tests)));
-    let mut text = INTRODUCTION.to_owned();
-    text.push_str("\n| | test file | rows | largest error over its tolerance |\n|---|---|---|---|\n");
-    for (name, sections) in &groups {
-        for (k, section) in sections.iter().enumerate() {
-            let test = &section.test;
-            let worst = section.rows.iter().map(|row| row.error / row.tolerance).fold(0.0, f64::max);
-            let heading = if k == 0 { name } else { "" };
-            let _ = writeln!(text, "| {heading} | [{test}](#{test}) | {} | {worst:.1} |", section.rows.len());
-        }
+    groups.into_iter().filter(|(_, sections)| !sections.is_empty()).collect()
+}
+
+/// A line per test file.
+fn summary(sections: &[Section]) -> String {
+    let mut text = SUMMARY.to_owned();
+    for (name, sections) in groups(sections) {
+        let _ =
+            write!(text, "\n## {name}\n\n| test | case | rows | quantity | value | reference | error / tolerance |\n");
+        text.push_str("|---|---|---|---|---|---|---|\n");
+        sections.iter().for_each(|section| write_line(&mut text, section));
     }
-    for (name, sections) in groups.iter().filter(|(_, sections)| !sections.is_empty()) {
+    text
+}
+
+fn write_line(text: &mut String, section: &Section) {
+    let Section { binary, test, caption, rows } = section;
+    // a row that is exact may have no tolerance
+    let share = |row: &Row| if row.measured == row.reference { 0.0 } else { row.error / row.tolerance };
+    let Some(worst) = rows.iter().max_by(|a, b| share(a).total_cmp(&share(b))) else { return };
+    let known = worst.error.clamp(1e-2 * worst.tolerance, worst.tolerance);
+    let (measured, reference) = (number(worst.measured, known), number(worst.reference, known));
+    let (case, rows, quantity, share) = (first_sentence(caption), rows.len(), &worst.quantity, share(worst));
+    let file = format!("[{test}](tests/{binary}/{test}.rs)");
+    let _ = writeln!(text, "| {file} | {case} | {rows} | {quantity} | {measured} | {reference} | {share:.1} |");
+}
+
+/// Up to the first full stop that ends a word.
+fn first_sentence(caption: &str) -> &str {
+    let ends = |at: &usize| caption[..*at].ends_with(|c: char| c.is_lowercase() || c.is_ascii_digit() || c == ')');
+    let end = caption.match_indices(". ").map(|(at, _)| at).find(ends);
+    caption[..end.unwrap_or(caption.len())].trim_end_matches('.')
+}
+
+/// All rows.
+fn details(sections: &[Section]) -> String {
+    let mut text = DETAILS.to_owned();
+    for (name, sections) in groups(sections) {
         let _ = write!(text, "\n## {name}\n");
         sections.iter().for_each(|section| write_section(&mut text, section));
     }
