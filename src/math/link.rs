@@ -44,6 +44,17 @@ const ROWS: usize = 8;
 /// exactly normal). The frame at s = L is the frame at s = 0 turned by `seam_turns` about d3; `link` equals
 /// `seam_turns` modulo 1 up to rounding (about 1e-13). See [`ribbon_twist`] for how far neighbouring frames may differ.
 ///
+/// ```
+/// use std::f64::consts::TAU;
+/// use supercoil::math::{Vec3, link::link_numbers};
+/// let angle = |k: usize| TAU * k as f64 / 60.0;
+/// let circle: Vec<Vec3> = (0..60).map(|k| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0)).collect();
+/// // d1 turns twice about the circle from its normal z
+/// let d1: Vec<Vec3> = (0..60).map(|k| circle[k] * (2.0 * angle(k)).sin() + Vec3::z() * (2.0 * angle(k)).cos()).collect();
+/// let numbers = link_numbers(&circle, &d1, 0.0);
+/// assert!((numbers.link.abs() - 2.0).abs() < 1e-12 && numbers.writhe.abs() < 1e-12);
+/// ```
+///
 /// # Panics
 /// If `d1` and `points` differ in length.
 pub fn link_numbers(points: &[Vec3], d1: &[Vec3], seam_turns: f64) -> LinkNumbers {
@@ -59,6 +70,15 @@ pub fn link_numbers(points: &[Vec3], d1: &[Vec3], seam_turns: f64) -> LinkNumber
 /// and offset; the same bits for any number of threads. Error about 1e-13; cost N²/2 edge pairs (about 20 ns each) for
 /// open polygons and for closed ones of fewer than 400 edges, about 1 µs an edge plus the crossings of one projection
 /// for longer closed ones. Where the polygon cuts itself, writhe jumps by 2 and the mean of both sides is returned.
+///
+/// ```
+/// use supercoil::math::{Vec3, link::writhe};
+/// let trefoil = |t: f64| Vec3::new((2.0 + (3.0 * t).cos()) * (2.0 * t).cos(), (2.0 + (3.0 * t).cos()) * (2.0 * t).sin(), (3.0 * t).sin());
+/// let knot: Vec<Vec3> = (0..90).map(|k| trefoil(std::f64::consts::TAU * k as f64 / 90.0)).collect();
+/// let mirrored: Vec<Vec3> = knot.iter().map(|p| Vec3::new(p.x, p.y, -p.z)).collect();
+/// assert!((writhe(&knot, true) + writhe(&mirrored, true)).abs() < 1e-12);
+/// assert!(writhe(&knot, true).abs() > 3.0); // turns
+/// ```
 pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
     if !all_finite(points) {
         return f64::NAN;
@@ -85,6 +105,14 @@ pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
 /// between, the link differs from the angle of the last d1 to the first one about `direction` by an integer, to rounding.
 /// Cost as of [`writhe`] for long closed polygons, for any number of points. NaN if a number is not finite, or
 /// `direction` is zero.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use supercoil::math::{Vec3, link::link_of_ends};
+/// let line: Vec<Vec3> = (0..11).map(|k| Vec3::z() * k as f64).collect();
+/// let d1: Vec<Vec3> = (0..11).map(|k| 0.125 * TAU * k as f64).map(|a| Vec3::new(a.cos(), a.sin(), 0.0)).collect();
+/// assert!((link_of_ends(&line, &d1, Vec3::z()) - 1.25).abs() < 1e-12); // ten eighths of a turn
+/// ```
 ///
 /// # Panics
 /// If `d1` and `points` differ in length.
@@ -129,6 +157,15 @@ fn writhe_by_pairs(points: &[Vec3], closed: bool) -> f64 {
 /// An integer up to about 1e-13 if the polygons are disjoint; a crossing of right-handed sense counts +½. Zero if
 /// either has fewer than three points, NaN if a coordinate is not finite. Symmetric in `a` and `b`; changes sign when
 /// one of them is traversed backwards.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use supercoil::math::{Vec3, link::linking_number};
+/// let around = |k: usize| (TAU * k as f64 / 20.0).sin_cos();
+/// let a: Vec<Vec3> = (0..20).map(around).map(|(sin, cos)| Vec3::new(cos, sin, 0.0)).collect();
+/// let b: Vec<Vec3> = (0..20).map(around).map(|(sin, cos)| Vec3::new(1.0 + cos, 0.0, sin)).collect();
+/// assert!((linking_number(&a, &b).abs() - 1.0).abs() < 1e-12); // a Hopf link
+/// ```
 pub fn linking_number(a: &[Vec3], b: &[Vec3]) -> f64 {
     if !all_finite(a) || !all_finite(b) {
         return f64::NAN;
@@ -182,6 +219,14 @@ fn solid_angle(a: [Vec3; 2], b: [Vec3; 2]) -> f64 {
 /// the outgoing edge. Every angle is taken in (−π, π], so neighbouring frames must differ by less than half a turn. For
 /// a closed ribbon `Tw + Wr` is an integer to rounding, without any discretisation error. A d1 parallel to an edge (as
 /// no rod has) is replaced by the projection before it.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use supercoil::math::{Vec3, link::ribbon_twist};
+/// let line: Vec<Vec3> = (0..5).map(|k| Vec3::z() * k as f64).collect();
+/// let d1: Vec<Vec3> = (0..5).map(|k| 0.1 * TAU * k as f64).map(|a| Vec3::new(a.cos(), a.sin(), 0.0)).collect();
+/// assert!((ribbon_twist(&line, &d1, false) - 0.4).abs() < 1e-12); // right-handed, turns
+/// ```
 ///
 /// # Panics
 /// If `d1` and `points` differ in length.

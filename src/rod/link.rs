@@ -21,6 +21,16 @@ impl Rod {
     /// its shape; this function adds the missing twist. The result is exact to rounding for any number of nodes. The
     /// natural state is unchanged, also with [`Natural::AsShaped`](super::Natural).
     ///
+    /// ```
+    /// use supercoil::math::Vec3;
+    /// use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
+    /// let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    /// let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, 0.01);
+    /// let ring = Rod::new("ring", &circle, RodMesh::closed(12, 3), section, Natural::Straight)?.with_excess_link(1.5)?;
+    /// assert!((ring.start_excess_link - 1.5).abs() < 1e-12);
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    ///
     /// # Errors
     /// An open rod; a number that is not finite; more than 0.4 turns of twist between neighbouring nodes.
     pub fn with_excess_link(mut self, turns: f64) -> Result<Self, InputError> {

@@ -79,6 +79,12 @@ impl CrossSection {
 
     /// Shear correction factor k of Cowper (1966, J. Appl. Mech. 33:335) for Poisson's ratio ν: 6(1+ν)/(7+6ν) for a
     /// disc, 10(1+ν)/(12+11ν) for a rectangle.
+    ///
+    /// ```
+    /// use supercoil::rod::CrossSection;
+    /// let disc = CrossSection::Circle { radius: 1.0 };
+    /// assert!((disc.shear_correction(0.3) - 0.886).abs() < 1e-3);
+    /// ```
     pub fn shear_correction(&self, poisson: f64) -> f64 {
         match self {
             Self::Circle { .. } => 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson),
@@ -99,6 +105,12 @@ impl CrossSection {
 
 impl Section {
     /// Bending and twisting equal about all axes of the section.
+    ///
+    /// ```
+    /// use supercoil::rod::Section;
+    /// let dna = Section::isotropic(205.7, 308.55, 1100.0, 1100.0, 2.5); // pN nm², pN nm², pN, pN, nm
+    /// assert_eq!(dna.bending, [205.7; 2]);
+    /// ```
     pub fn isotropic(bending: f64, twisting: f64, stretching: f64, shearing: f64, contact_radius: f64) -> Self {
         Self { shearing: [shearing; 2], stretching, bending: [bending; 2], twisting, contact_radius }
     }

@@ -109,6 +109,17 @@ impl Placement {
 impl Shape {
     /// Samples the shape at `num_segments + 1` (open) or `num_segments` (closed) equally spaced nodes.
     ///
+    /// ```
+    /// use supercoil::math::Vec3;
+    /// use supercoil::rod::Shape;
+    /// let circle = Shape::Circle { length: 6.0, center: Vec3::zeros(), normal: Vec3::z() };
+    /// let placement = circle.place(true, 12)?;
+    /// assert_eq!((placement.positions.len(), placement.length), (12, 6.0));
+    /// // an open rod cannot be a circle
+    /// assert!(circle.place(false, 12).is_err());
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    ///
     /// # Errors
     /// Non-finite or non-positive sizes, zero directions, too few or repeated points, a closed rod of an open shape or
     /// the reverse.

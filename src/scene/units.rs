@@ -14,6 +14,12 @@ pub struct Units {
 
 impl Units {
     /// Unit of a dimension in the letters L and F, as `F/L`; units without them (`turns`, `s`) are their own.
+    ///
+    /// ```
+    /// use supercoil::scene::Units;
+    /// let units = Units { length: "nm".into(), force: "pN".into() };
+    /// assert_eq!(units.of("F L"), "pN nm");
+    /// ```
     pub fn of(&self, dimension: &str) -> String {
         let name = |letter: char| match letter {
             'L' => self.length.clone(),

@@ -17,6 +17,16 @@ use std::f64::consts::TAU;
 /// of the polygon through the samples. So the error is that of the quadrature: on a (2,3) torus knot 2e-7 with 10
 /// panels, 2e-8 with 20, 2e-11 with 40 and 1e-12 with 60. The polygon's own writhe must be within ½ of the curve's; any
 /// sampling that resolves the shape satisfies this. Returns NaN if a tangent is zero or NaN.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use supercoil::math::{Vec3, link::writhe_smooth};
+/// let circle = |u: f64| {
+///     let (sin, cos) = (TAU * u).sin_cos();
+///     (Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0))
+/// };
+/// assert!(writhe_smooth(&circle, 10).abs() < 1e-12); // a plane curve
+/// ```
 pub fn writhe_smooth(sample: &dyn Fn(f64) -> (Vec3, Vec3), panels: usize) -> f64 {
     let panels = panels.max(1);
     let rule = ChebyshevRule::new();

@@ -102,6 +102,14 @@ impl Plectoneme {
     /// A plectoneme with a given number of turns of the helix (positive right-handed), with the loops of least total
     /// bending energy.
     ///
+    /// ```
+    /// use supercoil::rod::Plectoneme;
+    /// let plectoneme = Plectoneme::of_turns(1.0, 0.02, 4.0)?;
+    /// assert!((plectoneme.turns() - 4.0).abs() < 1e-6);
+    /// assert!(plectoneme.writhe() < 0.0); // right-handed
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    ///
     /// # Errors
     /// Sizes that are not positive, a number of turns that is 0 or more than the rod is long enough for.
     pub fn of_turns(length: f64, distance: f64, turns: f64) -> Result<Self, InputError> {

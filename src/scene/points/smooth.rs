@@ -19,6 +19,14 @@ const LONGEST: f64 = 100.0;
 /// radius R shrinks by (ℓ/R)⁴. Closed curves stay closed, end points of open ones stay where they are, straight lines stay
 /// as they are.
 ///
+/// ```
+/// use supercoil::{math::Vec3, scene::smooth_points};
+/// let noisy: Vec<Vec3> = (0..40).map(|k| Vec3::new(k as f64, if k % 2 == 0 { 0.1 } else { -0.1 }, 0.0)).collect();
+/// let smooth = smooth_points(&noisy, false, 2.0)?;
+/// assert!(smooth[20].y.abs() < 0.01);
+/// # Ok::<(), supercoil::InputError>(())
+/// ```
+///
 /// # Errors
 /// A `length` ℓ \[L\] that is not above 0, or more than 100 mean distances of points; fewer than 5 points, of which two
 /// neighbours coincide.

@@ -31,6 +31,14 @@ const MIN_ANGLE: f64 = 1e-4;
 ///
 /// whose left side rises from 0 to ∞ between 0 and π/4; bisection to rounding.
 ///
+/// ```
+/// use supercoil::rod::superhelix_angle;
+/// // DNA: strands 5 nm apart, B/C = 2/3, 15 turns taken out of 913 nm
+/// let angle = superhelix_angle(5.0, 2.0 / 3.0, -15.0 / 913.0)?;
+/// assert!((0.2..0.4).contains(&angle)); // rad, to the axis
+/// # Ok::<(), supercoil::InputError>(())
+/// ```
+///
 /// # Errors
 /// A distance or ratio that is not positive; a density that is 0 or not finite.
 pub fn superhelix_angle(distance: f64, ratio: f64, link_density: f64) -> Result<f64, InputError> {
