@@ -2,7 +2,7 @@
 //! `supercoil view DIR`, `supercoil export DIR`, `supercoil sweep …` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
-//! read-only, folder in use), 4 came to rest with tubes inside each other, 130 stopped by Ctrl-C or `--time-limit`.
+//! read-only, folder in use), 4 converged with tubes inside each other, 130 stopped by Ctrl-C or `--time-limit`.
 #![allow(clippy::print_stderr)] // a program prints to its user
 
 mod progress;
@@ -48,7 +48,7 @@ const MOST_WARNINGS: usize = 10;
     version,
     disable_help_subcommand = true,
     after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
-    full, read-only, folder in use), 4 came to rest with tubes inside each other (status overlap), 130 stopped by Ctrl-C or --time-limit."
+    full, read-only, folder in use), 4 converged with tubes inside each other (status overlap), 130 stopped by Ctrl-C or --time-limit."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -497,7 +497,7 @@ fn report_status(outcome: &Outcome, dir: &Path, interrupted: bool) -> u8 {
     if interrupted && outcome.status == Status::Stopped {
         match outcome.checkpoint {
             Some(_) => eprintln!("stopped; to go on: supercoil resume {}", dir.display()),
-            None => eprintln!("stopped before the start had come to rest: there is nothing to go on from"),
+            None => eprintln!("stopped before the initial state converged: there is nothing to resume from"),
         }
         return INTERRUPTED;
     }

@@ -59,7 +59,7 @@ pub(super) fn read_part(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Sw
     let refuse = |reason: String| InputError::File { path: path.to_owned(), reason };
     let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
     if path.file_name().is_none_or(|found| found != name(&bytes).as_str()) {
-        return Err(refuse("is damaged or cut short: its content is not the one that its name tells".to_owned()));
+        return Err(refuse("is damaged or cut short: its content does not match its name".to_owned()));
     }
     from_bytes(bytes, wanted).map_err(refuse)
 }
