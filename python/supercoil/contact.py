@@ -40,10 +40,14 @@ def detect(curves: Sequence[Curve], range: float = 0.0) -> dict[str, NDArray[Any
 
 
 def link(a: ArrayLike, b: ArrayLike) -> float:
-    """Linking number of two closed polygons (n, 3) and (m, 3), an integer up to rounding."""
+    """Linking number of two closed polygons (n, 3) and (m, 3), an integer up to rounding.
+
+    Raises :class:`supercoil.InputError` for points that are not finite, which it names, and for polygons that cross each
+    other, which have no linking number.
+    """
     return _supercoil.linking_number(_points(a), _points(b))
 
 
 def writhe(points: ArrayLike, closed: bool = True) -> float:
-    """Writhe of a polygon (n, 3), turns."""
+    """Writhe of a polygon (n, 3), turns. Raises :class:`supercoil.InputError` for points that are not finite."""
     return _supercoil.writhe(_points(points), closed)

@@ -218,3 +218,20 @@ def test_progress_prints_a_line_a_step(capsys: pytest.CaptureFixture[str]) -> No
     result = ring(excess_link=0.5, steps=2).run(progress=True)
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == len(result.steps) and lines[-1].startswith("step 2: stage 1 at 100 %")
+
+
+def test_curves_without_link_or_writhe_are_refused() -> None:
+    """Points that are not numbers are named; polygons that cross have no linking number."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    circle = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    broken = circle.copy()
+    broken[7, 1] = np.nan
+    for call in (lambda: supercoil.contact.writhe(broken), lambda: supercoil.contact.link(circle, broken)):
+        with pytest.raises(supercoil.InputError, match=r"\[7\]"):
+            call()
+    for crossing in (circle + [1.0, 0.0, 0.0], circle[:, [2, 0, 1]] + [1.0, 0.0, 0.0], circle):
+        with pytest.raises(supercoil.InputError, match="crosses b"):
+            supercoil.contact.link(circle, crossing)
+    through = circle[:, [0, 2, 1]] + [1.0, 0.0, 0.0]
+    assert abs(supercoil.contact.link(circle, through)) == pytest.approx(1.0, abs=1e-12)
+    assert supercoil.contact.link(circle, np.repeat(through, 2, axis=0) + [3.0, 0.0, 0.0]) == pytest.approx(0.0)

@@ -44,6 +44,8 @@ const NEIGHBOURS: f64 = 4.0;
 /// Length that three Gauss points resolve, in contact distances and in Debye lengths, because the energy of
 /// strands that touch is then known to 1e-4.
 const PIECE: [f64; 2] = [0.75, 2.0];
+/// Most pieces of a segment, because a pair of segments sums over nine times the square of them: 6 ms a pair at this number.
+pub(crate) const MOST_PIECES: f64 = 256.0;
 /// Movement of nodes, in Debye lengths, after which pairs are searched again, because a longer list costs more than a
 /// search.
 const MARGIN: f64 = 0.5;
@@ -75,6 +77,11 @@ impl PairEnergy {
 }
 
 impl Screened {
+    /// Length that three Gauss points resolve \[L\], where the smallest contact radius is `least_radius` \[L\].
+    pub(crate) fn piece(&self, least_radius: f64) -> f64 {
+        (PIECE[0] * 2.0 * least_radius).min(PIECE[1] * self.debye_length)
+    }
+
     /// The energy of points at a distance r > 0 \[L\], switched off at the end of the range.
     #[must_use]
     pub fn at(&self, r: f64) -> PairEnergy {
@@ -140,7 +147,7 @@ impl Repulsion {
     /// For a set whose segments have equal reference lengths along each curve.
     pub(crate) fn new(law: Screened, set: &CurveSet) -> Self {
         let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
-        let piece = (PIECE[0] * 2.0 * least).min(PIECE[1] * law.debye_length);
+        let piece = law.piece(least);
         let length = |curve: usize| set.lengths[set.curves[curve].first];
         let points = (0..set.curves.len()).map(|curve| points(length(curve), piece)).collect();
         let neighbours: Vec<[f64; 2]> = (0..set.curves.len())

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::observe::report::Observation;
-use crate::observe::{self, EndLinks, ErrorEstimate, smoothed_contact_forces};
+use crate::observe::{self, EndLinks, ErrorEstimate, mesh_note, smoothed_contact_forces};
 use crate::scene::file::{FollowChoice, FollowStart};
-use crate::scene::{Ramp, Scene};
+use crate::scene::{Fidelity, Ramp, Scene};
 use crate::solve::{
     self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
     PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
@@ -215,6 +215,7 @@ struct Keeper {
     started: Instant,
     seconds_before: f64,
     links: EndLinks,
+    fidelity: Option<Fidelity>,
     /// Whether the error of the final state is to be estimated.
     estimates: bool,
 }
@@ -236,6 +237,7 @@ impl Keeper {
             started,
             seconds_before,
             links: EndLinks::new(&scene.model, &scene.stages),
+            fidelity: scene.fidelity,
             estimates: scene.output.error_estimate,
         }
     }
@@ -243,6 +245,7 @@ impl Keeper {
     fn note_links(&self, now: &mut Observation) {
         let notes = self.links.notes(now, self.record.steps().first());
         now.notes.extend(notes);
+        now.notes.extend(self.fidelity.and_then(|fidelity| mesh_note(fidelity, now)));
     }
 
     fn take_in(&mut self, observation: Observation, engine: &Engine, waypoint: &Waypoint) -> Result<(), InputError> {

@@ -372,6 +372,7 @@ pub(super) mod tests {
             plane_reactions: Vec::new(),
             total_contact_force: 0.0,
             reactions: Vec::new(),
+            mesh_error: 0.0,
             num_unstable: 2,
             energy_released: 0.0,
             iterations: 7,

@@ -5,6 +5,7 @@
 mod end_links;
 mod error_estimate;
 mod knots;
+mod mesh;
 mod planes;
 pub mod report;
 mod sites;
@@ -14,7 +15,8 @@ mod strains;
 
 #[cfg(feature = "tables")]
 pub use end_links::EndLinks;
-pub use error_estimate::{Comparison, Differences, ErrorEstimate, estimate_error};
+pub use error_estimate::{COVERS, Comparison, Differences, ErrorEstimate, estimate_error};
+pub use mesh::mesh_note;
 pub use start::{StartOverlap, start_overlaps};
 #[cfg(feature = "tables")]
 pub(crate) use state::SNAP;

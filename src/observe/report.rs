@@ -337,6 +337,10 @@ pub struct Observation {
     pub contact_resultants: f64,
     /// Reactions at supports.
     pub reactions: Vec<Reaction>,
+    /// Bending and twisting energy that a finer mesh would change, over that of the state: an estimate, of the order of the
+    /// relative error of the energy. A [`Fidelity`](crate::scene::Fidelity) states how much its mesh should leave.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub mesh_error: f64,
     /// Number of unstable directions of the accepted state.
     pub num_unstable: usize,
     /// Energy set free by a snap of this step \[F·L\], see

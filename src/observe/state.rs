@@ -15,6 +15,7 @@ use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::{Engine, NodalFields, Progress, Status};
 
 use super::knots;
+use super::mesh::mesh_error;
 use super::planes::{plane_reactions, plane_sites};
 use super::report::{
     Energies, GapReport, LineSample, Observation, PlaneReaction, PlaneSite, Reaction, RodEnds, RodLink, RodSize,
@@ -87,6 +88,7 @@ pub fn observe(progress: &Progress) -> Observation {
         sites,
         plane_sites,
         reactions: reactions(engine, &residual),
+        mesh_error: mesh_error(engine, residual.potential.elastic[2..].iter().sum()),
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
         energy_released: progress.report.energy_released,

@@ -226,3 +226,30 @@ fn rods_that_grow_keep_their_charges() {
     assert!(still > 1e-6, "{still:e}");
     assert!((grown / still - 1.0).abs() < 1e-9, "{grown:e} {still:e}");
 }
+
+/// Symptom: a ring 10⁵ Debye lengths around did not end, one of 10¹⁴ ran out of memory. Mechanism: the Gauss points of a
+/// segment were as many as it takes to resolve the Debye length. Both are refused with their number, as are ramps there.
+#[test]
+fn charges_that_the_mesh_is_too_coarse_for_are_refused() {
+    let ring = |radius: f64, stage: &str| {
+        let section = "bending = 1.0, twisting = 1.0, stretching = 1e5, shearing = 1e5, contact_radius = 0.01";
+        let text = format!(
+            "[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", radius = {radius:?} }}\nsection = {{ {section} }}\n\
+             elements = 12\n[contact]\nelectrostatics = {{ strength = 1e-6, debye_length = 0.01 }}\n{stage}"
+        );
+        Scene::from_toml(&text, Path::new("")).map(|_| ()).map_err(|error| error.to_string())
+    };
+    for (radius, pieces) in [(1000.0, "11636 pieces"), (1e12, "pieces")] {
+        let error = ring(radius, "").unwrap_err();
+        assert!(
+            error.contains("debye_length") && error.contains(pieces) && error.contains("elements would do"),
+            "{error}"
+        );
+    }
+    // as many as the refusal advises will do
+    assert!(ring(20.0, "").is_ok());
+    let grown = ring(20.0, "[[stages]]\nramp = { length = { to = 12566.0 } }\nsteps = 1\n").unwrap_err();
+    assert!(grown.contains("stages[0].ramp.length") && grown.contains("pieces"), "{grown}");
+    let thin = ring(20.0, "[[stages]]\nramp = { section = { contact_radius = 1e-4 } }\nsteps = 1\n").unwrap_err();
+    assert!(thin.contains("contact_radius") && thin.contains("pieces"), "{thin}");
+}

@@ -133,6 +133,23 @@ fn a_sweep_runs_resumes_and_keeps_its_failures_as_rows() {
     std::fs::remove_dir_all(dir).unwrap();
 }
 
+/// A run that ends with a status of its own without a failed step, here tubes inside each other, says why in its row.
+#[test]
+fn rows_of_overlaps_say_why() {
+    let axes = "scene = \"scene.toml\"\n[axes]\n\"stages.0.ramp.load\" = [1.0, 60.0]\n";
+    let (dir, sweep) = planned("overlap", axes);
+    std::fs::write(dir.join("scene.toml"), SCENE.replace("contact_radius = 0.0", "contact_radius = 0.2")).unwrap();
+    std::fs::remove_dir_all(&sweep).unwrap();
+    let sweep = plan(&dir, axes);
+    run(&sweep, &serial());
+    let table = collect(&sweep).unwrap().table;
+    let last = table.num_rows() - 1;
+    assert_eq!((words(&table, "status")[0].as_str(), words(&table, "message")[0].as_str()), ("converged", ""));
+    assert_eq!(words(&table, "status")[last], "overlap");
+    assert!(words(&table, "message")[last].contains("as tightly as its contact radius allows"));
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
 /// A case is the run of its scene, to the bit: a row each accepted step.
 #[test]
 fn a_case_is_the_run_of_its_scene() {

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::InputError;
 use crate::observe::report::Observation;
-use crate::observe::{EndLinks, ending, observe};
+use crate::observe::{EndLinks, ending, mesh_note, observe};
 use crate::scene::file::value_of;
 use crate::solve::{self, Interrupt, Progress, RunError, Status};
 
@@ -45,8 +45,10 @@ impl Plan {
         let end = match end {
             Ok(Ok(solution)) if solution.status == Status::Stopped && interrupt.is_raised() => return None,
             Ok(Ok(solution)) => {
-                let message = solution.failure.as_ref().map(ToString::to_string).unwrap_or_default();
-                CaseEnd { status: ending(solution.status, steps.last()), message }
+                let status = ending(solution.status, steps.last());
+                let reasons = || steps.last().filter(|_| status != CONVERGED).map(|last| last.notes.join("; "));
+                let message = solution.failure.as_ref().map(ToString::to_string).or_else(reasons).unwrap_or_default();
+                CaseEnd { status, message }
             }
             Ok(Err(RunError::Input(error))) => CaseEnd { status: "refused".to_owned(), message: error.to_string() },
             Ok(Err(RunError::Solve(error))) => CaseEnd { status: "broke down".to_owned(), message: error.to_string() },
@@ -72,6 +74,7 @@ impl Plan {
         }
         *columns = Some(Columns::of_scene(&scene));
         let links = EndLinks::new(&scene.model, &scene.stages);
+        let fidelity = scene.fidelity;
         let mut options = options(&scene);
         options.newton.interrupt = interrupt.clone();
         options.threads = Some(1);
@@ -79,6 +82,7 @@ impl Plan {
             // sites have no columns
             let mut now = Observation { sites: Vec::new(), ..observe(progress) };
             now.notes.extend(links.notes(&now, steps.first()));
+            now.notes.extend(fidelity.and_then(|fidelity| mesh_note(fidelity, &now)));
             steps.push(now);
             ControlFlow::Continue(())
         })

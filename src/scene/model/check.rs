@@ -1,5 +1,6 @@
 //! Conditions for a model and its stages to be a well-posed problem.
 
+use crate::contact::screened::{MOST_PIECES, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
@@ -211,7 +212,19 @@ impl Model {
         let moves_nature = matches!(which, RodNumber::Length | RodNumber::Twist);
         let winds = ramps.iter().any(|other| matches!(other, Ramp::ExcessLink { rod: it, .. } if *it == rod));
         let reason = "has its excess link ramped in the same stage, which length and natural twist change, too";
-        self.require(!(moves_nature && winds), field, rod, reason)
+        self.require(!(moves_nature && winds), field, rod, reason)?;
+        let rod = &self.rods[rod];
+        let least = self
+            .rods
+            .iter()
+            .map(Rod::least_contact_radius)
+            .filter(|radius| *radius > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        match which {
+            RodNumber::Length => self.check_pieces(field, rod, rod.spacing() * to / rod.length, least),
+            RodNumber::ContactRadius => self.check_pieces(field, rod, rod.spacing(), least.min(to)),
+            _ => Ok(()),
+        }
     }
 
     fn check_load_factor(&self, field: &str, factor: f64) -> Result<(), InputError> {
@@ -367,7 +380,29 @@ impl Model {
         let (least, most) = (LEAST_DEBYE * radius, MOST_DEBYE * radius);
         let allowed = "between .01 and 100 contact radii";
         let fits = (least..=most).contains(&debye_length);
-        InputError::check("electrostatics.debye_length", debye_length, fits, allowed)
+        InputError::check("electrostatics.debye_length", debye_length, fits, allowed)?;
+        self.rods
+            .iter()
+            .filter(|rod| self.is_touchable(rod))
+            .try_for_each(|rod| self.check_pieces("electrostatics.debye_length", rod, rod.spacing(), radius))
+    }
+
+    /// Refuses charged rods whose nodes are so far apart, against the Debye length and the smallest contact radius, that the
+    /// sum over points of a pair of segments would not end.
+    fn check_pieces(&self, field: &str, rod: &Rod, spacing: f64, least_radius: f64) -> Result<(), InputError> {
+        let Some(Electrostatics { strength, debye_length }) = self.electrostatics else { return Ok(()) };
+        let piece = Screened { strength, debye_length }.piece(least_radius);
+        let pieces = (spacing / piece).ceil();
+        if pieces <= MOST_PIECES {
+            return Ok(());
+        }
+        let needed = (rod.num_elements as f64 * pieces / MOST_PIECES).ceil();
+        let reason = format!(
+            "rod \"{}\" has nodes {spacing:.4} apart, which a Debye length of {debye_length} and a contact radius of \
+             {least_radius} divide into {pieces} pieces, at most {MOST_PIECES} are summed over: {needed} elements would do",
+            rod.name
+        );
+        Err(InputError::inconsistent(field, reason))
     }
 
     fn check_contact(&self) -> Result<(), InputError> {
