@@ -1,7 +1,9 @@
 //! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, merged into
 //! contacts.
 //!
-//! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
+//! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*. Pieces
+//!    that the potential subtracts (farthest points between two nearest ones, see [`zones`](crate::contact::zones)) are taken
+//!    from the zones on both sides of them, so that forces of sites sum to those that the rods feel.
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
 //!    force is the sum over all its zones, because each view carries half of it.
 //! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
@@ -22,6 +24,7 @@ use super::report::{SiteKind, SiteReport};
 mod by_place;
 mod fragments;
 mod lines;
+mod subtracted;
 
 use by_place::ByPlace;
 pub(super) use lines::{lines, spread};
@@ -67,7 +70,7 @@ impl Load {
     fn with(self, other: Self, shift: f64) -> Self {
         let force = self.force + other.force;
         if force <= 0.0 {
-            return self;
+            return Self { force, inertia: 0.0, ..self };
         }
         let lever = other.center + shift - self.center;
         let share = other.force / force;
@@ -151,18 +154,33 @@ fn class(zones: &[SiteZone], a: usize, b: usize) -> std::ops::Range<usize> {
     start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
 }
 
-/// All zones, sorted.
-fn zones(set: &CurveSet, terms: &[ContactPair]) -> Vec<SiteZone> {
-    let mut zones: Vec<SiteZone> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
-    zones.sort_by(order);
-    zones
+/// A zone and the pieces that it is the sum of, those with a negative force subtracted.
+struct Composed {
+    zone: SiteZone,
+    pieces: Vec<SiteZone>,
 }
 
-/// The zone of a chain of pieces.
-fn zone(set: &CurveSet, chain: &[ChainPiece]) -> SiteZone {
-    let mut zone = piece(set, &chain[0]);
-    chain[1..].iter().for_each(|link| append(set, &mut zone, &piece(set, link)));
-    zone
+/// All zones, sorted.
+fn zones(set: &CurveSet, terms: &[ContactPair]) -> Vec<SiteZone> {
+    composed(set, terms).into_iter().map(|composed| composed.zone).collect()
+}
+
+/// All zones with their pieces, sorted.
+fn composed(set: &CurveSet, terms: &[ContactPair]) -> Vec<Composed> {
+    let mut all: Vec<Composed> = chains(set, terms).iter().map(|chain| Composed::of(set, chain)).collect();
+    all.sort_by(|x, y| order(&x.zone, &y.zone));
+    subtracted::take_from(set, terms, &mut all);
+    all
+}
+
+impl Composed {
+    /// The zone of a chain of pieces.
+    fn of(set: &CurveSet, chain: &[ChainPiece]) -> Self {
+        let pieces: Vec<SiteZone> = chain.iter().map(|link| piece(set, link)).collect();
+        let mut zone = pieces[0];
+        pieces[1..].iter().for_each(|piece| append(set, &mut zone, piece));
+        Self { zone, pieces }
+    }
 }
 
 fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
@@ -187,13 +205,14 @@ fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
 /// The force on the slave side of a piece that spans `arc`.
 fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
     let (force, [first, second]) = (zone.half_force, zone.half_moments);
-    if force <= 0.0 {
-        return Load { center: 0.5 * (arc[0] + arc[1]), ..Load::default() };
-    }
     let u = zone.piece.u;
+    if force == 0.0 || u[1] <= u[0] {
+        return Load { force, center: 0.5 * (arc[0] + arc[1]), inertia: 0.0 };
+    }
     let scale = (arc[1] - arc[0]) / (u[1] - u[0]);
     let mean = first / force;
-    let inertia = (second - mean * first).max(0.0) * scale * scale;
+    // of the sign of the force
+    let inertia = force.signum() * (force.signum() * (second - mean * first)).max(0.0) * scale * scale;
     Load { force, center: arc[0] + (mean - u[0]) * scale, inertia }
 }
 

@@ -6,12 +6,11 @@
 //! The forces on nodes are spread in the same way where they are shown ([`spread`]).
 
 use crate::contact::arc::near;
-use crate::contact::chain::chains;
 use crate::contact::curve::CurveSet;
 use crate::contact::potential::ContactPair;
 use crate::observe::report::{LineSample, SiteKind};
 
-use super::{ContactZones, Layer, SiteZone, contacts, order, piece, site, zone};
+use super::{ContactZones, Layer, SiteZone, composed, contacts, site};
 
 /// Samples per width of the smoothing.
 const A_WIDTH: f64 = 2.0;
@@ -35,10 +34,8 @@ pub(in crate::observe) fn lines(
     rods: &[usize],
     layer: &Layer,
 ) -> Vec<LineSample> {
-    let chains = chains(set, terms);
-    let mut zoned: Vec<(SiteZone, usize)> = chains.iter().enumerate().map(|(k, chain)| (zone(set, chain), k)).collect();
-    zoned.sort_by(|x, y| order(&x.0, &y.0));
-    let zones: Vec<SiteZone> = zoned.iter().map(|(zone, _)| *zone).collect();
+    let composed = composed(set, terms);
+    let zones: Vec<SiteZone> = composed.iter().map(|composed| composed.zone).collect();
     let mut found: Vec<_> = contacts(set, &zones, layer)
         .into_iter()
         .map(|members| (site(ContactZones { set, zones: &zones, members: &members }, rods, layer), members))
@@ -61,9 +58,9 @@ pub(in crate::observe) fn lines(
             let arcs = [0, 1].map(|k| along(places[k], starts[k], set.period(curves[k])));
             Source { arcs, force: zone.load.force, gap: zone.gap }
         };
-        let sources = members.iter().flat_map(|&(member, flipped)| {
-            chains[zoned[member].1].iter().map(move |link| source(piece(set, link), flipped))
-        });
+        let sources = members
+            .iter()
+            .flat_map(|&(member, flipped)| composed[member].pieces.iter().map(move |piece| source(*piece, flipped)));
         let length = |arc: [f64; 2], period: Option<f64>| {
             if arc[1] >= arc[0] { arc[1] - arc[0] } else { arc[1] - arc[0] + period.unwrap_or(0.0) }
         };

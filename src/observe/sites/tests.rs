@@ -1,4 +1,5 @@
 use super::*;
+use crate::contact::curve::{Cubic, CurveInput};
 use crate::contact::law::Law;
 use crate::contact::potential::{PairTerm, Want, evaluate};
 use crate::math::Vec3;
@@ -252,5 +253,38 @@ fn a_row_of_contacts_is_a_line() {
             let even = |sample: &crate::observe::report::LineSample| (sample.pressure / mean - 1.0).abs() < 0.03;
             assert!(crests < 9 || inner.iter().all(even), "{inner:?}");
         }
+    }
+}
+
+/// A straight rod in the bend of another one, bent more tightly than within the contact distance: its points see two
+/// nearest ones of the bend and a farthest one between them. Symptom: the force of the site was twice that on the rods.
+/// Mechanism: farthest points, which the potential subtracts, were left out of the sites.
+#[test]
+fn sites_carry_the_force_of_the_rods_in_tight_bends() {
+    for (angle, lift) in [(90.0, 0.0), (90.0, 0.004), (50.0, 0.002), (90.0, -0.001)] {
+        let (stiffness, radius) = (100.0, 0.5);
+        let (sin, cos) = f64::to_radians(angle).sin_cos();
+        let straight: Vec<Vec3> =
+            (0..=6).map(|k| Vec3::new(cos, sin, 0.0) * (f64::from(k) - 3.2) - Vec3::z() * (0.99 - lift)).collect();
+        let b = |k: f64| Vec3::new(k, 0.0, 0.0);
+        // horizontal at x = 0, from there downwards on both sides: radius of curvature .8
+        let half = Cubic { b: [b(0.0), b(0.4), Vec3::new(0.75, 0.0, 0.3), Vec3::new(1.0, 0.0, 0.7)] };
+        let mirrored = Cubic { b: std::array::from_fn(|k| Vec3::new(-half.b[3 - k].x, 0.0, -half.b[3 - k].z)) };
+        let down = Cubic { b: half.b.map(|p| Vec3::new(p.x, 0.0, -p.z)) };
+        let line = |w: &[Vec3]| Cubic { b: std::array::from_fn(|k| w[0].lerp(&w[1], k as f64 / 3.0)) };
+        let curve =
+            |segments: Vec<Cubic>| CurveInput { lengths: vec![1.0; segments.len()], segments, closed: false, radius };
+        let set =
+            CurveSet::new(vec![curve(straight.windows(2).map(line).collect()), curve(vec![mirrored, down])]).unwrap();
+        let terms = evaluate(&set, &all_pairs(&set), Law::Linear { stiffness }, &|_, _| [0.0; 2], Want::Gradient);
+        let on_a: Vec3 = terms
+            .iter()
+            .map(|term| -term.gradient[if set.curve_of(term.slave) == 0 { 0..4 } else { 4..8 }].iter().sum::<Vec3>())
+            .sum();
+        let is_folded = terms.iter().flat_map(|term| &term.zones).any(|zone| zone.piece.branch.is_subtracted());
+        let sites = sites(&set, &contact_pairs(terms), &[0, 1], &layer(2, stiffness));
+        let told: Vec3 = sites.iter().map(|site| Vec3::from(site.force_on_a)).sum();
+        assert!(is_folded, "{angle} {lift}");
+        assert!((told - on_a).norm() < 1e-12 * on_a.norm(), "{angle} {lift}: {told:?} {on_a:?}");
     }
 }
