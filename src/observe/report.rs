@@ -1,5 +1,7 @@
 //! The report of an accepted state: plain data, serialisable, with units. [`observe`](super::observe) fills it.
 
+use crate::certificate::Certificate;
+
 /// Energies by kind \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -102,6 +104,9 @@ pub struct SiteReport {
     /// Force on strand a \[F\], in the global axes; strand b bears the opposite. Shorter than `force` if the direction
     /// of the pressure varies along the zone.
     pub force_on_a: [f64; 3],
+    /// Moment of the force on strand a about the first of the `feet` \[F·L\]; strand b bears the opposite about that point.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub moment_on_a: [f64; 3],
     /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
     pub feet: [[f64; 3]; 2],
 }
@@ -147,6 +152,9 @@ pub struct PlaneSite {
     pub center: f64,
     /// Force of the plane on the rod \[F\].
     pub force_on_rod: [f64; 3],
+    /// Its moment about `nearest` \[F·L\].
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub moment_on_rod: [f64; 3],
     /// Point of the centreline where the gap is smallest \[L\].
     pub nearest: [f64; 3],
 }
@@ -173,7 +181,7 @@ pub struct Reaction {
     pub node: usize,
     /// Force \[F\], zero in free components.
     pub force: [f64; 3],
-    /// Moment \[F·L\], zero in free components.
+    /// Moment \[F·L\], zero in free components; of a support that holds the rotation about one axis, the whole vector.
     pub moment: [f64; 3],
 }
 
@@ -266,13 +274,13 @@ pub struct Knot {
     pub ropelength: Option<f64>,
 }
 
-/// Smallest certified clearance of the state.
+/// Smallest gap of the state, between the elements' own centrelines, which carry the energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GapReport {
-    /// Lower bound of the smallest gap \[L\].
+    /// The smallest gap less the accuracy of its search \[L\].
     pub lower: f64,
-    /// Upper bound \[L\].
+    /// The smallest gap found \[L\].
     pub upper: f64,
     /// Where: rod and arc length on both strands.
     pub rod_a: usize,
@@ -294,7 +302,8 @@ pub struct Observation {
     pub step: usize,
     /// Fraction of the stage done, 0..=1.
     pub fraction: f64,
-    /// "converged", or why not, or "overlap": an equilibrium in which tubes overlap where contact does not resist it.
+    /// "converged", or why not; "overlap": an equilibrium in which tubes overlap where contact does not resist it; "fails …":
+    /// one of which a check of the certificate does not hold.
     pub status: String,
     /// Warnings about the state, as text: a snap before it; overlaps that contact does not resist (it acts between
     /// strands, not between neighbours along one, so a rod bent more tightly than its contact radius overlaps itself);
@@ -337,6 +346,9 @@ pub struct Observation {
     pub contact_resultants: f64,
     /// Reactions at supports.
     pub reactions: Vec<Reaction>,
+    /// What holds of the state, by checks that share nothing with the solver.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub certificate: Certificate,
     /// Number of unstable directions of the accepted state.
     pub num_unstable: usize,
     /// Energy set free by a snap of this step \[F·L\], see
@@ -355,5 +367,10 @@ impl Observation {
     /// Whether tubes overlap in an equilibrium where contact does not resist it.
     pub fn overlaps(&self) -> bool {
         self.status == super::OVERLAP
+    }
+
+    /// Whether it is an equilibrium of which a check of the certificate does not hold.
+    pub fn fails(&self) -> bool {
+        self.status.starts_with(super::state::FAILING)
     }
 }

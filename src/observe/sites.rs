@@ -47,8 +47,19 @@ struct SiteZone {
     angle: f64,
     /// Half of the force on strand a \[F\].
     push: Vec3,
+    /// Its moment about `at` \[F·L\].
+    torque: Vec3,
+    /// The start of the zone's first segment \[L\].
+    at: Vec3,
     /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
     feet: [Vec3; 2],
+}
+
+impl SiteZone {
+    /// Moment of the force on strand a about a point \[F·L\].
+    fn torque_about(&self, point: &Vec3) -> Vec3 {
+        self.torque + (self.at - point).cross(&self.push)
+    }
 }
 
 /// A force distributed along a strand.
@@ -121,9 +132,14 @@ pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer
     let zones = zones(set, terms);
     let contacts = contacts(set, &zones, layer);
     let of = |members: &Vec<(usize, bool)>| site(ContactZones { set, zones: &zones, members }, rods, layer).0;
-    let mut sites: Vec<SiteReport> = contacts.iter().map(of).collect();
+    let mut sites: Vec<SiteReport> = contacts.iter().map(of).filter(touches).collect();
     sites.sort_by(by_arcs);
     sites
+}
+
+/// Whether strands touch at a site: one that carries nothing and is open is only within the law's reach.
+fn touches(site: &SiteReport) -> bool {
+    site.force > 0.0 || site.gap <= 0.0
 }
 
 /// Groups of zones, one for each contact; fragments of a line are in one group.
@@ -180,6 +196,8 @@ fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
         gap: zone.min_gap,
         angle: crossing.min(180.0 - crossing),
         push: zone.half_push,
+        torque: zone.half_torque,
+        at: set.segments[link.segments[0]].b[0],
         feet: [foot_a, foot_b],
     }
 }
@@ -200,6 +218,7 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
 fn append(set: &CurveSet, zone: &mut SiteZone, piece: &SiteZone) {
     zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
     zone.push += piece.push;
+    zone.torque += piece.torque_about(&zone.at);
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
     let start = near(piece.arc_b[0], zone.arc_b[1], set.period(zone.curve_b));
     zone.arc_b[1] = start + piece.arc_b[1] - piece.arc_b[0];
@@ -328,6 +347,12 @@ impl<'a> ContactZones<'a> {
         self.seen_from(0).map(|z| z.push).sum::<Vec3>() - self.seen_from(1).map(|z| z.push).sum::<Vec3>()
     }
 
+    /// Moment of the force on strand a about a point \[F·L\].
+    fn torque_about(self, point: &Vec3) -> Vec3 {
+        let seen = |strand: usize| self.seen_from(strand).map(|z| z.torque_about(point)).sum::<Vec3>();
+        seen(0) - seen(1)
+    }
+
     /// Whether it is long enough for a line: by its spread, so that what a mesh leaves of pressure beside a point hardly
     /// counts.
     fn kind(self, layer: &Layer, spread: f64) -> SiteKind {
@@ -355,6 +380,7 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
     let swapped = (b.0, b.1[0]) < (a.0, a.1[0]);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let (push, feet) = if swapped { (-push, [feet[1], feet[0]]) } else { (push, feet) };
+    let torque = contact.torque_about(&feet[0]) * if swapped { -1.0 } else { 1.0 };
     let report = SiteReport {
         rod_a: a.0,
         arc_a: a.1,
@@ -367,6 +393,7 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
         spread: [a.3, b.3],
         angle: nearest.angle,
         force_on_a: push.into(),
+        moment_on_a: torque.into(),
         feet: feet.map(Into::into),
     };
     (report, swapped)

@@ -312,6 +312,7 @@ fn judge(mut row: Row, solution: &Solution, counter: &mut Counter, due: &Due, ou
     let engine = solution.solver.engine();
     let Some(report) = &counter.last else { return Played { row, seen: None } };
     let seen = observe(&Progress {
+        given: Some(&solution.given),
         engine,
         stage: counter.stage,
         step: row.steps,

@@ -160,8 +160,15 @@ fn a_softer_law_is_told() {
     let mut solver = solution.solver;
     solver.harden_contact(0.1);
     let report = solver.resettle();
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
+    let progress = Progress {
+        given: None,
+        engine: solver.engine(),
+        stage: 0,
+        step: 0,
+        fraction: 1.0,
+        report: &report,
+        seconds: 0.0,
+    };
     let notes = observe(&progress).notes;
     assert!(matches!(&notes[..], [note] if note.contains("10 times softer")), "{notes:?}");
 }
@@ -231,8 +238,15 @@ fn a_rod_comes_to_rest_on_others_as_the_advice_says() {
         let ramps = feet.map(|node| Ramp::Displacement { node, to: Vec3::z() * z });
         let report = solver.step_to(&ramps).unwrap();
         assert_eq!(report.status, Status::Converged, "{z}");
-        let progress =
-            Progress { engine: solver.engine(), stage: 0, step: 1, fraction: 1.0, report: &report, seconds: 0.0 };
+        let progress = Progress {
+            given: None,
+            engine: solver.engine(),
+            stage: 0,
+            step: 1,
+            fraction: 1.0,
+            report: &report,
+            seconds: 0.0,
+        };
         let seen = observe(&progress);
         let up = feet.map(|foot| seen.reactions.iter().find(|r| (r.rod, r.node) == (0, foot.node)).unwrap().force[2]);
         (up, seen, solver.engine().positions(0)[30].z)

@@ -43,6 +43,7 @@ pub(in crate::observe) fn lines(
         .into_iter()
         .map(|members| (site(ContactZones { set, zones: &zones, members: &members }, rods, layer), members))
         .collect();
+    found.retain(|((report, _), _)| super::touches(report));
     found.sort_by(|(x, _), (y, _)| super::by_arcs(&x.0, &y.0));
     let mut samples = Vec::new();
     for (index, ((report, swapped), members)) in found.iter().enumerate() {
