@@ -23,8 +23,9 @@ use crate::scene::{Model, NodeRef};
 /// Force out of balance over the largest force that the solver's convergence explains, at least, and over its tolerance of
 /// increments: ten times what one of its iterations changes. A minicircle at 1e-6 has 1.3e-5.
 const CONVERGED: (f64, f64) = (1e-5, 100.0);
-/// Units in the last place by which strains are rounded, because each is a sum of that many products.
-const LAST_PLACES: f64 = 10.0;
+/// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times the sum
+/// of |N_a′| over the elements at a node, up to eight.
+const LAST_PLACES: f64 = 80.0;
 
 /// Force and moment on each node, and the sum of the sizes of what is summed \[F\].
 struct Forces {

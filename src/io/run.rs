@@ -284,6 +284,7 @@ impl Keeper {
             ..FollowOptions::default()
         };
         let mut given = solution.given.clone();
+        given.only_stable = false;
         given.stages.push(Stage { ramps: vec![(*ramp).clone()], steps: 1 });
         let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
             // the start is the final state of the stages before

@@ -11,7 +11,7 @@
 //!    longer than an element: where in an element pressure gathers is not known.
 
 use crate::contact::arc::{self, ascending, near};
-use crate::contact::chain::{ChainPiece, TOL_FOOT, chains};
+use crate::contact::chain::{ChainPiece, TOL_FOOT, chains, signed_pieces};
 use crate::contact::curve::{CurveSet, angle};
 use crate::contact::law::shortest_line;
 use crate::contact::potential::{ContactPair, ZonePiece};
@@ -28,6 +28,8 @@ pub(super) use lines::{lines, spread};
 
 /// Largest relative gap of a zone that counts as going all round a closed strand.
 const TOL_ARC: f64 = 1e-6;
+/// Force of a site, over that of the strongest, that is none, because contact forces are known to 1e-6.
+const CARRIES: f64 = 1e-6;
 /// Length of the zone of a point contact that opens, over the spread of its pressure: 2a/√(∫ws² ds/∫w ds) of the solution w
 /// in [`shortest_line`].
 const ZONE_OVER_SPREAD: f64 = 4.369_219_575_688_655;
@@ -132,14 +134,22 @@ pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer
     let zones = zones(set, terms);
     let contacts = contacts(set, &zones, layer);
     let of = |members: &Vec<(usize, bool)>| site(ContactZones { set, zones: &zones, members }, rods, layer).0;
-    let mut sites: Vec<SiteReport> = contacts.iter().map(of).filter(touches).collect();
+    let mut sites: Vec<SiteReport> = contacts.iter().map(of).collect();
+    let strongest = strongest(sites.iter());
+    sites.retain(|site| touches(site, strongest));
     sites.sort_by(by_arcs);
     sites
 }
 
-/// Whether strands touch at a site: one that carries nothing and is open is only within the law's reach.
-fn touches(site: &SiteReport) -> bool {
-    site.force > 0.0 || site.gap <= 0.0
+/// Whether strands touch at a site, where the strongest carries a force: one that carries nothing and is open is only within
+/// the law's reach.
+fn touches(site: &SiteReport, strongest: f64) -> bool {
+    site.force > CARRIES * strongest || site.gap <= 0.0
+}
+
+/// The largest force of sites.
+fn strongest<'a>(sites: impl Iterator<Item = &'a SiteReport>) -> f64 {
+    sites.map(|site| site.force).fold(0.0, f64::max)
 }
 
 /// Groups of zones, one for each contact; fragments of a line are in one group.
@@ -171,7 +181,28 @@ fn class(zones: &[SiteZone], a: usize, b: usize) -> std::ops::Range<usize> {
 fn zones(set: &CurveSet, terms: &[ContactPair]) -> Vec<SiteZone> {
     let mut zones: Vec<SiteZone> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
     zones.sort_by(order);
+    subtract(set, terms, &mut zones);
     zones
+}
+
+/// Takes the forces of subtracted pieces from the nearest of the sorted zones: where the feet of a strand run forth and back
+/// on the other one, each turn back takes away what was counted twice.
+fn subtract(set: &CurveSet, terms: &[ContactPair], zones: &mut [SiteZone]) {
+    let pieces = terms.iter().flat_map(|term| signed_pieces(set, term));
+    for link in pieces.filter(|link| link.zone.piece.branch.is_subtracted()) {
+        let piece = piece(set, &link);
+        let apart = |zone: &SiteZone| {
+            let on = |curve: usize, x, y| arc::apart(ascending(x), ascending(y), set.period(curve)).max(0.0);
+            on(piece.curve_a, piece.arc_a, zone.arc_a) + on(piece.curve_b, piece.arc_b, zone.arc_b)
+        };
+        let same = class(zones, piece.curve_a, piece.curve_b);
+        let Some(zone) = zones[same].iter_mut().min_by(|x, y| apart(x).total_cmp(&apart(y))) else { continue };
+        zone.push += piece.push;
+        zone.torque += piece.torque_about(&zone.at);
+        let left = (zone.load.force + link.zone.half_force).max(0.0);
+        zone.load.inertia *= if zone.load.force > 0.0 { left / zone.load.force } else { 0.0 };
+        zone.load.force = left;
+    }
 }
 
 /// The zone of a chain of pieces.

@@ -51,8 +51,13 @@ pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec
 
 /// The pieces of one pair, without subtracted ones.
 pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
+    signed_pieces(set, term).filter(|piece| !piece.zone.piece.branch.is_subtracted())
+}
+
+/// The pieces of one pair, subtracted ones, whose force is negative, included.
+pub(crate) fn signed_pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
     let segments = [term.slave, term.master];
-    term.zones.iter().filter(|zone| !zone.piece.branch.is_subtracted()).map(move |zone| {
+    term.zones.iter().map(move |zone| {
         let arcs = [(term.slave, zone.piece.u), (term.master, zone.piece.v)];
         let arcs = arcs.map(|(segment, ends)| ends.map(|u| set.arc_length(segment, u)));
         ChainPiece { segments, curves: segments.map(|k| set.curve_of(k)), arcs, zone }

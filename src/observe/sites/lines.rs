@@ -38,12 +38,14 @@ pub(in crate::observe) fn lines(
     let chains = chains(set, terms);
     let mut zoned: Vec<(SiteZone, usize)> = chains.iter().enumerate().map(|(k, chain)| (zone(set, chain), k)).collect();
     zoned.sort_by(|x, y| order(&x.0, &y.0));
-    let zones: Vec<SiteZone> = zoned.iter().map(|(zone, _)| *zone).collect();
+    let mut zones: Vec<SiteZone> = zoned.iter().map(|(zone, _)| *zone).collect();
+    super::subtract(set, terms, &mut zones);
     let mut found: Vec<_> = contacts(set, &zones, layer)
         .into_iter()
         .map(|members| (site(ContactZones { set, zones: &zones, members: &members }, rods, layer), members))
         .collect();
-    found.retain(|((report, _), _)| super::touches(report));
+    let strongest = super::strongest(found.iter().map(|((report, _), _)| report));
+    found.retain(|((report, _), _)| super::touches(report, strongest));
     found.sort_by(|(x, _), (y, _)| super::by_arcs(&x.0, &y.0));
     let mut samples = Vec::new();
     for (index, ((report, swapped), members)) in found.iter().enumerate() {

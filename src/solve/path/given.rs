@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 
 use crate::math::{Quat, Vec3};
 use crate::scene::{Model, NodeRef, Ramp, Stage};
+use crate::solve::options::Options;
 use crate::solve::problem::engine::Engine;
+use crate::solve::search::newton::NewtonOptions;
 
 /// The problem as it was given, and what stages have come to hold, for those who compare states with it.
 #[derive(Debug, Clone, Default)]
@@ -18,6 +20,8 @@ pub struct Given {
     pub held: BTreeMap<NodeRef, (Vec3, Quat)>,
     /// Tolerance of increments that the solver was given, see [`NewtonOptions`](crate::solve::NewtonOptions).
     pub tol_increment: f64,
+    /// Whether only stable equilibria are accepted.
+    pub only_stable: bool,
     /// Knots and links of the shapes as given, for observers that have measured them.
     pub(crate) topology: OnceLock<GivenTopology>,
 }
@@ -32,9 +36,11 @@ pub(crate) struct GivenTopology {
 }
 
 impl Given {
-    pub(super) fn new(model: &Model, stages: &[Stage], tol_increment: f64) -> Self {
+    pub(super) fn new(model: &Model, stages: &[Stage], options: &Options) -> Self {
         let (model, stages) = (model.clone(), stages.to_vec());
-        Self { model, stages, held: BTreeMap::new(), tol_increment, topology: OnceLock::new() }
+        let NewtonOptions { tol_increment, stable_only, .. } = options.newton;
+        let only_stable = stable_only && options.leave_unstable;
+        Self { model, stages, held: BTreeMap::new(), tol_increment, only_stable, topology: OnceLock::new() }
     }
 
     /// Notes where nodes are that a stage holds from now on.

@@ -104,7 +104,7 @@ pub fn run_from(
     observer: &mut Observer,
 ) -> Result<Solution, RunError> {
     model.check_stages(stages)?;
-    let given = Given::new(&model, stages, options.newton.tol_increment);
+    let given = Given::new(&model, stages, options);
     let solver = Solver::new(model, options.clone())?;
     let mut run = LoadStepping { solver, given, place: Place::start_of(0, 0, 0), failure: None, observer };
     let mut status = match from {
