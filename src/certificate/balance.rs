@@ -21,8 +21,8 @@ use crate::math::{Vec3, parallel};
 use crate::scene::{Model, NodeRef};
 
 /// Force out of balance over the largest force that the solver's convergence explains, at least, and over its tolerance of
-/// increments: ten times what one of its iterations changes. A minicircle at 1e-6 has 1.3e-5.
-const CONVERGED: (f64, f64) = (1e-5, 100.0);
+/// increments: ten times what one of its iterations changes. The largest of a minicircle's is 1.3e-5.
+const CONVERGED: (f64, f64) = (1e-4, 100.0);
 /// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times the sum
 /// of |N_a′| over the elements at a node, up to eight.
 const LAST_PLACES: f64 = 80.0;
@@ -62,7 +62,8 @@ pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     of_nodes.into_iter().chain([bodies(subject, (&first, contact), &outer, &scale)]).collect()
 }
 
-/// The largest force on a node, and the rounding of forces \[F\].
+/// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so large a
+/// force that it is this part of it.
 struct Scale {
     force: f64,
     tolerance: f64,
@@ -79,12 +80,10 @@ impl Scale {
             LAST_PLACES * f64::EPSILON * (stiffest + bending / (h * h))
         });
         let rounding = rounding.fold(0.0, f64::max);
-        // forces without any scale are rounding
-        let force = force.max(f64::MIN_POSITIVE);
         let tol_increment = subject.given.map_or(0.0, |(given, ..)| given.tol_increment);
-        let tolerance = CONVERGED.0.max(CONVERGED.1 * tol_increment) + rounding / force;
+        let tolerance = CONVERGED.0.max(CONVERGED.1 * tol_increment);
         // forces that are all rounding balance to rounding
-        Self { force, tolerance }
+        Self { force: force + rounding / tolerance, tolerance }
     }
 }
 

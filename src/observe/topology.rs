@@ -25,7 +25,7 @@ pub(super) fn kept(
     let (mut off, mut notes) = ((0.0, String::new()), Vec::new());
     for change in changes(progress, links, linking, knots) {
         if change.is_barred && change.size > off.0 {
-            off = (change.size, change.text.clone());
+            off = (change.size, if change.size > TOL_TURNS { change.text.clone() } else { String::new() });
         }
         if !change.is_barred && change.size > TOL_TURNS {
             notes.push(change.text);
