@@ -368,6 +368,7 @@ pub(super) mod tests {
             links: vec![link],
             energies: Energies { bending: 123456.789, twisting: 1e-6, total: 123456.789, ..Energies::default() },
             min_gap: None,
+            contact_gap: None,
             num_sites: 0,
             sites: Vec::new(),
             plane_sites: Vec::new(),

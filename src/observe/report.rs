@@ -274,13 +274,13 @@ pub struct Knot {
     pub ropelength: Option<f64>,
 }
 
-/// Smallest gap of the state, between the elements' own centrelines, which carry the energy.
+/// Smallest gap of a state, enclosed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GapReport {
-    /// The smallest gap less the accuracy of its search \[L\].
+    /// Lower bound of the smallest gap \[L\]; of the elements' centrelines that found less the accuracy of the search.
     pub lower: f64,
-    /// The smallest gap found \[L\].
+    /// Upper bound \[L\].
     pub upper: f64,
     /// Where: rod and arc length on both strands.
     pub rod_a: usize,
@@ -314,8 +314,13 @@ pub struct Observation {
     pub links: Vec<RodLink>,
     /// Energies by kind.
     pub energies: Energies,
-    /// Smallest gap; `None` when nothing is within two diameters of the thinnest rod, or contact is off.
+    /// Smallest gap of the elements' own centrelines, which carry the energy; `None` when nothing is within two diameters of the
+    /// thinnest rod, or contact is off.
     pub min_gap: Option<GapReport>,
+    /// Smallest gap of the smooth curves through the nodes between which contact acts, certified: what the solver closes. `min_gap`
+    /// differs from it by what the mesh does not resolve.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub contact_gap: Option<GapReport>,
     /// Number of contact sites, those with planes included.
     pub num_sites: usize,
     /// Length and contact radius of each rod.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use crate::certificate::{Certificate, Check, ContactForce, OwnGap, Subject, SupportForce};
+use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
 use crate::math::Vec3;
 use crate::math::link::{link_numbers, link_of_ends};
@@ -25,6 +26,10 @@ use super::topology;
 
 /// Points per node segment for the link, because neighbouring frames must differ by much less than half a turn.
 const POINTS_PER_SEGMENT: usize = 4;
+/// Largest gap reported, in radii of the thinnest rod: two diameters.
+const MAX_GAP: f64 = 4.0;
+/// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
+const TOL_GAP: f64 = 1e-10;
 /// Overlap, in radii of the thinnest rod, beyond twice the penetration of contact, from which it counts as not
 /// resisted.
 const UNRESISTED: f64 = 1e-2;
@@ -76,9 +81,9 @@ pub fn observe(progress: &Progress) -> Observation {
     let energy_released = if released > least { released } else { 0.0 };
     let reactions = reactions(engine, &residual);
     let (mut certificate, gap) = certificate(progress, (&sites, &plane_sites), &reactions);
-    let min_gap = gap.map(gap_report);
+    let (min_gap, contact_gap) = (gap.map(gap_report), contact_gap(engine));
     let (links, linking, knots) =
-        (links(engine, &residual), knots::linking(engine), knots::knots(engine, min_gap.as_ref()));
+        (links(engine, &residual), knots::linking(engine), knots::knots(engine, contact_gap.as_ref()));
     let (kept, changed) = topology::kept(progress, &links, &linking, &knots);
     certificate.checks.extend(kept);
     certificate.checks.extend(stability(progress));
@@ -103,6 +108,7 @@ pub fn observe(progress: &Progress) -> Observation {
         linking,
         knots,
         min_gap,
+        contact_gap,
         num_sites: sites.len() + plane_sites.len(),
         total_contact_force: forces().fold(0.0, |sum, force| sum + force),
         contact_resultants: resultants()
@@ -372,6 +378,21 @@ fn is_of_end(rod: &Rod, gap: &GapReport) -> bool {
 fn gap_report(found: OwnGap) -> GapReport {
     let ([rod_a, rod_b], [arc_a, arc_b]) = (found.rods, found.arcs);
     GapReport { lower: found.gap - found.accuracy, upper: found.gap, rod_a, arc_a, rod_b, arc_b }
+}
+
+fn contact_gap(engine: &Engine) -> Option<GapReport> {
+    let side = engine.contact.as_ref().filter(|side| side.is_current)?;
+    let (max_gap, tol) = (MAX_GAP * side.min_radius, TOL_GAP * side.min_radius);
+    let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, max_gap, tol))?;
+    let rod = |segment: usize| side.rods[side.set.curve_of(segment)];
+    Some(GapReport {
+        lower: found.lower,
+        upper: found.upper,
+        rod_a: rod(found.segment_a),
+        arc_a: found.arc_a,
+        rod_b: rod(found.segment_b),
+        arc_b: found.arc_b,
+    })
 }
 
 /// In equilibrium the gradient of the potential vanishes except in supported components, where it is the reaction.

@@ -27,7 +27,7 @@ fn line(name: &str, start: [f64; 3], along: Vec3, contact_radius: f64) -> Rod {
 fn ring(name: &str, center: [f64; 3]) -> Rod {
     let shape = Shape::Circle { length: 2.0, center: center.into(), normal: Vec3::z() };
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, RADIUS);
-    Rod::new(name, &shape, RodMesh::closed(8, 3), section, Natural::AsShaped).unwrap()
+    Rod::new(name, &shape, RodMesh::closed(8, 3), section, Natural::Straight).unwrap()
 }
 
 /// A clamped rod pressed onto another one across it; an arm with a hand that bear nothing; two rings.
