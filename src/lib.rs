@@ -81,7 +81,7 @@
 //!
 //! ```text
 //! math ──┬── contact ───────────────────┐
-//!        ├── rod ───── dna ───── scene ─┼── solve ── observe ── io ── the command line
+//!        ├── rod ───── dna ───── scene ─┼── solve ── certificate ── observe ── io ── the command line
 //!        └── sparse ────────────────────┘
 //! error  open to all
 //! ```
@@ -92,6 +92,7 @@
 //! * `sparse` (private): sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
+//! * [`certificate`]: what holds of a state, checked without the solver
 //! * [`observe`]: numbers of a state
 //! * [`io`]: VTK, CSV, pictures, interactive pages, glTF, the record of a run, sweeps
 //! * [`dna`]: constants and molecules; natural strains and stiffness of a sequence
@@ -127,6 +128,8 @@
 // the lower layers have items that only the solver or scene files use
 #![cfg_attr(not(all(feature = "solver", feature = "scenes")), allow(dead_code))]
 
+#[cfg(feature = "solver")]
+pub mod certificate;
 pub mod contact;
 pub mod dna;
 pub mod error;

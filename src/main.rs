@@ -37,6 +37,7 @@ const NOT_CONVERGED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const NOT_WRITTEN: u8 = 3;
 const OVERLAPS: u8 = 4;
+const CHECK_FAILS: u8 = 5;
 const INTERRUPTED: u8 = 130;
 
 /// Most overlaps listed one by one.
@@ -48,7 +49,8 @@ const MOST_WARNINGS: usize = 10;
     version,
     disable_help_subcommand = true,
     after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
-    full, read-only, folder in use), 4 converged with tubes inside each other (status overlap), 130 stopped by Ctrl-C or --time-limit."
+    full, read-only, folder in use), 4 converged with tubes inside each other (status overlap), 5 converged, but a check of the \
+    certificate fails (status fails …), 130 stopped by Ctrl-C or --time-limit."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -480,6 +482,9 @@ fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, 
     if let Some(estimate) = &outcome.error_estimate {
         say(format_args!("{estimate}"));
     }
+    if let Some(last) = outcome.steps.last().filter(|_| outcome.status == Status::Converged) {
+        say(format_args!("{}", last.certificate));
+    }
     let status = ending(outcome.status, outcome.steps.last());
     say(format_args!("{status} after {:.1} s; files are in {}", outcome.seconds, dir.display()));
 }
@@ -492,7 +497,9 @@ fn report_status(outcome: &Outcome, dir: &Path, interrupted: bool) -> u8 {
         return OVERLAPS;
     }
     if outcome.status == Status::Converged {
-        return CONVERGED;
+        let Some(last) = outcome.steps.last().filter(|last| last.fails()) else { return CONVERGED };
+        eprintln!("{}", last.certificate);
+        return CHECK_FAILS;
     }
     if interrupted && outcome.status == Status::Stopped {
         match outcome.checkpoint {

@@ -145,7 +145,7 @@ impl Ring {
 }
 
 fn look(solver: &Solver, step: usize, report: &StepReport) -> Observation {
-    observe(&Progress { engine: solver.engine(), stage: 0, step, fraction: 1.0, report, seconds: 0.0 })
+    observe(&Progress { given: None, engine: solver.engine(), stage: 0, step, fraction: 1.0, report, seconds: 0.0 })
 }
 
 /// Arc lengths and gaps of the contacts of two cubics, see the function of the same name for the page.

@@ -83,7 +83,7 @@ impl Solver {
         let report = driven.report.as_ref().ok_or_else(|| refuse::damaged("solver", "took no step"))?;
         let (step, seconds) = (driven.step, driven.seconds);
         py.detach(|| {
-            let progress = Progress { engine, stage: 0, step, fraction: 1.0, report, seconds };
+            let progress = Progress { given: None, engine, stage: 0, step, fraction: 1.0, report, seconds };
             Ok(State::of(engine, observe(&progress)))
         })
     }

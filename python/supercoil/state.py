@@ -161,8 +161,14 @@ class State:
 
     @property
     def status(self) -> str:
-        """"converged", or why not."""
+        """"converged", or why not; "fails ..." where a check of the certificate does not hold."""
         return str(self.observation["status"])
+
+    @property
+    def certificate(self) -> list[dict[str, Any]]:
+        """What holds of the state, by code that shares nothing with the solver: a dict for each check with its ``name``,
+        ``value``, ``tolerance``, whether it ``holds``, and ``detail``, unit and place."""
+        return list(self.observation["certificate"]["checks"])
 
     @property
     def notes(self) -> list[str]:

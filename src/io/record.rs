@@ -290,9 +290,9 @@ impl Record {
         &self.steps
     }
 
-    /// [`Observation::overlaps`] of the last state.
-    pub fn overlaps(&self) -> bool {
-        self.steps.last().is_some_and(Observation::overlaps)
+    /// Whether the last state has no overlaps and all checks of its certificate hold.
+    pub fn holds(&self) -> bool {
+        self.steps.last().is_none_or(|last| !last.overlaps() && !last.fails())
     }
 
     /// A rod with its length and radius in a step.
@@ -607,6 +607,7 @@ mod tests {
             spread: [0.05, 0.02],
             angle: 90.0,
             force_on_a: [0.0, 0.0, 1.0],
+            moment_on_a: [0.0; 3],
             feet: [[0.0; 3]; 2],
         };
         for step in 0..100 {

@@ -10,7 +10,7 @@ use crate::math::Vec3;
 use crate::observe::report::Observation;
 use crate::observe::{self, EndLinks, ErrorEstimate, mesh_note, smoothed_contact_forces};
 use crate::scene::file::{FollowChoice, FollowStart};
-use crate::scene::{Fidelity, Ramp, Scene};
+use crate::scene::{Fidelity, Ramp, Scene, Stage};
 use crate::solve::{
     self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
     PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
@@ -96,6 +96,12 @@ pub struct SceneRun {
 }
 
 impl Outcome {
+    /// Whether the run converged and all checks of the certificate of its final state hold.
+    pub fn holds(&self) -> bool {
+        let last = self.steps.last();
+        self.status == Status::Converged && last.is_none_or(|last| !last.overlaps() && !last.fails())
+    }
+
     /// Whether tubes overlap in the final equilibrium where contact does not resist it.
     pub fn overlaps(&self) -> bool {
         self.status == Status::Converged && self.steps.last().is_some_and(Observation::overlaps)
@@ -280,13 +286,16 @@ impl Keeper {
             max_points: choice.max_points,
             ..FollowOptions::default()
         };
+        let mut given = solution.given.clone();
+        given.only_stable = false;
+        given.stages.push(Stage { ramps: vec![(*ramp).clone()], steps: 1 });
         let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
             // the start is the final state of the stages before
             if point.kind == PointKind::Start {
                 return ControlFlow::Continue(());
             }
-            let mut observation = observe::observe(&point.progress);
-            observation.stage = *index;
+            let progress = Progress { given: Some(&given), stage: *index, ..point.progress };
+            let mut observation = observe::observe(&progress);
             observation.step = self.record.steps().len();
             self.note_links(&mut observation);
             observation.notes.extend(kind_in_words(point));
@@ -356,7 +365,7 @@ impl Keeper {
             self.record.set_error_estimate(estimate.clone());
         }
         // also without an estimate: the run itself has converged
-        self.record.finish(converged && !self.record.overlaps(), &status, seconds)?;
+        self.record.finish(converged && self.record.holds(), &status, seconds)?;
         let error_estimate = estimated?;
         if converged && self.on_disk {
             // the outputs are complete; a checkpoint that cannot be removed does no harm

@@ -338,6 +338,7 @@ pub(crate) fn write_lines(path: &Path, samples: &[LineSample], named: Named) -> 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::certificate::Certificate;
     use crate::observe::report::{Energies, RodLink};
 
     /// A made-up step for the tests of writers.
@@ -362,10 +363,12 @@ pub(super) mod tests {
             step,
             fraction: 0.5,
             status: CONVERGED.to_owned(),
+            certificate: Certificate::default(),
             notes: Vec::new(),
             links: vec![link],
             energies: Energies { bending: 123456.789, twisting: 1e-6, total: 123456.789, ..Energies::default() },
             min_gap: None,
+            contact_gap: None,
             num_sites: 0,
             sites: Vec::new(),
             plane_sites: Vec::new(),

@@ -194,7 +194,7 @@ fn seen(solver: &Solver, report: Option<&StepReport>) -> Observation {
     let engine = solver.engine();
     let settled = StepReport::settled();
     let report = report.unwrap_or(&settled);
-    observe(&Progress { engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+    observe(&Progress { given: None, engine, stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
 }
 
 /// Differences of two states; node k of the first is node `stride`·k of the second, rod by rod. Positions are compared

@@ -2,6 +2,8 @@
 
 use crate::math::Vec3;
 use crate::math::link::{alexander, linking_number};
+use crate::rod::Rod;
+use crate::scene::Model;
 use crate::solve::Engine;
 
 use super::report::{GapReport, Knot, Linking};
@@ -16,13 +18,65 @@ const POINTS_FOR_LENGTH: usize = 8;
 /// Distance at which the ends of open rods are joined, over their extent: far beyond all strands.
 const FAR: f64 = 10.0;
 
+/// Points of the centreline of a rod as it was given: cubics through the nodes along their d3.
+fn given_centerline(rod: &Rod) -> Vec<Vec3> {
+    let count = rod.num_nodes();
+    let point = |k: usize, u: f64| {
+        let (a, b, v) = (k, (k + 1) % count, 1.0 - u);
+        let [d_a, d_b] = [a, b].map(|node| rod.frames[node] * Vec3::z() * rod.spacing());
+        rod.positions[a] * (v * v * (1.0 + 2.0 * u))
+            + rod.positions[b] * (u * u * (1.0 + 2.0 * v))
+            + (d_a * v - d_b * u) * (u * v)
+    };
+    let parts = (0..rod.num_segments() * POINTS_PER_SEGMENT).map(|k| (k / POINTS_PER_SEGMENT, k % POINTS_PER_SEGMENT));
+    let mut points: Vec<Vec3> = parts.map(|(k, part)| point(k, part as f64 / POINTS_PER_SEGMENT as f64)).collect();
+    if !rod.closed {
+        points.extend(rod.positions.last());
+    }
+    points
+}
+
+/// Knots of the rods of a model as they were given, as [`knots`]: rod, determinant, |Δ(exp(2πi/3))|, name.
+pub(super) fn given_knots(model: &Model) -> Vec<(usize, f64, f64, String)> {
+    let of = |rod: usize| {
+        let mut points = given_centerline(&model.rods[rod]);
+        if !model.rods[rod].closed {
+            close(&mut points);
+        }
+        let found = alexander(&points)?;
+        Some((rod, found.determinant.round(), found.at_third.round(), found.name().to_owned()))
+    };
+    looked_at(model).into_iter().filter_map(of).collect()
+}
+
+/// Linking numbers of the rods of a model as they were given, as [`linking`].
+pub(super) fn given_linking(model: &Model) -> Vec<([usize; 2], f64)> {
+    let closed = closed_rods(model);
+    let curves: Vec<Vec<Vec3>> = closed.iter().map(|&rod| given_centerline(&model.rods[rod])).collect();
+    let pairs = (0..closed.len()).flat_map(|a| (a + 1..closed.len()).map(move |b| (a, b)));
+    let link = |(a, b): (usize, usize)| ([closed[a], closed[b]], linking_number(&curves[a], &curves[b]).round() + 0.0);
+    pairs.map(link).collect()
+}
+
+/// Closed rods, if they are few and short enough.
+fn closed_rods(model: &Model) -> Vec<usize> {
+    let closed: Vec<usize> = (0..model.rods.len()).filter(|&rod| model.rods[rod].closed).collect();
+    let count = closed.iter().map(|&rod| model.rods[rod].num_nodes()).sum::<usize>();
+    if count > MOST_NODES { Vec::new() } else { closed }
+}
+
+/// Rods whose knots are looked at.
+fn looked_at(model: &Model) -> Vec<usize> {
+    let rods = &model.rods;
+    let is_looked_at = |&rod: &usize| rods[rod].section.contact_radius > 0.0 && rods[rod].num_nodes() <= MOST_NODES;
+    let all: Vec<usize> = (0..rods.len()).filter(is_looked_at).collect();
+    let count = all.iter().map(|&rod| rods[rod].num_nodes()).sum::<usize>();
+    if model.planar || count > MOST_NODES { Vec::new() } else { all }
+}
+
 /// Linking numbers of all pairs of closed rods that are few and short enough.
 pub(super) fn linking(engine: &Engine) -> Vec<Linking> {
-    let rods = &engine.model().rods;
-    let closed: Vec<usize> = (0..rods.len()).filter(|&rod| rods[rod].closed).collect();
-    if closed.iter().map(|&rod| rods[rod].num_nodes()).sum::<usize>() > MOST_NODES {
-        return Vec::new();
-    }
+    let closed = closed_rods(engine.model());
     let curves: Vec<Vec<Vec3>> = closed.iter().map(|&rod| engine.centerline(rod, POINTS_PER_SEGMENT).0).collect();
     let pairs = (0..closed.len()).flat_map(|a| (a + 1..closed.len()).map(move |b| (a, b)));
     // + 0.0 turns −0 into 0
@@ -33,11 +87,6 @@ pub(super) fn linking(engine: &Engine) -> Vec<Linking> {
 /// Knots of the rods that take part in contact.
 pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
     let rods = &engine.model().rods;
-    let is_looked_at = |&rod: &usize| rods[rod].section.contact_radius > 0.0 && rods[rod].num_nodes() <= MOST_NODES;
-    let looked_at: Vec<usize> = (0..rods.len()).filter(is_looked_at).collect();
-    if engine.model().planar || looked_at.iter().map(|&rod| rods[rod].num_nodes()).sum::<usize>() > MOST_NODES {
-        return Vec::new();
-    }
     let of = |rod: usize| {
         let (mut points, _) = engine.centerline(rod, POINTS_PER_SEGMENT);
         if !rods[rod].closed {
@@ -49,7 +98,7 @@ pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
         let name = found.name().to_owned();
         Some(Knot { rod, name, determinant: found.determinant.round(), at_third: found.at_third.round(), ropelength })
     };
-    looked_at.into_iter().filter_map(of).collect()
+    looked_at(engine.model()).into_iter().filter_map(of).collect()
 }
 
 /// Joins the ends far away from all strands.

@@ -1,6 +1,7 @@
 //! Results of a state: [`observe()`] computes an [`Observation`](report::Observation), the plain data of [`report`];
 //! [`estimate_error`] estimates its error, [`strains()`] gives strains and stress resultants.
 
+mod braids;
 #[cfg(feature = "tables")]
 mod end_links;
 mod error_estimate;
@@ -12,6 +13,7 @@ mod sites;
 mod start;
 mod state;
 mod strains;
+mod topology;
 
 #[cfg(feature = "tables")]
 pub use end_links::EndLinks;

@@ -4,6 +4,7 @@ use crate::contact::arc;
 use crate::contact::curve::CurveSet;
 use crate::contact::law::shortest_line;
 use crate::contact::potential::plane::{HalfSpace, PlaneContact, PlanePiece, plane_runs};
+use crate::math::Vec3;
 
 use super::report::{PlaneReaction, PlaneSite, SiteKind};
 use super::sites::Layer;
@@ -76,6 +77,9 @@ fn site(set: &CurveSet, planes: &[HalfSpace], run: &PlaneRun, rods: &[usize], la
             force * (start - run.arc[0]) + (first - force * piece.zone.u[0]) * set.lengths[piece.segment]
         })
         .sum();
+    let foot = set.segments[nearest.segment].point(nearest.zone.nearest);
+    let arm = |piece: &PlanePiece| piece.zone.arm + (set.segments[piece.segment].b[0] - foot) * piece.zone.moments[0];
+    let torque = run.pieces.iter().map(arm).sum::<Vec3>().cross(&planes[run.plane].normal);
     let center = if force > 0.0 { run.arc[0] + moment / force } else { 0.5 * (run.arc[0] + run.arc[1]) };
     PlaneSite {
         plane: run.plane,
@@ -86,7 +90,8 @@ fn site(set: &CurveSet, planes: &[HalfSpace], run: &PlaneRun, rods: &[usize], la
         force,
         center: around(center),
         force_on_rod: (planes[run.plane].normal * force).into(),
-        nearest: set.segments[nearest.segment].point(nearest.zone.nearest).into(),
+        moment_on_rod: torque.into(),
+        nearest: foot.into(),
     }
 }
 

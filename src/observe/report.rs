@@ -1,5 +1,7 @@
 //! The report of an accepted state: plain data, serialisable, with units. [`observe`](super::observe) fills it.
 
+use crate::certificate::Certificate;
+
 /// Energies by kind \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -102,6 +104,9 @@ pub struct SiteReport {
     /// Force on strand a \[F\], in the global axes; strand b bears the opposite. Shorter than `force` if the direction
     /// of the pressure varies along the zone.
     pub force_on_a: [f64; 3],
+    /// Moment of the force on strand a about the first of the `feet` \[F·L\]; strand b bears the opposite about that point.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub moment_on_a: [f64; 3],
     /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
     pub feet: [[f64; 3]; 2],
 }
@@ -147,6 +152,9 @@ pub struct PlaneSite {
     pub center: f64,
     /// Force of the plane on the rod \[F\].
     pub force_on_rod: [f64; 3],
+    /// Its moment about `nearest` \[F·L\].
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub moment_on_rod: [f64; 3],
     /// Point of the centreline where the gap is smallest \[L\].
     pub nearest: [f64; 3],
 }
@@ -173,7 +181,7 @@ pub struct Reaction {
     pub node: usize,
     /// Force \[F\], zero in free components.
     pub force: [f64; 3],
-    /// Moment \[F·L\], zero in free components.
+    /// Moment \[F·L\], zero in free components; of a support that holds the rotation about one axis, the whole vector.
     pub moment: [f64; 3],
 }
 
@@ -266,11 +274,11 @@ pub struct Knot {
     pub ropelength: Option<f64>,
 }
 
-/// Smallest certified clearance of the state.
+/// Smallest gap of a state, enclosed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GapReport {
-    /// Lower bound of the smallest gap \[L\].
+    /// Lower bound of the smallest gap \[L\]; of the elements' centrelines that found less the accuracy of the search.
     pub lower: f64,
     /// Upper bound \[L\].
     pub upper: f64,
@@ -294,7 +302,8 @@ pub struct Observation {
     pub step: usize,
     /// Fraction of the stage done, 0..=1.
     pub fraction: f64,
-    /// "converged", or why not, or "overlap": an equilibrium in which tubes overlap where contact does not resist it.
+    /// "converged", or why not; "overlap": an equilibrium in which tubes overlap where contact does not resist it; "fails …":
+    /// one of which a check of the certificate does not hold.
     pub status: String,
     /// Warnings about the state, as text: a snap before it; overlaps that contact does not resist (it acts between
     /// strands, not between neighbours along one, so a rod bent more tightly than its contact radius overlaps itself);
@@ -305,8 +314,13 @@ pub struct Observation {
     pub links: Vec<RodLink>,
     /// Energies by kind.
     pub energies: Energies,
-    /// Smallest gap; `None` when nothing is within two diameters of the thinnest rod, or contact is off.
+    /// Smallest gap of the elements' own centrelines, which carry the energy; `None` when nothing is within two diameters of the
+    /// thinnest rod, or contact is off.
     pub min_gap: Option<GapReport>,
+    /// Smallest gap of the smooth curves through the nodes between which contact acts, certified: what the solver closes. `min_gap`
+    /// differs from it by what the mesh does not resolve.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub contact_gap: Option<GapReport>,
     /// Number of contact sites, those with planes included.
     pub num_sites: usize,
     /// Length and contact radius of each rod.
@@ -341,6 +355,9 @@ pub struct Observation {
     /// relative error of the energy. A [`Fidelity`](crate::scene::Fidelity) states how much its mesh should leave.
     #[cfg_attr(feature = "serde", serde(default))]
     pub mesh_error: f64,
+    /// What holds of the state, by checks that share nothing with the solver.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub certificate: Certificate,
     /// Number of unstable directions of the accepted state.
     pub num_unstable: usize,
     /// Energy set free by a snap of this step \[F·L\], see
@@ -359,5 +376,10 @@ impl Observation {
     /// Whether tubes overlap in an equilibrium where contact does not resist it.
     pub fn overlaps(&self) -> bool {
         self.status == super::OVERLAP
+    }
+
+    /// Whether it is an equilibrium of which a check of the certificate does not hold.
+    pub fn fails(&self) -> bool {
+        self.status.starts_with(super::state::FAILING)
     }
 }

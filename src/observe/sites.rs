@@ -31,6 +31,8 @@ pub(super) use lines::{lines, spread};
 
 /// Largest relative gap of a zone that counts as going all round a closed strand.
 const TOL_ARC: f64 = 1e-6;
+/// Force of a site, over that of the strongest, that is none, because contact forces are known to 1e-6.
+const CARRIES: f64 = 1e-6;
 /// Length of the zone of a point contact that opens, over the spread of its pressure: 2a/√(∫ws² ds/∫w ds) of the solution w
 /// in [`shortest_line`].
 const ZONE_OVER_SPREAD: f64 = 4.369_219_575_688_655;
@@ -50,8 +52,19 @@ struct SiteZone {
     angle: f64,
     /// Half of the force on strand a \[F\].
     push: Vec3,
+    /// Its moment about `at` \[F·L\].
+    torque: Vec3,
+    /// The start of the zone's first segment \[L\].
+    at: Vec3,
     /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
     feet: [Vec3; 2],
+}
+
+impl SiteZone {
+    /// Moment of the force on strand a about a point \[F·L\].
+    fn torque_about(&self, point: &Vec3) -> Vec3 {
+        self.torque + (self.at - point).cross(&self.push)
+    }
 }
 
 /// A force distributed along a strand.
@@ -125,8 +138,21 @@ pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer
     let contacts = contacts(set, &zones, layer);
     let of = |members: &Vec<(usize, bool)>| site(ContactZones { set, zones: &zones, members }, rods, layer).0;
     let mut sites: Vec<SiteReport> = contacts.iter().map(of).collect();
+    let strongest = strongest(sites.iter());
+    sites.retain(|site| touches(site, strongest));
     sites.sort_by(by_arcs);
     sites
+}
+
+/// Whether strands touch at a site, where the strongest carries a force: one that carries nothing and is open is only within
+/// the law's reach.
+fn touches(site: &SiteReport, strongest: f64) -> bool {
+    site.force > CARRIES * strongest || site.gap <= 0.0
+}
+
+/// The largest force of sites.
+fn strongest<'a>(sites: impl Iterator<Item = &'a SiteReport>) -> f64 {
+    sites.map(|site| site.force).fold(0.0, f64::max)
 }
 
 /// Groups of zones, one for each contact; fragments of a line are in one group.
@@ -198,6 +224,8 @@ fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
         gap: zone.min_gap,
         angle: crossing.min(180.0 - crossing),
         push: zone.half_push,
+        torque: zone.half_torque,
+        at: set.segments[link.segments[0]].b[0],
         feet: [foot_a, foot_b],
     }
 }
@@ -219,6 +247,7 @@ fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
 fn append(set: &CurveSet, zone: &mut SiteZone, piece: &SiteZone) {
     zone.load = zone.load.with(piece.load, zone.arc_a[1] - piece.arc_a[0]);
     zone.push += piece.push;
+    zone.torque += piece.torque_about(&zone.at);
     zone.arc_a[1] += piece.arc_a[1] - piece.arc_a[0];
     let start = near(piece.arc_b[0], zone.arc_b[1], set.period(zone.curve_b));
     zone.arc_b[1] = start + piece.arc_b[1] - piece.arc_b[0];
@@ -347,6 +376,12 @@ impl<'a> ContactZones<'a> {
         self.seen_from(0).map(|z| z.push).sum::<Vec3>() - self.seen_from(1).map(|z| z.push).sum::<Vec3>()
     }
 
+    /// Moment of the force on strand a about a point \[F·L\].
+    fn torque_about(self, point: &Vec3) -> Vec3 {
+        let seen = |strand: usize| self.seen_from(strand).map(|z| z.torque_about(point)).sum::<Vec3>();
+        seen(0) - seen(1)
+    }
+
     /// Whether it is long enough for a line: by its spread, so that what a mesh leaves of pressure beside a point hardly
     /// counts.
     fn kind(self, layer: &Layer, spread: f64) -> SiteKind {
@@ -374,6 +409,7 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
     let swapped = (b.0, b.1[0]) < (a.0, a.1[0]);
     let (a, b) = if swapped { (b, a) } else { (a, b) };
     let (push, feet) = if swapped { (-push, [feet[1], feet[0]]) } else { (push, feet) };
+    let torque = contact.torque_about(&feet[0]) * if swapped { -1.0 } else { 1.0 };
     let report = SiteReport {
         rod_a: a.0,
         arc_a: a.1,
@@ -386,6 +422,7 @@ fn site(contact: ContactZones, rods: &[usize], layer: &Layer) -> (SiteReport, bo
         spread: [a.3, b.3],
         angle: nearest.angle,
         force_on_a: push.into(),
+        moment_on_a: torque.into(),
         feet: feet.map(Into::into),
     };
     (report, swapped)

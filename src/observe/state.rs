@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use crate::certificate::{Certificate, Check, ContactForce, OwnGap, Subject, SupportForce};
 use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
 use crate::math::Vec3;
@@ -22,19 +23,25 @@ use super::report::{
     SiteReport,
 };
 use super::sites::{Layer, lines, sites, spread};
+use super::topology;
 
 /// Points per node segment for the link, because neighbouring frames must differ by much less than half a turn.
 const POINTS_PER_SEGMENT: usize = 4;
 /// Largest gap reported, in radii of the thinnest rod: two diameters.
 const MAX_GAP: f64 = 4.0;
+/// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
+const TOL_GAP: f64 = 1e-10;
 /// Overlap, in radii of the thinnest rod, beyond twice the penetration of contact, from which it counts as not
 /// resisted.
 const UNRESISTED: f64 = 1e-2;
-/// Width of the interval that encloses the smallest gap, relative to the smallest contact radius.
-const TOL_GAP: f64 = 1e-10;
-
 /// Factor by which the contact law in force is softer from which it is noted: a point of contact is wider by 3 %.
 const NOTED: f64 = 1.1;
+
+/// Energy set free over what is stored that is none, because contact forces, and energies with them, are known to 1e-6.
+const TOL_ENERGY: f64 = 1e-6;
+
+/// Strain by rounding: 1e-13 is some hundred units in the last place.
+const TOL_STRAIN: f64 = 1e-13;
 
 /// Relative rounding of a sum of lengths.
 const ROUNDING: f64 = 1e-12;
@@ -45,11 +52,19 @@ pub(crate) const SNAP: &str = "snap: the path was no longer stable";
 /// [`Observation::status`] of an equilibrium in which tubes overlap where contact does not resist it.
 pub const OVERLAP: &str = "overlap";
 
-/// The end of a run whose last step is `last`, in words: [`OVERLAP`] in place of "converged" where tubes are inside each
-/// other.
+/// Beginning of the [`Observation::status`] of an equilibrium of which a check of the certificate does not hold.
+pub(super) const FAILING: &str = "fails ";
+
+/// The end of a run whose last step is `last`, in words: of a run that converged, the status of its last step, which may
+/// be [`OVERLAP`] or a check that fails.
 pub fn ending(status: Status, last: Option<&Observation>) -> String {
-    let overlaps = status == Status::Converged && last.is_some_and(Observation::overlaps);
-    if overlaps { OVERLAP.to_owned() } else { status.to_string() }
+    let last = last.filter(|_| status == Status::Converged);
+    last.map_or_else(|| status.to_string(), |last| last.status.clone())
+}
+
+/// [`Observation::status`] of an equilibrium of which a check does not hold: its name, and by how much it fails.
+fn failing(check: &Check) -> String {
+    format!("{FAILING}{}: {:.1e}, not {:.1e}", check.name, check.value, check.tolerance)
 }
 
 /// The report of the state that a solver has just accepted.
@@ -61,24 +76,40 @@ pub fn observe(progress: &Progress) -> Observation {
     let residual = engine.residual(engine.state());
     let sites = sites_of(engine, &residual);
     let plane_sites = plane_sites_of(engine, &residual);
+    let energies = energies(&residual.potential);
+    let released = progress.report.energy_released;
+    let least = TOL_ENERGY * energies.total + rounding_of_energy(engine);
+    let energy_released = if released > least { released } else { 0.0 };
+    let reactions = reactions(engine, &residual);
+    let (mut certificate, gap) = certificate(progress, (&sites, &plane_sites), &reactions);
+    let (min_gap, contact_gap) = (gap.map(gap_report), contact_gap(engine));
+    let (links, linking, knots) =
+        (links(engine, &residual), knots::linking(engine), knots::knots(engine, contact_gap.as_ref()));
+    let (kept, changed) = topology::kept(progress, &links, &linking, &knots);
+    certificate.checks.extend(kept);
+    certificate.checks.extend(stability(progress));
     let forces = || sites.iter().map(|site| site.force).chain(plane_sites.iter().map(|site| site.force));
     let resultants = || sites.iter().map(|site| Vec3::from(site.force_on_a).norm());
-    let min_gap = min_gap(engine);
-    let (at_end, overlaps) = overlaps(progress, min_gap.as_ref());
-    let status = if overlaps.is_empty() { progress.report.status.to_string() } else { OVERLAP.to_owned() };
+    let (at_end, overlaps) = overlaps(progress, min_gap.as_ref(), &certificate);
+    let status = match progress.report.status {
+        Status::Converged if !overlaps.is_empty() => OVERLAP.to_owned(),
+        Status::Converged => certificate.failures().next().map_or_else(|| Status::Converged.to_string(), failing),
+        other => other.to_string(),
+    };
     Observation {
         stage: progress.stage,
         step: progress.step,
         fraction: progress.fraction,
         status,
-        links: links(engine, &residual),
-        energies: energies(&residual.potential),
-        notes: notes(progress).into_iter().chain(at_end).chain(overlaps).collect(),
+        links,
+        energies,
+        notes: notes(progress, energy_released).into_iter().chain(changed).chain(at_end).chain(overlaps).collect(),
         sizes: engine.model().rods.iter().map(size).collect(),
         ends: ends(engine),
-        linking: knots::linking(engine),
-        knots: knots::knots(engine, min_gap.as_ref()),
+        linking,
+        knots,
         min_gap,
+        contact_gap,
         num_sites: sites.len() + plane_sites.len(),
         total_contact_force: forces().fold(0.0, |sum, force| sum + force),
         contact_resultants: resultants()
@@ -87,14 +118,56 @@ pub fn observe(progress: &Progress) -> Observation {
         plane_reactions: plane_reactions_of(engine, &residual),
         sites,
         plane_sites,
-        reactions: reactions(engine, &residual),
+        reactions,
+        certificate,
         mesh_error: mesh_error(engine, residual.potential.elastic[2..].iter().sum()),
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
-        energy_released: progress.report.energy_released,
+        energy_released,
         iterations_on_other_meshes: progress.report.iterations_on_other_meshes,
         seconds: progress.seconds,
     }
+}
+
+/// What holds of the state with these contact forces and reactions.
+fn certificate(
+    progress: &Progress,
+    (sites, plane_sites): (&[SiteReport], &[PlaneSite]),
+    reactions: &[Reaction],
+) -> (Certificate, Option<OwnGap>) {
+    let strands = sites.iter().flat_map(|site| {
+        let [force, moment, at] = [site.force_on_a, site.moment_on_a, site.feet[0]].map(Vec3::from);
+        let strand = |rod, arc, sign: f64| ContactForce { rod, arc, force: force * sign, moment: moment * sign, at };
+        [strand(site.rod_a, site.arc_a, 1.0), strand(site.rod_b, site.arc_b, -1.0)]
+    });
+    let on_planes = plane_sites.iter().map(|site| {
+        let [force, moment, at] = [site.force_on_rod, site.moment_on_rod, site.nearest].map(Vec3::from);
+        ContactForce { rod: site.rod, arc: site.arc, force, moment, at }
+    });
+    let contact: Vec<ContactForce> = strands.chain(on_planes).collect();
+    let of_support = |at: &Reaction| SupportForce {
+        node: NodeRef { rod: at.rod, node: at.node },
+        force: at.force.into(),
+        moment: at.moment.into(),
+    };
+    let reactions: Vec<SupportForce> = reactions.iter().map(of_support).collect();
+    let subject = Subject {
+        model: progress.engine.model(),
+        state: progress.engine.state(),
+        given: progress.given.map(|given| (given, progress.stage, progress.fraction)),
+        contact: Some(&contact),
+        reactions: &reactions,
+        penetration: progress.report.penetration,
+    };
+    progress.engine.install(|| Certificate::of(&subject))
+}
+
+/// The number of directions in which the energy falls, counted under the law asked for or, where the mesh does not carry it, the
+/// softer one that a note tells of.
+fn stability(progress: &Progress) -> Option<Check> {
+    progress.given.filter(|given| given.only_stable)?;
+    let count = progress.report.num_unstable as f64;
+    Some(Check::new("stability", count, 0.0, "unstable directions".to_owned()))
 }
 
 /// The contact sites of the engine's state, as [`observe`] reports them.
@@ -223,12 +296,18 @@ fn open_link(engine: &Engine, rod: usize) -> Option<f64> {
     Some(link_of_ends(&points, &d1, start + end))
 }
 
+/// Energy of all rods strained by rounding \[F·L\].
+fn rounding_of_energy(engine: &Engine) -> f64 {
+    let of = |rod: &Rod| rod.section.stretching * rod.length * TOL_STRAIN * TOL_STRAIN;
+    engine.model().rods.iter().map(of).sum()
+}
+
 /// Warnings about an equilibrium: a snap before it, a contact law softer than prescribed.
-fn notes(progress: &Progress) -> Vec<String> {
+fn notes(progress: &Progress, released: f64) -> Vec<String> {
     if progress.report.status != Status::Converged {
         return Vec::new();
     }
-    let (released, stiffness_reduction) = (progress.report.energy_released, progress.report.stiffness_reduction);
+    let stiffness_reduction = progress.report.stiffness_reduction;
     let snap = (released > 0.0).then(|| SNAP.to_owned());
     let softer = (stiffness_reduction > NOTED).then(|| {
         let digits = if stiffness_reduction < 10.0 { 1 } else { 0 };
@@ -243,7 +322,11 @@ fn notes(progress: &Progress) -> Vec<String> {
 /// Overlaps of an equilibrium that contact does not resist, because it acts between strands, not between neighbours
 /// along one. The overlap of a rod's rounded end with the part next to it, which is not an overlap of the tube, is
 /// returned separately.
-fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>, Vec<String>) {
+fn overlaps(
+    progress: &Progress,
+    min_gap: Option<&GapReport>,
+    certificate: &Certificate,
+) -> (Option<String>, Vec<String>) {
     let engine = progress.engine;
     let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
         return (None, Vec::new());
@@ -259,20 +342,26 @@ fn overlaps(progress: &Progress, min_gap: Option<&GapReport>) -> (Option<String>
             )
         })
     });
-    let resisted = (UNRESISTED + 2.0 * progress.report.penetration) * side.min_radius;
-    let inside = min_gap.filter(|gap| -gap.upper > resisted).map(|gap| {
-        let (a, b) = (&rods[gap.rod_a].name, &rods[gap.rod_b].name);
+    let inside = certificate.check("gaps").filter(|check| !check.holds).map(|check| {
         format!(
-            "rod \"{a}\" at arc {:.4} and rod \"{b}\" at arc {:.4} overlap by {:.4}, {:.2} contact radii, which contact does \
-             not resist there",
-            gap.arc_a,
-            gap.arc_b,
-            -gap.upper,
-            -gap.upper / side.min_radius
+            "strands overlap by {:.4} {}, which contact does not resist there, or the mesh does not resolve",
+            check.value, check.detail
         )
     });
-    let of_end = min_gap.is_some_and(|gap| is_of_end(&rods[gap.rod_a], gap));
-    let (at_end, inside) = if of_end { (inside, None) } else { (None, inside) };
+    let at_end = min_gap.filter(|gap| {
+        let resisted = (UNRESISTED + 2.0 * progress.report.penetration) * side.min_radius;
+        -gap.upper > resisted && is_of_end(&rods[gap.rod_a], gap)
+    });
+    let at_end = at_end.map(|gap| {
+        format!(
+            "rod \"{}\" overlaps its own end by {:.4}, {:.2} contact radii, at arc {:.4} and arc {:.4}",
+            rods[gap.rod_a].name,
+            -gap.upper,
+            -gap.upper / side.min_radius,
+            gap.arc_a,
+            gap.arc_b
+        )
+    });
     (at_end, too_tight.chain(inside).collect())
 }
 
@@ -288,7 +377,12 @@ fn is_of_end(rod: &Rod, gap: &GapReport) -> bool {
         && along < std::f64::consts::PI * rod.section.contact_radius
 }
 
-fn min_gap(engine: &Engine) -> Option<GapReport> {
+fn gap_report(found: OwnGap) -> GapReport {
+    let ([rod_a, rod_b], [arc_a, arc_b]) = (found.rods, found.arcs);
+    GapReport { lower: found.gap - found.accuracy, upper: found.gap, rod_a, arc_a, rod_b, arc_b }
+}
+
+fn contact_gap(engine: &Engine) -> Option<GapReport> {
     let side = engine.contact.as_ref().filter(|side| side.is_current)?;
     let (max_gap, tol) = (MAX_GAP * side.min_radius, TOL_GAP * side.min_radius);
     let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, max_gap, tol))?;
@@ -310,12 +404,17 @@ fn reactions(engine: &Engine, residual: &Residual) -> Vec<Reaction> {
         let first = 6 * engine.master[engine.first_node[node.rod] + node.node];
         let gradient = &residual.gradient[first..first + 6];
         let (position, rotation) = engine.model().fixed(node);
+        // where rotation about one axis is held the moment is about a direction between it and where it was tilted to
+        let is_swivel = rotation.iter().filter(|held| **held).count() == 1 && !engine.model().planar;
         Reaction {
             rod: node.rod,
             node: node.node,
             force: std::array::from_fn(|k| if position[k] { gradient[k] } else { 0.0 }),
-            moment: std::array::from_fn(|k| if rotation[k] { gradient[3 + k] } else { 0.0 }),
+            moment: std::array::from_fn(|k| if rotation[k] || is_swivel { gradient[3 + k] } else { 0.0 }),
         }
     };
     nodes.into_iter().map(reaction).collect()
 }
+
+#[cfg(test)]
+mod tests;

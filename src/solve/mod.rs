@@ -19,6 +19,8 @@ pub use load_step::step_report::{Status, StepReport};
 pub use options::Options;
 pub use path::continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use path::failure::{Failure, Overlap, RodPoint, TightBend};
+pub use path::given::Given;
+pub(crate) use path::given::GivenTopology;
 pub use path::restart::{Place, Restart};
 pub use path::run::{Progress, RunError, Solution, Waypoint, run, run_from};
 pub use problem::engine::Engine;

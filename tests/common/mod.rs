@@ -96,7 +96,7 @@ pub fn cantilever(rod: Rod, force: Vec3, moment: Vec3) -> Model {
 
 /// What is observed of the solver's state after a step.
 pub fn observed(solver: &Solver, report: &StepReport) -> Observation {
-    observe(&Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
+    observe(&Progress { given: None, engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report, seconds: 0.0 })
 }
 
 /// Position of the last node of rod 0.

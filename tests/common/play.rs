@@ -312,6 +312,7 @@ fn judge(mut row: Row, solution: &Solution, counter: &mut Counter, due: &Due, ou
     let engine = solution.solver.engine();
     let Some(report) = &counter.last else { return Played { row, seen: None } };
     let seen = observe(&Progress {
+        given: Some(&solution.given),
         engine,
         stage: counter.stage,
         step: row.steps,
@@ -322,7 +323,7 @@ fn judge(mut row: Row, solution: &Solution, counter: &mut Counter, due: &Due, ou
     let radii = engine.model().rods.iter().map(|rod| rod.section.contact_radius).filter(|r| *r > 0.0);
     let smallest = radii.fold(f64::INFINITY, f64::min);
     row.energy = seen.energies.total - seen.energies.contact;
-    row.gap = seen.min_gap.map(|gap| gap.lower / smallest);
+    row.gap = seen.contact_gap.map(|gap| gap.lower / smallest);
     row.sites = seen.num_sites;
     row.residual = engine.relative_residual();
     let rods = engine.model().rods.iter().enumerate();

@@ -103,7 +103,7 @@ pub fn go(start: Start, way: Way, options: &Options) -> Run {
             energy = seen.energies.total - seen.energies.contact;
             let asked = progress.engine.state().seams[0] / TAU;
             link_error = link_error.max((seen.links[0].link - asked).abs());
-            gap = gap.min(seen.min_gap.map_or(f64::INFINITY, |gap| gap.lower) / diameter);
+            gap = gap.min(seen.contact_gap.map_or(f64::INFINITY, |gap| gap.lower) / diameter);
         }
         ControlFlow::Continue(())
     })

@@ -59,7 +59,7 @@ fn units_of_length_and_force() {
         let (report, seen) = to(&mut solver, 1.7);
         assert_eq!(report.status, Status::Converged, "unit {unit:e}, force {force:e}");
         iterations.push(report.iterations);
-        let gap = seen.min_gap.unwrap();
+        let gap = seen.contact_gap.unwrap();
         let numbers = [
             seen.energies.total / (force * unit),
             seen.energies.bending / (force * unit),
@@ -210,7 +210,7 @@ fn penalties() {
             solver.options_mut().newton.max_iterations = 150;
             let (flat, _) = to(&mut solver, 1.1);
             let (report, seen) = to(&mut solver, 1.4);
-            let gap = seen.min_gap.map_or(0.0, |gap| gap.lower) / 0.02;
+            let gap = seen.contact_gap.map_or(0.0, |gap| gap.lower) / 0.02;
             println!(
                 "1e{decade} augmented {augmented}: {} in {}, gap {gap:.1e}, force {:.6}",
                 report.status, report.iterations, seen.total_contact_force
@@ -272,7 +272,7 @@ fn crossed_starts() {
         let report = solver.step_to(&[]).unwrap();
         assert_eq!(report.status, Status::Converged, "at {angle}, {height} diameters");
         let parted = observed(&solver, &report);
-        let gap = parted.min_gap.unwrap().lower;
+        let gap = parted.contact_gap.unwrap().lower;
         assert!(gap > -1e-6 * 0.02, "at {angle}, {height} diameters: {gap:e}");
         assert_eq!(parted.num_sites, usize::from(height < 1.0));
         if height >= 1.0 {
@@ -326,7 +326,7 @@ fn strands_that_just_touch_without_load() {
             assert!(moved.fold(0.0, f64::max) < 1e-10, "{angle:e}, {elements} elements");
             let seen = observed(&solver, &report);
             assert!(seen.total_contact_force < 1e-6, "{angle:e}: {}", seen.total_contact_force);
-            assert!(seen.min_gap.unwrap().lower > -1e-10);
+            assert!(seen.contact_gap.unwrap().lower > -1e-10);
         }
     }
 }
@@ -349,7 +349,7 @@ fn two_rings(height: f64) -> (StepReport, Observation) {
 /// Both rings flat, without overlap, without force.
 fn assert_at_rest(height: f64, (report, seen): (StepReport, Observation)) {
     assert_eq!(report.status, Status::Converged, "{height} diameters");
-    assert!(seen.min_gap.is_none_or(|gap| gap.lower > -1e-6 * 0.02), "{height}: {:?}", seen.min_gap);
+    assert!(seen.contact_gap.is_none_or(|gap| gap.lower > -1e-6 * 0.02), "{height}: {:?}", seen.contact_gap);
     let exact = 2.0 * 0.5 * std::f64::consts::TAU.powi(2);
     assert!((seen.energies.total / exact - 1.0).abs() < 1e-6, "{height}: {}", seen.energies.total);
     assert!(seen.total_contact_force < 1e-3, "{height}: {}", seen.total_contact_force);
@@ -422,7 +422,7 @@ fn a_knot_at_its_limit() {
         solver.options_mut().newton.max_iterations = if returns { 500 } else { 60 };
         let report = solver.step_to(&[]).unwrap();
         let seen = observed(&solver, &report);
-        let gap = seen.min_gap.map_or(f64::INFINITY, |gap| gap.lower * ratio);
+        let gap = seen.contact_gap.map_or(f64::INFINITY, |gap| gap.lower * ratio);
         let nodes = solver.engine().positions(0);
         let length: f64 = (0..nodes.len()).map(|k| (nodes[(k + 1) % nodes.len()] - nodes[k]).norm()).sum();
         println!(
@@ -451,7 +451,7 @@ fn link_ten_times_too_much_at_once() {
     println!("{} in {}", report.status, report.iterations);
     assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
     assert!((seen.links[0].link - 3.0).abs() < 1e-9, "{}", seen.links[0].link);
-    assert!(seen.min_gap.unwrap().lower > -1e-6 * 0.02);
+    assert!(seen.contact_gap.unwrap().lower > -1e-6 * 0.02);
 }
 
 /// Beams of one element each, of every order, crossing: *return* without overlap, and the force of the shape that the
@@ -484,6 +484,6 @@ fn beams_of_one_element() {
         let ratio = seen.total_contact_force / (48.0 * 0.5 * overlap);
         println!("order {order}, {elements} elements: force {ratio:.6} of two simply supported beams'");
         assert!((ratio / stiffer - 1.0).abs() < tolerance, "order {order}, {elements} elements: {ratio}");
-        assert!(seen.min_gap.unwrap().lower > -1e-8 * 0.02);
+        assert!(seen.contact_gap.unwrap().lower > -1e-8 * 0.02);
     }
 }

@@ -37,7 +37,7 @@ fn the_lac_repressor_closes_a_loop() {
     assert!((closed.total - 16.95).abs() < 0.05, "{closed:?}");
     assert!((turned.total - 52.12).abs() < 0.05, "{turned:?}");
     assert!(closed.electrostatic > 1.0 && turned.electrostatic > closed.electrostatic, "{closed:?} {turned:?}");
-    let gap = all[28].min_gap.unwrap().lower;
+    let gap = all[28].contact_gap.unwrap().lower;
     assert!(gap > 3.0, "{gap}");
 }
 

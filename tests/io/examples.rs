@@ -57,7 +57,7 @@ fn the_ring_collapses() {
     let site = &state.sites[0];
     let centers = [site.arc_a, site.arc_b].map(|arc| 0.5 * (arc[0] + arc[1]));
     assert!((centers[0] - 1.571).abs() < 1e-2 && (centers[1] - 4.712).abs() < 1e-2, "{centers:?}");
-    assert!(site.angle < 1e-6 && state.min_gap.unwrap().lower > -1e-9, "{state:?}");
+    assert!(site.angle < 1e-6 && state.contact_gap.unwrap().lower > -1e-9, "{state:?}");
 }
 
 /// A coarse minicircle taken to the figure-eight: its writhe, −.83087 on 48 elements.

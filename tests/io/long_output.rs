@@ -51,7 +51,7 @@ fn state(scene: &Scene) -> (Observation, Vec<RodSnapshot>) {
     let _ = solver.num_unstable().unwrap();
     let (report, engine) = (report(), solver.engine());
     let started = Instant::now();
-    let progress = Progress { engine, stage: 0, step: 0, fraction: 0.0, report: &report, seconds: 0.0 };
+    let progress = Progress { given: None, engine, stage: 0, step: 0, fraction: 0.0, report: &report, seconds: 0.0 };
     let observation = observe(&progress);
     println!("{} nodes: observation {:.2?}", engine.num_nodes(), started.elapsed());
     let fields = engine.all_nodal_fields().remove(0);

@@ -53,7 +53,7 @@ fn link_is_what_was_put_in() {
     assert!(last.links[0].writhe > 0.8 && last.links[0].writhe < 1.0, "{:?}", last.links);
     assert_eq!(last.sites.len(), 1, "{:?}", last.sites);
     assert_eq!(last.sites[0].kind, "point");
-    let gap = last.min_gap.unwrap();
+    let gap = last.contact_gap.unwrap();
     assert!(gap.upper - gap.lower < 1e-10 && gap.lower > -1e-9, "{gap:?}");
     assert!((gap.upper - last.sites[0].gap).abs() < 1e-11, "the certified gap is the site's: {gap:?} {:?}", last.sites);
 }
@@ -110,7 +110,7 @@ fn the_clamp_carries_the_load() {
     let found = &state.reactions[0];
     assert!((Vec3::from(found.force) + force).norm() < 1e-9, "{found:?}");
     assert!((Vec3::from(found.moment) + moment + arm.cross(&force)).norm() < 1e-8, "{found:?}");
-    assert!(state.links.is_empty() && state.sites.is_empty() && state.min_gap.is_none());
+    assert!(state.links.is_empty() && state.sites.is_empty() && state.contact_gap.is_none());
 }
 
 /// Energies by kind of a ring bent from straight: ½ B (2π/L)² L; twisted, ½ C K3² L more.

@@ -112,6 +112,6 @@ fn a_bar_in_the_way_is_felt() {
         assert!(height(&before) < -radius, "{}", height(&before));
         let seen = observed(&before, &on);
         assert_eq!(seen.num_sites, 1);
-        assert!(seen.min_gap.unwrap().lower > -1e-6 * radius && seen.total_contact_force > 1.0);
+        assert!(seen.contact_gap.unwrap().lower > -1e-6 * radius && seen.total_contact_force > 1.0);
     }
 }

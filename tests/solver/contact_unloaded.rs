@@ -68,7 +68,7 @@ fn a_free_loop_drawn_through_a_ring() {
     let tau = std::f64::consts::TAU;
     let circles = 0.5 * (100.0 * tau / 0.15 + 0.1 * tau / 0.3);
     assert!((end.energies.bending / circles - 1.0).abs() < 1e-6, "{} {circles}", end.energies.bending);
-    assert!(end.total_contact_force < 1e-6 && end.min_gap.is_none_or(|gap| gap.upper > -1e-8), "{end:?}");
+    assert!(end.total_contact_force < 1e-6 && end.contact_gap.is_none_or(|gap| gap.upper > -1e-8), "{end:?}");
 }
 
 /// A ring buckles under pressure and closes on another one inside: it touches on one side, then on both, the inner ring

@@ -62,7 +62,7 @@ fn hold(case: &str, values: &[(&str, f64, f64, f64)]) {
 }
 
 fn hold_gap(case: &str, seen: &Observation, radius: f64, fidelity: Fidelity) {
-    let penetration = seen.min_gap.map_or(0.0, |gap| -gap.lower / radius);
+    let penetration = seen.contact_gap.map_or(0.0, |gap| -gap.lower / radius);
     // the certified gap is known to 1e-9 of the radius or so
     assert!(penetration <= 1.01 * fidelity.accuracy().penetration, "{case}: {penetration:e}");
 }

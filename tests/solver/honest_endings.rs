@@ -115,7 +115,7 @@ fn a_bend_tighter_than_the_radius_is_told() {
     };
     let (solution, last) = run(scene(&text(0.12)));
     assert_eq!(solution.status, Status::Converged);
-    assert!(last.min_gap.is_some_and(|gap| gap.upper < -0.01), "{:?}", last.min_gap);
+    assert!(last.contact_gap.is_some_and(|gap| gap.upper < -0.01), "{:?}", last.contact_gap);
     assert!(last.notes.iter().any(|note| note.contains("contact does not resist")), "{:?}", last.notes);
     let (solution, last) = run(scene(&text(0.02)));
     assert_eq!((solution.status, last.notes.len()), (Status::Converged, 0), "{:?}", last.notes);
@@ -148,7 +148,9 @@ fn a_run_that_ends_bent_as_tightly_as_it_is_thick_says_so() {
         assert!(bend.at.rod == "ring" && (0.95..=1.0).contains(&bend.tightness), "{failure}");
         assert!(failure.to_string().contains("is bent to curvature × contact radius"), "{failure}");
         assert!(seen.len() > 4, "the ring has room at first");
-        assert!(seen.iter().all(|step| step.status == "converged" && step.min_gap.is_some_and(|gap| gap.lower > 0.0)));
+        assert!(
+            seen.iter().all(|step| step.status == "converged" && step.contact_gap.is_some_and(|gap| gap.lower > 0.0))
+        );
     }
 }
 
@@ -160,8 +162,15 @@ fn a_softer_law_is_told() {
     let mut solver = solution.solver;
     solver.harden_contact(0.1);
     let report = solver.resettle();
-    let progress =
-        Progress { engine: solver.engine(), stage: 0, step: 0, fraction: 1.0, report: &report, seconds: 0.0 };
+    let progress = Progress {
+        given: None,
+        engine: solver.engine(),
+        stage: 0,
+        step: 0,
+        fraction: 1.0,
+        report: &report,
+        seconds: 0.0,
+    };
     let notes = observe(&progress).notes;
     assert!(matches!(&notes[..], [note] if note.contains("10 times softer")), "{notes:?}");
 }
@@ -231,8 +240,15 @@ fn a_rod_comes_to_rest_on_others_as_the_advice_says() {
         let ramps = feet.map(|node| Ramp::Displacement { node, to: Vec3::z() * z });
         let report = solver.step_to(&ramps).unwrap();
         assert_eq!(report.status, Status::Converged, "{z}");
-        let progress =
-            Progress { engine: solver.engine(), stage: 0, step: 1, fraction: 1.0, report: &report, seconds: 0.0 };
+        let progress = Progress {
+            given: None,
+            engine: solver.engine(),
+            stage: 0,
+            step: 1,
+            fraction: 1.0,
+            report: &report,
+            seconds: 0.0,
+        };
         let seen = observe(&progress);
         let up = feet.map(|foot| seen.reactions.iter().find(|r| (r.rod, r.node) == (0, foot.node)).unwrap().force[2]);
         (up, seen, solver.engine().positions(0)[30].z)

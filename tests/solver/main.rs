@@ -20,6 +20,7 @@ mod tally;
 mod as_shaped;
 mod augmented_ring;
 mod cable;
+mod certificate;
 mod coaxial_clamps;
 mod contact_by_mesh;
 mod contact_held_open;

@@ -37,7 +37,7 @@ fn a_cantilever_rolls_up_onto_itself_in_space_as_in_the_plane() {
         let states = states(head, &[(1.0, 9)]);
         assert_eq!(states.len(), 10, "no step is to be cut");
         let last = states[9].clone();
-        assert!(!last.sites.is_empty() && last.min_gap.unwrap().lower > -1e-6, "{:?}", last.min_gap);
+        assert!(!last.sites.is_empty() && last.contact_gap.unwrap().lower > -1e-6, "{:?}", last.contact_gap);
         let clamp = &last.reactions[0];
         assert!((clamp.moment[2] + 9.0).abs() < 1e-9, "{clamp:?}");
         assert!(clamp.force.iter().all(|force| force.abs() < 1e-9), "{clamp:?}");

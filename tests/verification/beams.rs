@@ -61,7 +61,7 @@ fn a_tapered_beam_is_touched_where_its_radius_says() {
     let case = "beam across a tapered one";
     let before = to(&mut solver, &lowered(touch - 1e-4));
     assert_eq!(before.num_sites, 0);
-    verify(case, "gap before they touch", before.min_gap.unwrap().lower, 1e-4, 1e-6);
+    verify(case, "gap before they touch", before.contact_gap.unwrap().lower, 1e-4, 1e-6);
     let beyond = 1e-5;
     let found = to(&mut solver, &lowered(touch + beyond)).total_contact_force;
     let compliance = (place * (1.0 - place)).powi(3) / 3.0 + 1.0 / 192.0;
@@ -365,7 +365,13 @@ fn parallel_beams_open_into_a_line_at_three_times_the_touching_load() {
     let mut solver = pair(16);
     // uniform load alone brings the middles together in proportion
     let seen = at(&mut solver, 0.99, 6);
-    verify("parallel beams", "gap left at 0.99 q₁, over that at first", seen.min_gap.unwrap().upper / gap, 0.01, 2e-6);
+    verify(
+        "parallel beams",
+        "gap left at 0.99 q₁, over that at first",
+        seen.contact_gap.unwrap().upper / gap,
+        0.01,
+        2e-6,
+    );
     let (mut bent, mut factors) = (Vec::new(), Vec::new());
     for factor in [2.2, 2.6, 2.9] {
         // the force spreads over (B/κ)^¼, so that its effect on the gap errs by the square of that, κ^−½; at a tenfold

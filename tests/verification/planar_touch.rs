@@ -29,7 +29,7 @@ fn to(solver: &mut Solver, ramp: Ramp) -> Observation {
 
 /// Drives a parameter from `from` towards the value where the gap closes; returns it and the last state.
 fn touch(mut at: impl FnMut(f64) -> Observation, from: f64, step: f64) -> (f64, Observation) {
-    let gap = |seen: &Observation| seen.min_gap.map_or(f64::INFINITY, |g| g.upper);
+    let gap = |seen: &Observation| seen.contact_gap.map_or(f64::INFINITY, |g| g.upper);
     let mut previous = (from, gap(&at(from)));
     let mut value = from + step;
     for _ in 0..200 {

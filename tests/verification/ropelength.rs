@@ -122,7 +122,7 @@ fn pull(start: &[(Shape, f64)], lengths: &[f64], elements: usize) -> Tight {
     let cubics: Vec<Cubic> = (0..start.len()).flat_map(|rod| centreline(&solver, rod)).collect();
     let length: f64 = cubics.iter().map(length_bound).sum();
     let curvature = cubics.iter().map(curvature_bound).fold(0.0, f64::max);
-    let half_distance = 1.0 + 0.5 * seen.min_gap.unwrap().lower;
+    let half_distance = 1.0 + 0.5 * seen.contact_gap.unwrap().lower;
     let ropelength = length / (2.0 * half_distance.min(1.0 / curvature));
     println!(
         "length {length:.6}, half distance {half_distance:.6}, largest curvature {curvature:.4}: ropelength {ropelength:.5}; writhe {:.4}, {} sites, \
@@ -185,7 +185,7 @@ fn tighter_knots_do_not_pretend_to_rest() {
         let seen = observed(&solver, &report);
         let cubics = centreline(&solver, 0);
         let length: f64 = cubics.iter().map(length_bound).sum();
-        let half_distance = 1.0 + 0.5 * seen.min_gap.unwrap().lower;
+        let half_distance = 1.0 + 0.5 * seen.contact_gap.unwrap().lower;
         let residual = solver.engine().relative_residual();
         println!(
             "natural length {natural}: {:?} after {} iterations, residual {residual:.1e}, length over 2 half distances {:.4}",

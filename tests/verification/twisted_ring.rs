@@ -44,7 +44,7 @@ fn check_rest(report: &StepReport, seen: &Observation, excess_link: f64, diamete
     assert_eq!(report.status, Status::Converged, "ΔLk = {excess_link}");
     assert_eq!(report.num_unstable, 0, "ΔLk = {excess_link}");
     assert!((seen.links[0].link - excess_link).abs() < 1e-9, "link {} at {excess_link}", seen.links[0].link);
-    if let Some(gap) = seen.min_gap {
+    if let Some(gap) = seen.contact_gap {
         assert!(gap.lower >= -1e-6 * diameter, "overlap {} at {excess_link}", gap.lower);
     }
 }
@@ -217,7 +217,7 @@ fn threads_do_not_change_a_bit() {
             let (report, seen) = to(&mut solver, excess_link);
             assert_eq!(report.status, Status::Converged);
             // Debug prints every bit of a float
-            sites = format!("{:?} {:?} {:?}", seen.sites, seen.min_gap, seen.energies);
+            sites = format!("{:?} {:?} {:?}", seen.sites, seen.contact_gap, seen.energies);
         }
         let bits: Vec<u64> =
             solver.engine().positions(0).iter().flat_map(|r| [r.x, r.y, r.z]).map(f64::to_bits).collect();

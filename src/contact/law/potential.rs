@@ -165,7 +165,8 @@ impl ContactGeometry<'_> {
             let mut collect = |project: &Projector, pieces: &mut Vec<BranchPiece>| {
                 self.keep_rings([slave, master], &pair_law, project, pieces);
                 if !pieces.is_empty() {
-                    found(&PairIntegral { slave, master, pair_law: &pair_law, pieces, project });
+                    let own = self.near(slave, &self.strands.ends(slave).0);
+                    found(&PairIntegral { slave, master, pair_law: &pair_law, pieces, project, own });
                 }
             };
             if let Some(lines) = self.lines(slave, master, &pair_law) {

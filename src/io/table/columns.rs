@@ -77,7 +77,12 @@ impl Columns {
             step.iterations_on_other_meshes.into()
         });
         all.add("seconds", "s", "wall time of the step", |step| step.seconds.into());
-        all.add("status", "", "converged, overlap, or why not", |step| step.status.as_str().into());
+        all.add("status", "", "converged; overlap, fails … (a check of the certificate), or why not", |step| {
+            step.status.as_str().into()
+        });
+        all.add("certificate", "", "what holds of the state, or which checks fail", |step| {
+            step.certificate.to_string().as_str().into()
+        });
         all.add("notes", "", "to be known before the numbers are believed", |step| step.notes.join("; ").into());
         let first = stages.iter().flat_map(|stage| &stage.ramps).find_map(|ramp| match ramp {
             Ramp::ExcessLink { rod, .. } => Some(of_rod(model, *rod, "excess_link")),
@@ -177,7 +182,7 @@ impl Columns {
     }
 
     fn contact(&mut self) {
-        self.add("min_gap", "L", "certified lower bound of the smallest gap; blank beyond two diameters", |step| {
+        self.add("min_gap", "L", "smallest gap of the elements' centrelines; blank beyond two diameters", |step| {
             step.min_gap.map_or(Cell::Missing, |gap| number(gap.lower))
         });
         self.add("penetration", "L", "worst penetration", |step| {

@@ -93,7 +93,9 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
         }
         frames.push(frame);
     }
-    let note = note(&frames, files.len(), num_nodes, tolerance, run.units);
+    let certificate = run.steps.last().map_or_else(String::new, |last| format!("At the end {}.", last.certificate));
+    let reduced = note(&frames, files.len(), num_nodes, tolerance, run.units);
+    let note = [certificate, reduced].join(" ").trim().to_owned();
     let head = |head: &RodHead| FilmRod { name: head.name.clone(), closed: head.closed };
     let (table, plots) = table(run.steps, run.units);
     let (title, units, planes) = (run.title.to_owned(), run.units.clone(), run.planes.to_vec());

@@ -40,6 +40,8 @@ pub(in crate::observe) fn lines(
         .into_iter()
         .map(|members| (site(ContactZones { set, zones: &zones, members: &members }, rods, layer), members))
         .collect();
+    let strongest = super::strongest(found.iter().map(|((report, _), _)| report));
+    found.retain(|((report, _), _)| super::touches(report, strongest));
     found.sort_by(|(x, _), (y, _)| super::by_arcs(&x.0, &y.0));
     let mut samples = Vec::new();
     for (index, ((report, swapped), members)) in found.iter().enumerate() {

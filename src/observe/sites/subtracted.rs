@@ -50,6 +50,7 @@ impl Composed {
         let zone = &mut self.zone;
         let shift = near(piece.load.center, zone.load.center, set.period(zone.curve_a)) - piece.load.center;
         zone.load = zone.load.with(piece.load, shift);
+        zone.torque += piece.torque_about(&zone.at);
         zone.push += piece.push;
         // a farthest point is no gap
         self.pieces.push(SiteZone { gap: zone.gap, ..piece });
@@ -62,6 +63,7 @@ impl SiteZone {
         self.load.force *= share;
         self.load.inertia *= share;
         self.push *= share;
+        self.torque *= share;
         self
     }
 }

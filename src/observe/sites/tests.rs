@@ -161,6 +161,8 @@ fn counterparts_are_those_of_brute_force() {
                     gap: 0.0,
                     angle: 0.0,
                     push: Vec3::zeros(),
+                    torque: Vec3::zeros(),
+                    at: Vec3::zeros(),
                     feet: [Vec3::zeros(); 2],
                 }
             })

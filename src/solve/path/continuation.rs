@@ -205,6 +205,7 @@ impl Reporter<'_> {
         };
         let way = tracer.parameter.target - tracer.parameter.start;
         let progress = Progress {
+            given: None,
             engine: &tracer.solver.engine,
             stage: 0,
             step: self.points,

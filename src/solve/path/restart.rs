@@ -8,8 +8,11 @@
 
 use crate::contact::law::Law;
 use crate::error::InputError;
+use crate::math::{Quat, Vec3};
+use crate::scene::NodeRef;
 use crate::solve::load_step::predictor::History;
 use crate::solve::load_step::solver::Solver;
+use crate::solve::path::given::Given;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::Moved;
 use crate::solve::problem::state::State;
@@ -50,6 +53,8 @@ pub struct Restart {
     contact: Option<ContactRestart>,
     /// Motions of supports so far.
     moved: Moved,
+    /// Rod, node, position \[L\] and frame of nodes that stages have come to hold, see [`Given::held`].
+    held: Vec<(usize, usize, Vec3, Quat)>,
     /// The last accepted states.
     history: History,
 }
@@ -61,14 +66,22 @@ struct ContactRestart {
     offsets: ContactField,
 }
 
+impl Restart {
+    /// Poses of nodes that stages have come to hold.
+    pub(in crate::solve) fn held(&self) -> impl Iterator<Item = (NodeRef, (Vec3, Quat))> {
+        self.held.iter().map(|&(rod, node, x, q)| (NodeRef { rod, node }, (x, q)))
+    }
+}
+
 impl Solver {
     /// The present state as the start of a later run. Taken apart field by field, so that whoever gives the solver a
     /// new field has to decide here whether a run depends on it.
-    pub(crate) fn to_restart(&self, place: Place) -> Restart {
+    pub(crate) fn to_restart(&self, place: Place, given: &Given) -> Restart {
         let Self { engine, workspace: _, options: _, moved, history } = self;
         let contact =
             engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
-        Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), history: history.clone() }
+        let held = given.held.iter().map(|(node, (x, q))| (node.rod, node.node, *x, *q)).collect();
+        Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), held, history: history.clone() }
     }
 
     /// Takes over a run.
@@ -76,7 +89,7 @@ impl Solver {
     /// # Errors
     /// [`InputError::Inconsistent`] if it belongs to another model.
     pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
-        let Restart { place: _, state, contact, moved, history } = restart;
+        let Restart { place: _, state, contact, moved, held: _, history } = restart;
         let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
         if let Some(node) = moved.nodes().find(|node| *node >= state.positions.len()) {
             return Err(refuse(&format!("moves node {node}, which the model has not")));

@@ -9,14 +9,17 @@ use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::measures::{FINE, NOTHING};
 use crate::solve::options::Options;
 use crate::solve::path::failure::Failure;
+use crate::solve::path::given::Given;
 use crate::solve::path::restart::{Place, Restart};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::timing::Instant;
 
 /// State after an accepted step, for the observer.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Progress<'a> {
+    /// What was given; `None` for states that no stages led to.
+    pub given: Option<&'a Given>,
     /// The engine in the accepted state.
     pub engine: &'a Engine,
     /// Stage index.
@@ -45,12 +48,15 @@ pub struct Solution {
     pub iterations: usize,
     /// The attempt that ended the run, if it ended neither at its target nor because it was asked to.
     pub failure: Option<Failure>,
+    /// What was given.
+    pub given: Given,
 }
 
 /// An accepted state that a run may be taken up from.
 #[derive(Debug)]
 pub struct Waypoint<'a> {
     solver: &'a Solver,
+    given: &'a Given,
     place: Place,
     settled: bool,
 }
@@ -63,7 +69,7 @@ impl Waypoint<'_> {
 
     /// The restart from here for [`run_from`]; `None` if the start state did not converge.
     pub fn restart(&self) -> Option<Restart> {
-        self.settled.then(|| self.solver.to_restart(self.place))
+        self.settled.then(|| self.solver.to_restart(self.place, self.given))
     }
 }
 
@@ -98,8 +104,9 @@ pub fn run_from(
     observer: &mut Observer,
 ) -> Result<Solution, RunError> {
     model.check_stages(stages)?;
+    let given = Given::new(&model, stages, options);
     let solver = Solver::new(model, options.clone())?;
-    let mut run = LoadStepping { solver, place: Place::start_of(0, 0, 0), failure: None, observer };
+    let mut run = LoadStepping { solver, given, place: Place::start_of(0, 0, 0), failure: None, observer };
     let mut status = match from {
         None => run.find_start()?,
         Some(restart) => run.resume(restart, stages)?,
@@ -113,8 +120,8 @@ pub fn run_from(
         }
         status = run.run_stage(stage)?;
     }
-    let LoadStepping { solver, place, failure, .. } = run;
-    Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations, failure })
+    let LoadStepping { solver, given, place, failure, .. } = run;
+    Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations, failure, given })
 }
 
 /// Why a run could not go on.
@@ -131,6 +138,7 @@ pub enum RunError {
 /// A run under way.
 struct LoadStepping<'a, 'o> {
     solver: Solver,
+    given: Given,
     /// Where it stands.
     place: Place,
     /// The attempt that ended it.
@@ -195,6 +203,7 @@ impl LoadStepping<'_, '_> {
                 format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);
             return Err(InputError::Inconsistent { field: "restart".to_owned(), reason }.into());
         }
+        self.given.held.extend(restart.held());
         self.solver.take_over(restart)?;
         self.solver.forget_path()?;
         self.place = place;
@@ -208,6 +217,9 @@ impl LoadStepping<'_, '_> {
         let full = 1.0 / (stage.steps as f64).max((rounds - FINE).ceil());
         let mut size = self.place.step_size.min(full);
         self.solver.change_supports(&stage.ramps)?;
+        if self.place.fraction == 0.0 {
+            self.given.note_held(&stage.ramps, &self.solver.engine);
+        }
         self.solver.note_numbers(&stage.ramps);
         let mut started = Instant::now();
         let mut failed_iterations = 0;
@@ -249,6 +261,7 @@ impl LoadStepping<'_, '_> {
     fn show(&mut self, report: &StepReport, started: Instant) -> ControlFlow<()> {
         let (solver, place) = (&self.solver, self.place);
         let progress = Progress {
+            given: Some(&self.given),
             engine: &solver.engine,
             stage: place.stage,
             step: place.num_steps,
@@ -257,7 +270,7 @@ impl LoadStepping<'_, '_> {
             seconds: started.elapsed().as_secs_f64(),
         };
         let settled = report.status == Status::Converged;
-        (self.observer)(&progress, &Waypoint { solver, place, settled })
+        (self.observer)(&progress, &Waypoint { solver, given: &self.given, place, settled })
     }
 
     fn failure_of(&self, report: &StepReport) -> Failure {

@@ -4,6 +4,7 @@ use super::guess::Interpolation;
 use super::pressure::{PairLaw, without_limit};
 use super::stiffness::{Coordinates, PairStiffness};
 use super::term::{PairForce, PairTerm, QuadraturePoint, Request, Want, ZonePiece};
+use crate::contact::curves::curve::Cubic;
 use crate::contact::measures::{MAX_PARTS, POINTS_PER_PART};
 use crate::contact::zones::straight::Lines;
 use crate::contact::zones::{Branch, BranchPiece, FootKind, Projection};
@@ -24,6 +25,8 @@ pub(super) struct PairIntegral<'a> {
     pub(super) pair_law: &'a PairLaw<'a>,
     pub(super) pieces: &'a [BranchPiece],
     pub(super) project: &'a Projector<'a>,
+    /// The slave, relative to its start.
+    pub(super) own: Cubic,
 }
 
 /// The projection at a parameter t of a branch, from a guess of the other parameter, and du/dt, u the slave's
@@ -57,7 +60,7 @@ impl PairIntegral<'_> {
         for piece in self.pieces {
             // ½∫p uᵏ ds
             let mut moments = [0.0; 3];
-            let mut half_push = Vec3::zeros();
+            let (mut half_push, mut half_torque) = (Vec3::zeros(), Vec3::zeros());
             let kind = piece.branch.kind;
             self.pair_law.integrate(piece, |t, guess, weight| {
                 let (projection, rate) = (self.project)(t, guess, &piece.branch);
@@ -75,7 +78,9 @@ impl PairIntegral<'_> {
                 moments[1] += force * projection.u;
                 moments[2] += force * projection.u * projection.u;
                 if projection.distance > 0.0 {
-                    half_push += projection.normal * force;
+                    let push = projection.normal * force;
+                    half_push += push;
+                    half_torque += self.own.point(projection.u).cross(&push);
                 }
                 if kind == FootKind::Fold { projection.u } else { projection.v }
             });
@@ -89,6 +94,7 @@ impl PairIntegral<'_> {
                     half_force,
                     half_moments: [first, second],
                     half_push,
+                    half_torque,
                 });
             }
         }

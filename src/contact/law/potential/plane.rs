@@ -53,6 +53,8 @@ pub(crate) struct PlaneZone {
     pub(crate) nearest: f64,
     /// ∫p ds, ∫p u ds and ∫p u² ds \[F\].
     pub(crate) moments: [f64; 3],
+    /// ∫p (x − x₀) ds \[F·L\], x₀ the start of the segment.
+    pub(crate) arm: Vec3,
 }
 
 /// A quadrature point in contact: its parameter, and weight × stiffness of the law \[F/L\].
@@ -127,10 +129,13 @@ pub(crate) fn term(
     let mut sum = PlaneSum::default();
     let mut zones = Vec::new();
     for u in intervals {
+        let force_before = sum.force;
         let moments = sum.add_zone(u, &law, &gap, request.tangent);
         if request.zones {
             let (nearest, min_gap) = least(&gap, u);
-            zones.push(PlaneZone { u, min_gap, nearest, moments });
+            let points = &set.segments[segment].b;
+            let arm = (0..4).map(|m| (points[m] - points[0]) * (sum.force[m] - force_before[m])).sum();
+            zones.push(PlaneZone { u, min_gap, nearest, moments, arm });
         }
     }
     let ends = Ends::of(set, segment, half_space.normal);

@@ -18,6 +18,9 @@ pub struct ZonePiece {
     pub half_moments: [f64; 2],
     /// ½∫p n ds \[F\], n from the foot to the slave: this strand's half of the force on the slave.
     pub half_push: Vec3,
+    /// ½∫p (x − x₀) × n ds \[F·L\], x on the slave, x₀ the start of its segment: this strand's half of the moment of the force on
+    /// the slave. The force on the master acts along the same lines.
+    pub half_torque: Vec3,
 }
 
 impl ZonePiece {

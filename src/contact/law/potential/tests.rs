@@ -37,7 +37,8 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
         span: 1.3,
     };
     let touch = |t, guess, branch: &Branch| pair.project(t, guess, branch);
-    PairIntegral { slave: 0, master: 1, pair_law: &pair_law, pieces: &pieces, project: &touch }.pair_term(Want::Hessian)
+    PairIntegral { slave: 0, master: 1, pair_law: &pair_law, pieces: &pieces, project: &touch, own: *a }
+        .pair_term(Want::Hessian)
 }
 
 /// Gradient and Hessian of the integrated potential, moving zone ends included, against finite differences: crossing,
@@ -148,8 +149,9 @@ fn lines_are_treated_as_the_cubics_that_they_are() {
                     }
                     assert!((p.nearest.distance - q.nearest.distance).abs() < 1e-12, "case {case}: {p:?} {q:?}");
                 }
+                let own_cubic = geometry.near(own, &geometry.strands.ends(own).0);
                 let term = |pieces: &[BranchPiece], project: &Projector| {
-                    PairIntegral { slave: own, master: foreign, pair_law: &pair_law, pieces, project }
+                    PairIntegral { slave: own, master: foreign, pair_law: &pair_law, pieces, project, own: own_cubic }
                         .pair_term(Want::Hessian)
                 };
                 let a = term(&ours, &|u, _, branch| lines.project(u, branch));

@@ -166,8 +166,10 @@ fn forces_are_the_slope_of_the_energy() {
 fn restarts_carry_all_offsets() {
     let mut solver = beams();
     assert_eq!(solver.step_to(&[Ramp::Load { to: 0.9 }]).unwrap().status, Status::Converged);
-    let bytes =
-        postcard::to_allocvec(&solver.to_restart(crate::solve::path::restart::Place::start_of(0, 1, 0))).unwrap();
+    let bytes = postcard::to_allocvec(
+        &solver.to_restart(crate::solve::path::restart::Place::start_of(0, 1, 0), &crate::solve::Given::default()),
+    )
+    .unwrap();
     let mut later = beams();
     later.take_over(postcard::from_bytes(&bytes).unwrap()).unwrap();
     let offsets = |solver: &Solver| solver.engine.contact.as_ref().unwrap().offsets.clone();

@@ -66,7 +66,7 @@ fn zones_end_where_the_offset_meets_the_gap() {
 #[test]
 fn runs_go_on_over_seams() {
     let set = strand(RADIUS, true);
-    let zone = |u: [f64; 2]| PlaneZone { u, min_gap: 0.0, nearest: u[0], moments: [1.0, 0.5, 0.3] };
+    let zone = |u: [f64; 2]| PlaneZone { u, min_gap: 0.0, nearest: u[0], moments: [1.0, 0.5, 0.3], arm: Vec3::zeros() };
     let contact = |segment: usize, plane: usize, zones: &[[f64; 2]]| PlaneContact {
         segment,
         plane,

@@ -1,0 +1,328 @@
+//! Balance of forces and moments.
+//!
+//! ```text
+//! node       Σ_elements ∫ N_a′ n ds = f_a + s_a          Σ ∫ A_a′ᵀ m − A_aᵀ (r′ × n) ds = l_a + t_a
+//! contact    the same, summed over the nodes that a contact acts on, with the force and the moment reported for it
+//! body       Σ f + Σ s + Σ c = 0                          Σ x × f + l + x × s + t + x × c + d = 0
+//! ```
+//!
+//! n and m are the stress resultants in space, φ = Σ A_a θ_a the rotation of the interpolated frame, f and l loads, s and t
+//! reactions, c and d contact forces with their moments, as reported. A body is a rod with all that are joined to it; its
+//! balance needs no elements.
+//!
+//! Forces are compared with the largest sum of the sizes of all forces on a node, moments with that times the node spacing, or the
+//! extent of a contact or body. The solver ends when contact forces change by less than 1e-6 of themselves, or ten times its
+//! tolerance of increments where that is more, in an iteration that contracts: what is left is a few times that.
+
+use super::strains::{Law, Shape, element_length, rule};
+use super::{Check, ContactForce, Subject, Worst, first_nodes, node_name};
+use crate::math::quadrature::gauss;
+use crate::math::{Vec3, parallel};
+use crate::scene::{Model, NodeRef};
+
+/// Force out of balance over the largest force that the solver's convergence explains, at least, and over its tolerance of
+/// increments: ten times what one of its iterations changes. The largest of a minicircle's is 1.3e-5.
+const CONVERGED: (f64, f64) = (1e-4, 100.0);
+/// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times the sum
+/// of |N_a′| over the elements at a node, up to eight.
+const LAST_PLACES: f64 = 80.0;
+
+/// Force and moment on each node, and the sum of the sizes of what is summed \[F\].
+struct Forces {
+    force: Vec<Vec3>,
+    /// About the node.
+    moment: Vec<Vec3>,
+    size: Vec<f64>,
+}
+
+impl Forces {
+    fn none(num_nodes: usize) -> Self {
+        let zeros = vec![Vec3::zeros(); num_nodes];
+        Self { force: zeros.clone(), moment: zeros, size: vec![0.0; num_nodes] }
+    }
+
+    fn add(&mut self, node: usize, force: Vec3, moment: Vec3, spacing: f64) {
+        self.force[node] += force;
+        self.moment[node] += moment;
+        self.size[node] += force.norm() + moment.norm() / spacing;
+    }
+}
+
+pub(super) fn checks(subject: &Subject) -> Vec<Check> {
+    let Some(contact) = subject.contact else { return Vec::new() };
+    let first = first_nodes(subject.model);
+    let mut outer = Forces::none(subject.state.positions.len());
+    add_loads(subject, &first, &mut outer);
+    add_reactions(subject, &first, &mut outer);
+    let charged = subject.model.electrostatics.is_some();
+    let mut all = Forces { force: outer.force.clone(), moment: outer.moment.clone(), size: outer.size.clone() };
+    subtract_inner(subject, &first, &mut all);
+    let scale = Scale::of(subject, &all, contact);
+    let of_nodes = (!charged).then(|| nodes(subject, (&first, contact), all, &scale));
+    of_nodes.into_iter().chain([bodies(subject, (&first, contact), &outer, &scale)]).collect()
+}
+
+/// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so large a
+/// force that it is this part of it.
+struct Scale {
+    force: f64,
+    tolerance: f64,
+}
+
+impl Scale {
+    fn of(subject: &Subject, all: &Forces, contact: &[ContactForce]) -> Self {
+        let of_nodes = all.size.iter().copied().fold(0.0, f64::max);
+        let force = contact.iter().map(|at| at.force.norm()).fold(of_nodes, f64::max);
+        let rounding = subject.model.rods.iter().map(|rod| {
+            let (s, h) = (&rod.section, rod.spacing());
+            let stiffest = s.shearing.iter().chain([&s.stretching]).copied().fold(0.0, f64::max);
+            let bending = s.bending.iter().chain([&s.twisting]).copied().fold(0.0, f64::max);
+            LAST_PLACES * f64::EPSILON * (stiffest + bending / (h * h))
+        });
+        let rounding = rounding.fold(0.0, f64::max);
+        let tol_increment = subject.given.map_or(0.0, |(given, ..)| given.tol_increment);
+        let tolerance = CONVERGED.0.max(CONVERGED.1 * tol_increment);
+        // forces that are all rounding balance to rounding
+        Self { force: force + rounding / tolerance, tolerance }
+    }
+}
+
+/// Dead forces and moments, line loads ∫ N_a f ds and pressure ∫ N_a p ẑ × r′ ds.
+fn add_loads(subject: &Subject, first: &[usize], out: &mut Forces) {
+    let (model, state) = (subject.model, subject.state);
+    let factor = state.load_factor;
+    for load in &model.loads {
+        let spacing = model.rods[load.node.rod].spacing();
+        out.add(first[load.node.rod] + load.node.node, load.force * factor, load.moment * factor, spacing);
+    }
+    let exact = gauss(3);
+    for (k, rod) in model.rods.iter().enumerate() {
+        let along: Vec<_> = model.line_loads.iter().filter(|load| load.rod == k).collect();
+        let pressure = state.pressures[k];
+        if along.is_empty() && pressure == 0.0 {
+            continue;
+        }
+        let (force, moment) = along.iter().fold((Vec3::zeros(), Vec3::zeros()), |sum, load| {
+            (sum.0 + load.force * factor, sum.1 + load.moment * factor)
+        });
+        let shape = Shape::of(state, (k, rod), first[k]);
+        for element in 0..rod.num_elements {
+            let nodes = shape.nodes(element);
+            for (&xi, &w) in exact.points.iter().zip(exact.weights) {
+                let point = nodes.at(rod.order, element_length(rod), xi, w);
+                for a in 0..=rod.order {
+                    let share = point.n[a] * point.weight;
+                    let here = force + Vec3::z().cross(&point.slope) * pressure;
+                    out.add(first[k] + nodes.index[a], here * share, moment * share, rod.spacing());
+                }
+            }
+        }
+    }
+}
+
+/// Reactions, once for nodes that are joined.
+fn add_reactions(subject: &Subject, first: &[usize], out: &mut Forces) {
+    let mut told: Vec<NodeRef> = Vec::new();
+    for at in subject.reactions {
+        if !told.contains(&at.node) {
+            let spacing = subject.model.rods[at.node.rod].spacing();
+            out.add(first[at.node.rod] + at.node.node, at.force, at.moment, spacing);
+            told.extend(subject.model.joined_nodes(at.node));
+        }
+    }
+}
+
+/// Forces of the elements on their nodes: minus the derivative of their energy.
+fn subtract_inner(subject: &Subject, first: &[usize], out: &mut Forces) {
+    for (k, rod) in subject.model.rods.iter().enumerate() {
+        let (shape, law) = (Shape::of(subject.state, (k, rod), first[k]), Law::of(rod));
+        let rule = rule(rod);
+        let of_element = |element: usize| {
+            let nodes = shape.nodes(element);
+            let mut forces = [(Vec3::zeros(), Vec3::zeros()); 4];
+            let mut sizes = [0.0; 4];
+            for (g, (&xi, &w)) in rule.points.iter().zip(rule.weights).enumerate() {
+                let point = nodes.at(rod.order, element_length(rod), xi, w);
+                let s = law.stress(element, g, &point.strain());
+                let frame = point.frame();
+                let (n, m) = (frame * Vec3::new(s[0], s[1], s[2]), frame * Vec3::new(s[3], s[4], s[5]));
+                for a in 0..=rod.order {
+                    let (force, moment) = point.node_force(a, &nodes.q[a], &n, &m);
+                    forces[a] = (forces[a].0 + force, forces[a].1 + moment);
+                    sizes[a] += force.norm() + moment.norm() / rod.spacing();
+                }
+            }
+            (nodes.index, forces, sizes)
+        };
+        for (index, forces, sizes) in parallel::map(rod.num_elements, parallel::CHEAP, &of_element) {
+            for a in 0..=rod.order {
+                let node = first[k] + index[a];
+                out.force[node] -= forces[a].0;
+                out.moment[node] -= forces[a].1;
+                out.size[node] += sizes[a];
+            }
+        }
+    }
+}
+
+/// Nodes that contacts act on, one mark for each stretch of them.
+struct Stretches {
+    /// By node; 0 where there is no contact.
+    mark: Vec<usize>,
+    count: usize,
+}
+
+impl Stretches {
+    /// The curves of contact between two nodes depend on the elements of these: an element more on both sides.
+    fn of(model: &Model, first: &[usize], contact: &[ContactForce]) -> Self {
+        let mut touched = vec![false; first[model.rods.len()]];
+        for at in contact {
+            let rod = &model.rods[at.rod];
+            let (count, spacing) = (rod.num_nodes(), rod.spacing());
+            let [start, end] = at.arc;
+            let end = if end < start { end + rod.length } else { end };
+            let pad = rod.order as f64 + 1.0;
+            let (low, high) = ((start / spacing - pad).floor() as isize, (end / spacing + pad).ceil() as isize);
+            let count = count as isize;
+            let (low, high) =
+                if rod.closed { (low, high.min(low + count - 1)) } else { (low.max(0), high.min(count - 1)) };
+            for k in low..=high {
+                touched[first[at.rod] + k.rem_euclid(count) as usize] = true;
+            }
+        }
+        let mut mark = vec![0; touched.len()];
+        let mut count = 0;
+        for (k, rod) in model.rods.iter().enumerate() {
+            let nodes = first[k]..first[k + 1];
+            for node in nodes.clone().filter(|&node| touched[node]) {
+                if node == nodes.start || !touched[node - 1] {
+                    count += 1;
+                }
+                mark[node] = count;
+            }
+            let (start, end) = (mark[nodes.start], mark[nodes.end - 1]);
+            if rod.closed && start > 0 && end > 0 && start != end {
+                mark[nodes].iter_mut().filter(|mark| **mark == end).for_each(|mark| *mark = start);
+            }
+        }
+        Self { mark, count }
+    }
+}
+
+/// Forces about a point.
+#[derive(Debug, Clone, Copy)]
+struct Wrench {
+    at: Vec3,
+    force: Vec3,
+    moment: Vec3,
+    /// Largest distance of a force from the point \[L\].
+    extent: f64,
+    place: NodeRef,
+}
+
+impl Wrench {
+    fn about(at: Vec3, extent: f64, place: NodeRef) -> Self {
+        Self { at, force: Vec3::zeros(), moment: Vec3::zeros(), extent, place }
+    }
+
+    fn add(&mut self, at: &Vec3, force: &Vec3, moment: &Vec3) {
+        let arm = at - self.at;
+        self.force += force;
+        self.moment += moment + arm.cross(force);
+        self.extent = self.extent.max(arm.norm());
+    }
+
+    /// The larger of force and moment over the extent, over a force.
+    fn over(&self, force: f64) -> f64 {
+        let sizes = [self.force.norm(), self.moment.norm() / self.extent].map(|size| size / force);
+        if sizes[0] > sizes[1] { sizes[0] } else { sizes[1] }
+    }
+}
+
+/// Balance of nodes, or of the stretches of nodes that contacts act on.
+fn nodes(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), mut all: Forces, scale: &Scale) -> Check {
+    let (model, state) = (subject.model, subject.state);
+    let stretches = Stretches::of(model, first, contact);
+    give_to_one(model, first, &stretches, &mut all);
+    let mut of_stretches: Vec<Option<Wrench>> = vec![None; stretches.count + 1];
+    let mut worst = Worst::none();
+    let mut index = 0;
+    for (k, rod) in model.rods.iter().enumerate() {
+        for node in 0..rod.num_nodes() {
+            let place = NodeRef { rod: k, node };
+            let (mut force, mut moment) = (all.force[index], all.moment[index]);
+            leave_out_held(model, (&mut force, &mut moment));
+            let at = &state.positions[index];
+            let start = || Wrench::about(*at, rod.spacing(), place);
+            match stretches.mark[index] {
+                0 => {
+                    let mut one = start();
+                    one.add(at, &force, &moment);
+                    worst.add(one.over(scale.force), || node_name(model, place));
+                }
+                mark => of_stretches[mark].get_or_insert_with(start).add(at, &force, &moment),
+            }
+            index += 1;
+        }
+    }
+    for at in contact {
+        let rod = &model.rods[at.rod];
+        let node = (at.arc[0] / rod.spacing()).floor().max(0.0) as usize;
+        let mark = stretches.mark[first[at.rod] + node.min(rod.num_nodes() - 1)];
+        of_stretches[mark].iter_mut().for_each(|sum| sum.add(&at.at, &at.force, &at.moment));
+    }
+    for sum in of_stretches.into_iter().flatten() {
+        worst.add(sum.over(scale.force), || format!("contacts of {}", node_name(model, sum.place)));
+    }
+    Check::new("balance of nodes", worst.value, scale.tolerance, worst.detail("of the largest force"))
+}
+
+/// Of joined nodes all forces count for one, that which contact acts on, if there is one.
+fn give_to_one(model: &Model, first: &[usize], stretches: &Stretches, all: &mut Forces) {
+    for joint in &model.joints {
+        let mut group: Vec<usize> =
+            model.joined_nodes(joint.a).iter().map(|node| first[node.rod] + node.node).collect();
+        group.sort_by_key(|&node| (stretches.mark[node] == 0, node));
+        for &node in &group[1..] {
+            let (force, moment) = (std::mem::take(&mut all.force[node]), std::mem::take(&mut all.moment[node]));
+            all.force[group[0]] += force;
+            all.moment[group[0]] += moment;
+        }
+    }
+}
+
+/// Leaves out what is held without a reaction being reported: out of the plane of a planar model.
+fn leave_out_held(model: &Model, (force, moment): (&mut Vec3, &mut Vec3)) {
+    if model.planar {
+        force.z = 0.0;
+        (moment.x, moment.y) = (0.0, 0.0);
+    }
+}
+
+/// Balance of each rod with those that are joined to it; of all together where charges repel each other.
+fn bodies(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), outer: &Forces, scale: &Scale) -> Check {
+    let (model, state) = (subject.model, subject.state);
+    let body = |rod: usize| {
+        if model.electrostatics.is_some() { 0 } else { model.joined_rods(rod).into_iter().min().unwrap_or(rod) }
+    };
+    let bodies: Vec<usize> = (0..model.rods.len()).map(body).collect();
+    let mut sums: Vec<Option<Wrench>> = vec![None; model.rods.len()];
+    for (k, rod) in model.rods.iter().enumerate() {
+        for node in 0..rod.num_nodes() {
+            let (index, place) = (first[k] + node, NodeRef { rod: k, node });
+            let at = &state.positions[index];
+            let sum = sums[bodies[k]].get_or_insert_with(|| Wrench::about(*at, rod.spacing(), place));
+            let (mut force, mut moment) = (outer.force[index], outer.moment[index]);
+            leave_out_held(model, (&mut force, &mut moment));
+            sum.add(at, &force, &moment);
+        }
+    }
+    for at in contact {
+        sums[bodies[at.rod]].iter_mut().for_each(|sum| sum.add(&at.at, &at.force, &at.moment));
+    }
+    let mut worst = Worst::none();
+    for sum in sums.into_iter().flatten() {
+        worst.add(sum.over(scale.force), || format!("rod \"{}\"", model.rods[sum.place.rod].name));
+    }
+    Check::new("balance of bodies", worst.value, scale.tolerance, worst.detail("of the largest force"))
+}

@@ -1,0 +1,461 @@
+//! Gaps of the elements' own centreline, by a search of its own.
+//!
+//! ```text
+//! gap = |r(s) − r(t)| − ε_a − ε_b      at its local minima over s and t; of a plane n·(r(s) − p) − height − ε
+//! ```
+//!
+//! r is the polynomial of the element, which carries the energy. Each part between two nodes is cut into arcs that turn by less
+//! than [`MAX_TURN`], so that two of them have one nearest pair of points. Pairs of arcs come from a grid; a bound of their distance
+//! by chords and sagittas leaves out those that cannot be the nearest, Newton's method finds the nearest points of the others.
+//! Points of one rod nearer along it than [`NEIGHBOURS`] of turning are no contact: a curve has to turn by π between two points
+//! whose connection is normal to it at both (Fenchel).
+//!
+//! Contact closes gaps between curves that are smooth through the nodes. Between elements r has kinks, of an angle j that goes to
+//! zero with the mesh, and lies beside any such curve by up to [`BESIDE`] j h, h the node spacing: this is the
+//! mesh's resolution, by which strands may overlap.
+
+use std::collections::HashMap;
+
+use super::strains::{Shape, element_length};
+use super::{Check, Subject, first_nodes};
+use crate::math::shape_functions::lagrange;
+use crate::math::{Vec3, parallel};
+use crate::scene::{ContactLaw, Model};
+use crate::solve::State;
+
+/// Turn of an arc, rad, at most, because two arcs that turn by less have one nearest pair of points.
+const MAX_TURN: f64 = 0.3;
+/// Arcs of a part between two nodes, at most.
+const MAX_ARCS: f64 = 8.0;
+/// Turning, rad, of a rod between two points that may touch, half of what Fenchel asks for, because turning is known by the arc
+/// only.
+const NEIGHBOURS: f64 = std::f64::consts::FRAC_PI_2;
+/// Largest gap that is looked for, in radii of the thinnest rod: two diameters.
+const MAX_GAP: f64 = 4.0;
+/// Newton steps, because each squares the error of points that chords give to a hundredth.
+const MAX_STEPS: usize = 30;
+/// Size of the last step, as a parameter of an arc, because gaps are known to its square.
+const TOL_STEP: f64 = 1e-9;
+/// Slope of the distance towards the next arc, relative, that counts as zero.
+const LEVEL: f64 = 1e-7;
+/// Accuracy of gaps, in radii of the thinnest rod.
+const TOL_GAP: f64 = 1e-10;
+/// Distance of an element from smooth curves through its nodes, over node spacing × kink: an eighth for chords, a twelfth for
+/// cubics, whose error is 5.1e-4 r⁗H⁴ where kinks are 1.85e-2 r⁗H³; four times that, because meshes do not converge evenly.
+const BESIDE: f64 = 0.5;
+/// Overlap, in radii of the thinnest rod, that no mesh explains: drafts have .02.
+const MOST_BESIDE: f64 = 0.05;
+
+/// The smallest gap between strands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OwnGap {
+    /// \[L\]
+    pub(crate) gap: f64,
+    /// Accuracy of it \[L\].
+    pub(crate) accuracy: f64,
+    pub(crate) rods: [usize; 2],
+    /// Arc lengths \[L\].
+    pub(crate) arcs: [f64; 2],
+}
+
+/// A piece of the centreline of a rod: a cubic of the parameter t ∈ [0, 1], by its Taylor coefficients about `from`.
+#[derive(Debug, Clone, Copy)]
+struct Arc {
+    rod: usize,
+    /// Place along the rod.
+    index: usize,
+    from: Vec3,
+    c: [Vec3; 3],
+    radius: f64,
+    /// Largest distance from the chord \[L\].
+    sagitta: f64,
+    /// Reference arc length at t = 0, and of the whole \[L\].
+    arc: [f64; 2],
+    /// By how much smooth curves may lie beside it \[L\].
+    beside: f64,
+}
+
+impl Arc {
+    fn point(&self, t: f64) -> Vec3 {
+        self.from + (self.c[0] + (self.c[1] + self.c[2] * t) * t) * t
+    }
+
+    fn slope(&self, t: f64) -> Vec3 {
+        self.c[0] + (self.c[1] * 2.0 + self.c[2] * (3.0 * t)) * t
+    }
+
+    fn bend(&self, t: f64) -> Vec3 {
+        self.c[1] * 2.0 + self.c[2] * (6.0 * t)
+    }
+
+    fn end(&self) -> Vec3 {
+        self.point(1.0)
+    }
+
+    /// The part between two parameters.
+    fn part(&self, low: f64, high: f64) -> Self {
+        let h = high - low;
+        let c = [self.slope(low) * h, self.bend(low) * (0.5 * h * h), self.c[2] * (h * h * h)];
+        let arc = [self.arc[0] + low * self.arc[1], h * self.arc[1]];
+        let mut part = Self { from: self.point(low), c, arc, ..*self };
+        // |r″|/8 bounds the distance from the chord
+        part.sagitta = 0.125 * part.bend(0.0).norm().max(part.bend(1.0).norm());
+        part
+    }
+
+    /// A ball about it: centre, radius.
+    fn ball(&self) -> (Vec3, f64) {
+        let end = self.end();
+        ((self.from + end) * 0.5, 0.5 * (end - self.from).norm() + self.sagitta)
+    }
+}
+
+/// The arcs of one rod, in order, with the turning up to each.
+struct Strand {
+    first: usize,
+    count: usize,
+    closed: bool,
+    /// Turning from the start to the start of each arc, and to the end, rad.
+    turning: Vec<f64>,
+}
+
+impl Strand {
+    /// Turning between two arcs, both included; on a closed rod the smaller of both ways.
+    fn between(&self, a: usize, b: usize) -> f64 {
+        let (low, high) = (a.min(b), a.max(b));
+        let inside = self.turning[high + 1] - self.turning[low];
+        if !self.closed {
+            return inside;
+        }
+        let outside = self.turning[self.count] - self.turning[high] + self.turning[low + 1];
+        inside.min(outside)
+    }
+}
+
+/// Arcs of all rods that take part in contact.
+struct Arcs {
+    all: Vec<Arc>,
+    strands: Vec<Option<Strand>>,
+}
+
+impl Arcs {
+    fn of(model: &Model, state: &State) -> Self {
+        let first = first_nodes(model);
+        let (mut all, mut strands): (Vec<Arc>, _) = (Vec::new(), Vec::new());
+        for (k, rod) in model.rods.iter().enumerate() {
+            if rod.section.contact_radius <= 0.0 {
+                strands.push(None);
+                continue;
+            }
+            let start = all.len();
+            let shape = Shape::of(state, (k, rod), first[k]);
+            let of_element = |element: usize| arcs_of(&shape, k, element);
+            all.extend(parallel::map(rod.num_elements, parallel::CHEAP, &of_element).into_iter().flatten());
+            let arcs = &mut all[start..];
+            let count = arcs.len();
+            let kink = |arcs: &[Arc], i: usize| {
+                let next = if i + 1 < count { i + 1 } else { 0 };
+                let ends = !rod.closed && i + 1 == count;
+                if ends { 0.0 } else { arcs[i].slope(1.0).angle(&arcs[next].slope(0.0)) }
+            };
+            let mut turning = vec![0.0];
+            for i in 0..count {
+                let turned = arcs[i].slope(0.0).angle(&arcs[i].slope(1.0)) + kink(arcs, i);
+                turning.push(turning[i] + turned);
+            }
+            let kinks: Vec<f64> = (0..count).map(|i| kink(arcs, i)).collect();
+            for (i, arc) in arcs.iter_mut().enumerate() {
+                let before = if i > 0 {
+                    kinks[i - 1]
+                } else if rod.closed {
+                    kinks[count - 1]
+                } else {
+                    0.0
+                };
+                (arc.index, arc.beside) = (i, BESIDE * rod.spacing() * kinks[i].max(before));
+            }
+            // kinks are at the ends of elements only; all arcs of an element lie beside smooth curves
+            let per_node: Vec<f64> = arcs.iter().map(|arc| arc.beside).collect();
+            let length = element_length(rod);
+            let mut at = 0;
+            while at < count {
+                let element = ((arcs[at].arc[0] + 0.5 * arcs[at].arc[1]) / length) as usize;
+                let mut to = at;
+                while to < count && ((arcs[to].arc[0] + 0.5 * arcs[to].arc[1]) / length) as usize == element {
+                    to += 1;
+                }
+                let most = per_node[at..to].iter().copied().fold(0.0, f64::max);
+                arcs[at..to].iter_mut().for_each(|arc| arc.beside = most);
+                at = to;
+            }
+            strands.push(Some(Strand { first: start, count, closed: rod.closed, turning }));
+        }
+        Self { all, strands }
+    }
+
+    /// The arcs before and after one along its rod.
+    fn beyond(&self, arc: &Arc) -> [Option<&Arc>; 2] {
+        let Some(strand) = &self.strands[arc.rod] else { return [None; 2] };
+        let at = |index: usize| self.all.get(strand.first + index);
+        let (last, wraps) = (strand.count - 1, strand.closed);
+        let before = if arc.index > 0 {
+            at(arc.index - 1)
+        } else if wraps {
+            at(last)
+        } else {
+            None
+        };
+        let after = if arc.index < last {
+            at(arc.index + 1)
+        } else if wraps {
+            at(0)
+        } else {
+            None
+        };
+        [before, after]
+    }
+
+    fn are_neighbours(&self, a: &Arc, b: &Arc) -> bool {
+        a.rod == b.rod && self.strands[a.rod].as_ref().is_none_or(|s| s.between(a.index, b.index) < NEIGHBOURS)
+    }
+
+    /// Whether one of two points is the end of an open rod and the other less than half a turn about the rod's radius from it:
+    /// the rounded end of a rod is in the tube next to it, which is no overlap of the tube.
+    fn is_end_beside(&self, a: &Arc, b: &Arc, [u, v]: [f64; 2]) -> bool {
+        let is_end = |arc: &Arc, t: f64| {
+            let [before, after] = self.beyond(arc);
+            t == 0.0 && before.is_none() || t == 1.0 && after.is_none()
+        };
+        let along = (a.arc[0] + u * a.arc[1] - b.arc[0] - v * b.arc[1]).abs();
+        a.rod == b.rod && (is_end(a, u) || is_end(b, v)) && along < std::f64::consts::PI * a.radius
+    }
+
+    /// Lower bound of the gap of two arcs \[L\].
+    fn bound(&self, [i, j]: [u32; 2]) -> f64 {
+        let (a, b) = (&self.all[i as usize], &self.all[j as usize]);
+        let (u, v) = nearest_of_chords(a, b);
+        let chord = (a.from + (a.end() - a.from) * u) - (b.from + (b.end() - b.from) * v);
+        chord.norm() - a.sagitta - b.sagitta - a.radius - b.radius
+    }
+
+    /// Nearest points of two arcs, if they are nearest on the arcs beyond, too.
+    fn nearest(&self, a: &Arc, b: &Arc) -> Option<(f64, [f64; 2])> {
+        let [u, v] = minimum(a, b);
+        let w = a.point(u) - b.point(v);
+        let slopes = |arc: &Arc, t: f64, sign: f64| {
+            let [before, after] = self.beyond(arc);
+            let scale = arc.c[0].norm() * w.norm();
+            // the distance must not fall beyond an end
+            let falls_before = t == 0.0
+                && before
+                    .is_some_and(|o| sign * w.dot(&o.slope(1.0)) * arc.c[0].norm() > LEVEL * scale * o.c[0].norm());
+            let falls_after = t == 1.0
+                && after
+                    .is_some_and(|o| sign * w.dot(&o.slope(0.0)) * arc.c[0].norm() < -LEVEL * scale * o.c[0].norm());
+            falls_before || falls_after
+        };
+        (!slopes(a, u, 1.0) && !slopes(b, v, -1.0)).then(|| (w.norm() - a.radius - b.radius, [u, v]))
+    }
+}
+
+/// The arcs of an element.
+fn arcs_of(shape: &Shape, rod: usize, element: usize) -> Vec<Arc> {
+    let (of, nodes) = (shape.rod, shape.nodes(element));
+    let (order, length) = (of.order, element_length(of));
+    let start = shape.positions[nodes.index[0]] + shape.remainders.get(nodes.index[0]).copied().unwrap_or_default();
+    let at = |xi: f64| (0..=order).map(|a| nodes.r[a] * lagrange(order, xi).0[a]).sum::<Vec3>();
+    let slope = |xi: f64| (0..=order).map(|a| nodes.r[a] * lagrange(order, xi).1[a]).sum::<Vec3>();
+    // the polynomial by its values and slopes at both ends, exact up to order three
+    let (p0, p1, d0, d1) = (at(0.0), at(1.0), slope(0.0), slope(1.0));
+    let c = [d0, (p1 - p0) * 3.0 - d0 * 2.0 - d1, d0 + d1 - (p1 - p0) * 2.0];
+    let arc = [element as f64 * length, length];
+    let whole = Arc { rod, index: 0, from: start, c, radius: 0.0, sagitta: 0.0, arc, beside: 0.0 };
+    let mut arcs = Vec::with_capacity(2 * order);
+    for k in 0..order {
+        let [low, high] = [k, k + 1].map(|n| n as f64 / order as f64);
+        let turn = whole.slope(low).angle(&whole.slope(high));
+        let count = (turn / MAX_TURN).ceil().clamp(1.0, MAX_ARCS);
+        let radius = of.contact_radius_of(element * order + k);
+        for i in 0..count as usize {
+            let [t0, t1] = [i, i + 1].map(|i| low + (high - low) * (i as f64 / count));
+            arcs.push(Arc { radius, ..whole.part(t0, t1) });
+        }
+    }
+    arcs
+}
+
+/// Parameters of the nearest points of two chords (Ericson 2004, 5.1.9).
+fn nearest_of_chords(a: &Arc, b: &Arc) -> (f64, f64) {
+    let (d, e, r) = (a.end() - a.from, b.end() - b.from, a.from - b.from);
+    let (dd, ee, de, dr, er) = (d.dot(&d), e.dot(&e), d.dot(&e), d.dot(&r), e.dot(&r));
+    let det = dd * ee - de * de;
+    let u = if det > f64::EPSILON * dd * ee { ((de * er - dr * ee) / det).clamp(0.0, 1.0) } else { 0.5 };
+    let v = (de * u + er) / ee;
+    if v < 0.0 {
+        ((-dr / dd).clamp(0.0, 1.0), 0.0)
+    } else if v > 1.0 {
+        (((de - dr) / dd).clamp(0.0, 1.0), 1.0)
+    } else {
+        (u, v)
+    }
+}
+
+/// Parameters of the nearest points of two arcs: Newton's method for ½|a(u) − b(v)|² in the unit square.
+fn minimum(a: &Arc, b: &Arc) -> [f64; 2] {
+    let (u, v) = nearest_of_chords(a, b);
+    let mut x = [u, v];
+    let half_square = |x: [f64; 2]| 0.5 * (a.point(x[0]) - b.point(x[1])).norm_squared();
+    let mut here = half_square(x);
+    for _ in 0..MAX_STEPS {
+        let w = a.point(x[0]) - b.point(x[1]);
+        let (da, db) = (a.slope(x[0]), b.slope(x[1]));
+        let g = [w.dot(&da), -w.dot(&db)];
+        let h = [da.norm_squared() + w.dot(&a.bend(x[0])), -da.dot(&db), db.norm_squared() - w.dot(&b.bend(x[1]))];
+        let step = newton_step(x, g, h, [da.norm_squared(), db.norm_squared()]);
+        let mut part = 1.0;
+        let (next, there) = loop {
+            let next = [0, 1].map(|k| (x[k] + part * step[k]).clamp(0.0, 1.0));
+            let there = half_square(next);
+            if there <= here || part < TOL_STEP {
+                break (next, there);
+            }
+            part *= 0.5;
+        };
+        let moved = (next[0] - x[0]).abs().max((next[1] - x[1]).abs());
+        if there <= here {
+            (x, here) = (next, there);
+        }
+        if moved < TOL_STEP {
+            break;
+        }
+    }
+    x
+}
+
+/// A step that decreases a function with gradient `g` and second derivatives `h` (uu, uv, vv) within the unit square; `scale`
+/// are second derivatives without curvature.
+fn newton_step(x: [f64; 2], g: [f64; 2], h: [f64; 3], scale: [f64; 2]) -> [f64; 2] {
+    // a parameter at its bound, towards which the function falls, stays there
+    let held = [0, 1].map(|k| x[k] <= 0.0 && g[k] > 0.0 || x[k] >= 1.0 && g[k] < 0.0);
+    let diagonal = [h[0], h[2]];
+    let single = |k: usize| -g[k] / if diagonal[k] > 0.1 * scale[k] { diagonal[k] } else { scale[k] };
+    match held {
+        [true, true] => [0.0; 2],
+        [true, false] => [0.0, single(1)],
+        [false, true] => [single(0), 0.0],
+        [false, false] => {
+            let det = h[0] * h[2] - h[1] * h[1];
+            if h[0] > 0.0 && det > 1e-10 * scale[0] * scale[1] {
+                [(h[1] * g[1] - h[2] * g[0]) / det, (h[1] * g[0] - h[0] * g[1]) / det]
+            } else {
+                // along parallel arcs either parameter alone
+                [0.5 * single(0), 0.5 * single(1)]
+            }
+        }
+    }
+}
+
+/// Pairs of arcs whose balls are nearer than a distance, by a grid of cells.
+fn pairs(arcs: &Arcs, reach: f64) -> Vec<[u32; 2]> {
+    let balls: Vec<(Vec3, f64)> = arcs.all.iter().map(Arc::ball).collect();
+    let largest = balls.iter().zip(&arcs.all).map(|(ball, arc)| ball.1 + arc.radius).fold(0.0, f64::max);
+    let cell = 2.0 * largest + reach;
+    let place = |x: &Vec3| [0, 1, 2].map(|k| (x[k] / cell).floor() as i64);
+    let mut grid: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    let mut found = Vec::new();
+    for (i, (center, radius)) in balls.iter().enumerate() {
+        let here = place(center);
+        for n in 0..27 {
+            let at = [here[0] + n % 3 - 1, here[1] + n / 3 % 3 - 1, here[2] + n / 9 - 1];
+            for &j in grid.get(&at).into_iter().flatten() {
+                let (a, b) = (&arcs.all[i], &arcs.all[j as usize]);
+                let far = radius + balls[j as usize].1 + a.radius + b.radius + reach;
+                let near = (center - balls[j as usize].0).norm_squared() < far * far;
+                if near && !arcs.are_neighbours(a, b) {
+                    found.push([j, i as u32]);
+                }
+            }
+        }
+        grid.entry(here).or_default().push(i as u32);
+    }
+    found
+}
+
+/// The smallest gap between strands, if it is below two diameters, and the check of all gaps.
+pub(crate) fn gaps(subject: &Subject) -> (Option<OwnGap>, Option<Check>) {
+    let (model, state) = (subject.model, subject.state);
+    if !model.contact.law.is_on() {
+        return (None, None);
+    }
+    let arcs = Arcs::of(model, state);
+    let least = arcs.all.iter().map(|arc| arc.radius).fold(f64::INFINITY, f64::min);
+    if !least.is_finite() {
+        return (None, None);
+    }
+    let mut bounded: Vec<(f64, [u32; 2])> = {
+        let pairs = pairs(&arcs, MAX_GAP * least);
+        let bound = |k: usize| (arcs.bound(pairs[k]), pairs[k]);
+        parallel::map(pairs.len(), parallel::CHEAP, &bound)
+    };
+    bounded.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let tolerated = allowed(&model.contact.law, subject.penetration) * least;
+    let mut nearest: Option<OwnGap> = None;
+    let mut worst = (0.0, tolerated / least, "contact radii".to_owned());
+    let mut take = |gap: f64, beside: f64, place: &dyn Fn() -> String| {
+        let (overlap, tol) = (-gap / least, tolerated / least + (beside / least).min(MOST_BESIDE));
+        if overlap / tol > worst.0 / worst.1 {
+            worst = (overlap, tol, format!("contact radii, {}", place()));
+        }
+    };
+    for (bound, [i, j]) in bounded {
+        if bound > nearest.map_or(MAX_GAP * least, |found| found.gap.max(0.0)) {
+            break;
+        }
+        let (a, b) = (&arcs.all[i as usize], &arcs.all[j as usize]);
+        let Some((gap, [u, v])) = arcs.nearest(a, b) else { continue };
+        let at = [a.arc[0] + u * a.arc[1], b.arc[0] + v * b.arc[1]];
+        let place = || {
+            let names = [a.rod, b.rod].map(|rod| &model.rods[rod].name);
+            format!("rod \"{}\" at arc {:.4} and rod \"{}\" at arc {:.4}", names[0], at[0], names[1], at[1])
+        };
+        if !arcs.is_end_beside(a, b, [u, v]) {
+            take(gap, a.beside + b.beside, &place);
+        }
+        if gap < nearest.map_or(MAX_GAP * least, |found| found.gap) {
+            nearest = Some(OwnGap { gap, accuracy: TOL_GAP * least, rods: [a.rod, b.rod], arcs: at });
+        }
+    }
+    for (plane, height) in model.planes.iter().zip(&state.plane_heights) {
+        for arc in &arcs.all {
+            let (t, distance) = lowest(arc, &plane.normal, &plane.point);
+            let place = || {
+                let at = arc.arc[0] + t * arc.arc[1];
+                format!("rod \"{}\" at arc {at:.4} and plane \"{}\"", model.rods[arc.rod].name, plane.name)
+            };
+            take(distance - height - arc.radius, arc.beside, &place);
+        }
+    }
+    let (overlap, tol, detail) = worst;
+    (nearest, Some(Check::new("gaps", overlap, tol, detail)))
+}
+
+/// Overlap that the law leaves, in radii of the thinnest rod: twice its tolerance, and what a penalty is reported to leave.
+fn allowed(law: &ContactLaw, penetration: f64) -> f64 {
+    match law {
+        ContactLaw::AugmentedLagrangian { tol_penetration, .. } | ContactLaw::ByMesh { tol_penetration, .. } => {
+            2.0 * tol_penetration
+        }
+        ContactLaw::Penalty { .. } | ContactLaw::None => 2.0 * penetration,
+    }
+}
+
+/// Parameter of the point of an arc that is lowest above a plane, and its height \[L\].
+fn lowest(arc: &Arc, normal: &Vec3, point: &Vec3) -> (f64, f64) {
+    let [c1, c2, c3] = arc.c.map(|c| normal.dot(&c));
+    let height = |t: f64| normal.dot(&(arc.point(t) - point));
+    // roots of c1 + 2 c2 t + 3 c3 t²
+    let root = (c2 * c2 - 3.0 * c1 * c3).max(0.0).sqrt();
+    let q = -(c2 + root.copysign(c2));
+    let places = [0.0, 1.0, q / (3.0 * c3), c1 / q].into_iter().filter(|t| (0.0..=1.0).contains(t));
+    places.map(|t| (t, height(t))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, f64::INFINITY))
+}

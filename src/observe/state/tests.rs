@@ -1,0 +1,191 @@
+//! The certificate: a state at rest has it; each break of a promise is told by the check of its name.
+
+use std::ops::ControlFlow;
+
+use super::*;
+use crate::math::Quat;
+use crate::math::quaternion::exp;
+use crate::rod::{Natural, RodMesh, Section, Shape};
+use crate::scene::{ContactLaw, Joint, Model, NodeLoad, Ramp, Stage, Support};
+use crate::solve::{self, Given, Options, State, StepReport};
+
+const RADIUS: f64 = 0.02;
+/// Rods of the scene, in order.
+const UPPER: usize = 0;
+const LOWER: usize = 1;
+const ARM: usize = 2;
+const HAND: usize = 3;
+const RING: usize = 4;
+const OTHER: usize = 5;
+
+fn line(name: &str, start: [f64; 3], along: Vec3, contact_radius: f64) -> Rod {
+    let shape = Shape::Line { start: start.into(), direction: along, length: 1.0 };
+    let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, contact_radius);
+    Rod::new(name, &shape, RodMesh::open(6, 3), section, Natural::Straight).unwrap()
+}
+
+fn ring(name: &str, center: [f64; 3]) -> Rod {
+    let shape = Shape::Circle { length: 2.0, center: center.into(), normal: Vec3::z() };
+    let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, RADIUS);
+    Rod::new(name, &shape, RodMesh::closed(8, 3), section, Natural::Straight).unwrap()
+}
+
+/// A clamped rod pressed onto another one across it; an arm with a hand that bear nothing; two rings.
+fn scene() -> (Model, Vec<Stage>) {
+    let rods = vec![
+        line("upper", [0.0, 0.0, 0.05], Vec3::x(), RADIUS),
+        line("lower", [0.5, -0.5, 0.0], Vec3::y(), RADIUS),
+        line("arm", [0.0, 5.0, 0.0], Vec3::x(), 0.0),
+        line("hand", [1.0, 5.0, 0.0], Vec3::y(), 0.0),
+        ring("ring", [0.0, -5.0, 0.0]),
+        ring("other", [0.0, -5.0, 0.1]),
+    ];
+    let node = |rod, node| NodeRef { rod, node };
+    let clamps = [(UPPER, 0), (UPPER, 18), (LOWER, 0), (LOWER, 18), (ARM, 0)];
+    let supports = clamps.map(|(rod, at)| Support::clamp(node(rod, at))).to_vec();
+    let joints = vec![Joint { a: node(ARM, 18), b: node(HAND, 0) }];
+    let loads = vec![NodeLoad { node: node(UPPER, 4), force: Vec3::new(0.0, 2.0, -1.0), moment: Vec3::y() * 0.1 }];
+    let down = |at| Ramp::Displacement { node: node(UPPER, at), to: -Vec3::z() * 0.04 };
+    let turn = Ramp::Rotation { node: node(LOWER, 18), axis: Vec3::new(0.3, 1.0, 0.0), to: 0.05 };
+    let link = Ramp::ExcessLink { rod: RING, to: 0.25 };
+    let ramps = vec![down(0), down(18), turn, link, Ramp::Load { to: 1.0 }];
+    (Model { rods, supports, joints, loads, ..Model::default() }, vec![Stage { ramps, steps: 3 }])
+}
+
+/// A state at rest, with what is reported of it.
+struct AtRest {
+    given: Given,
+    state: State,
+    model: Model,
+    seen: Observation,
+}
+
+fn at_rest(model: Model, stages: &[Stage]) -> AtRest {
+    let mut seen = Vec::new();
+    let solution = solve::run(model, stages, &Options::default(), &mut |progress| {
+        seen.push(observe(progress));
+        ControlFlow::Continue(())
+    });
+    let solution = solution.unwrap();
+    assert_eq!(solution.status, Status::Converged);
+    for step in &seen {
+        assert!(step.certificate.holds() && step.status == "converged", "step {}: {}", step.step, step.certificate);
+    }
+    let engine = solution.solver.engine();
+    let (state, model) = (engine.state().clone(), engine.model().clone());
+    AtRest { given: solution.given, state, model, seen: seen.pop().unwrap() }
+}
+
+impl AtRest {
+    /// Names of the checks that fail for a changed state and changed reports.
+    fn failing(&self, change: impl FnOnce(&mut State, &mut Observation)) -> Vec<String> {
+        let (mut state, mut seen) = (self.state.clone(), self.seen.clone());
+        change(&mut state, &mut seen);
+        let mut engine = Engine::new(self.model.clone(), None).unwrap();
+        engine.set_state(state).unwrap();
+        let report = StepReport::settled();
+        let given = Some(&self.given);
+        let progress =
+            Progress { given, engine: &engine, stage: 0, step: 3, fraction: 1.0, report: &report, seconds: 0.0 };
+        let (mut certificate, _) = certificate(&progress, (&seen.sites, &seen.plane_sites), &seen.reactions);
+        certificate.checks.extend(topology::kept(&progress, &seen.links, &seen.linking, &seen.knots).0);
+        certificate.failures().map(|check| check.name.clone()).collect()
+    }
+
+    fn first(&self, rod: usize) -> usize {
+        self.model.rods[..rod].iter().map(Rod::num_nodes).sum()
+    }
+
+    /// Moves a rod as a whole: turns it about its first node and displaces it.
+    fn carried(&self, state: &mut State, rod: usize, turn: &Quat, by: &Vec3) {
+        let nodes = self.first(rod)..self.first(rod + 1);
+        let pivot = state.positions[nodes.start];
+        for node in nodes {
+            state.positions[node] = pivot + turn * (state.positions[node] - pivot) + by;
+            state.frames[node] = turn * state.frames[node];
+        }
+    }
+}
+
+#[test]
+fn each_broken_promise_fails_its_check_and_no_other() {
+    let (model, stages) = scene();
+    let rest = at_rest(model, &stages);
+    assert!(rest.seen.sites.len() == 1 && rest.seen.sites[0].force > 1.0, "{:?}", rest.seen.sites);
+    assert_eq!(rest.failing(|_, _| ()), Vec::<String>::new());
+    let none = Quat::identity();
+    let tilt = exp(&(Vec3::z() * 1e-6));
+
+    // the arm is displaced with its hand, and turned; the hand is displaced, and turned
+    for (turn, by) in [(none, Vec3::z() * 1e-8), (tilt, Vec3::zeros())] {
+        let broken = rest.failing(|state, _| {
+            rest.carried(state, HAND, &turn, &(by + (turn * Vec3::x() - Vec3::x())));
+            rest.carried(state, ARM, &turn, &by);
+        });
+        assert_eq!(broken, ["supports"]);
+        assert_eq!(rest.failing(|state, _| rest.carried(state, HAND, &turn, &by)), ["joints"]);
+    }
+    // a quaternion that is too long, where all are equal and its length does nothing else
+    let long = rest.failing(|state, _| {
+        let q = &mut state.frames[rest.first(ARM) + 5];
+        *q = Quat::new_unchecked(q.into_inner() * (1.0 + 1e-9));
+    });
+    assert_eq!(long, ["frames"]);
+    let turned = rest.failing(|state, _| state.frames[rest.first(HAND) + 18] *= exp(&(Vec3::z() * 2.9)));
+    assert_eq!(turned, ["turning", "balance of nodes"], "a twisted rod bears a moment");
+
+    // a node out of balance, whose body is in balance; reports that are wrong
+    let moved = rest.failing(|state, _| state.positions[rest.first(LOWER) + 4].x += 1e-6);
+    assert_eq!(moved, ["balance of nodes"]);
+    let both = ["balance of nodes", "balance of bodies"];
+    let twice = rest.failing(|_, seen| {
+        let site = &mut seen.sites[0];
+        site.force_on_a = site.force_on_a.map(|x| 2.0 * x);
+        site.moment_on_a = site.moment_on_a.map(|x| 2.0 * x);
+    });
+    assert_eq!(twice, both);
+    assert_eq!(rest.failing(|_, seen| seen.sites[0].feet[0][0] += 2e-2), both, "a force on another line");
+    assert_eq!(rest.failing(|_, seen| seen.sites.clear()), both);
+    assert_eq!(rest.failing(|_, seen| seen.reactions[0].moment[1] += 1.0), both);
+
+    // a ring lowered into the other one
+    let pushed = rest.failing(|state, _| rest.carried(state, OTHER, &none, &(Vec3::z() * -0.062)));
+    assert_eq!(pushed, ["gaps"]);
+    let near = rest.failing(|state, _| rest.carried(state, OTHER, &none, &(Vec3::z() * -0.0598)));
+    assert_eq!(near, Vec::<String>::new());
+
+    // another link, linking number or knot
+    assert_eq!(rest.failing(|_, seen| seen.links[0].link += 1.0), ["topology"]);
+    assert_eq!(rest.failing(|_, seen| seen.linking[0].link += 1.0), ["topology"]);
+    assert_eq!(rest.failing(|_, seen| seen.knots.iter_mut().for_each(|k| k.name = "3_1".to_owned())), ["topology"]);
+}
+
+/// Without contact strands may pass through each other, and a knot may slip off an open rod: that is noted, and no check
+/// fails.
+#[test]
+fn what_nothing_hinders_is_noted() {
+    let (mut model, stages) = scene();
+    model.contact.law = ContactLaw::None;
+    let rest = at_rest(model, &stages);
+    let report = StepReport::settled();
+    let mut engine = Engine::new(rest.model.clone(), None).unwrap();
+    engine.set_state(rest.state.clone()).unwrap();
+    let progress = Progress {
+        given: Some(&rest.given),
+        engine: &engine,
+        stage: 0,
+        step: 3,
+        fraction: 1.0,
+        report: &report,
+        seconds: 0.0,
+    };
+    let mut seen = rest.seen.clone();
+    let told = |seen: &Observation| topology::kept(&progress, &seen.links, &seen.linking, &seen.knots);
+    assert!(told(&seen).1.is_empty());
+    seen.links[0].link -= 2.0;
+    seen.knots.iter_mut().filter(|knot| knot.rod == LOWER).for_each(|knot| knot.name = "3_1".to_owned());
+    let (checks, notes) = told(&seen);
+    assert!(checks.iter().all(|check| check.holds));
+    assert!(notes.len() == 2 && notes[0].contains("2.0000 turns less than prescribed"), "{notes:?}");
+    assert!(notes[1].contains("\"lower\" is 3_1, not 0_1 as given"), "{notes:?}");
+}
