@@ -10,7 +10,17 @@ use crate::scene::{NodeRef, Pose, Ramp, Stage};
 use crate::solve::load_step::predictor::{History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::{FARTHEST, IN_VAIN};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
+
+/// A step that may have lost its branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Doubt {
+    /// It was too long for a prediction.
+    TooLong,
+    /// It could be predicted, but did not converge from there.
+    Predictable,
+}
 
 impl Solver {
     /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
@@ -20,6 +30,7 @@ impl Solver {
     }
 
     /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
+    /// A step that may have lost its branch is made in parts.
     ///
     /// # Errors
     /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
@@ -33,40 +44,85 @@ impl Solver {
         let round = self.largest_round(ramps);
         let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
         InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
-        let target = self.target(ramps, 1.0);
-        let report = self.attempt(&target);
+        let report = self.advance(ramps, 1.0);
         if report.status == Status::Converged {
             self.remember(&report);
         }
         Ok(report)
     }
 
-    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
-    pub(in crate::solve) fn attempt(&mut self, target: &Target) -> StepReport {
+    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose its
+    /// branch.
+    pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
+        self.advance_in_parts(ramps, take, IN_VAIN)
+    }
+
+    /// [`Solver::advance`] with at most so many halvings of steps that are short enough to be predicted.
+    fn advance_in_parts(&mut self, ramps: &[Ramp], take: f64, halvings: usize) -> StepReport {
+        let start = self.snapshot();
+        let target = self.target(ramps, take);
+        let (report, doubt) = self.attempt(&target, halvings > 0);
+        let Some(doubt) = doubt else { return report };
+        let (moved, history) = (self.moved.clone(), self.history.clone());
+        let halvings = halvings - usize::from(doubt == Doubt::Predictable);
+        let mut parts = match self.restore(start.clone()) {
+            Ok(()) => self.advance_in_parts(ramps, 0.5 * take, halvings),
+            Err(error) => return StepReport::refused(error),
+        };
+        if parts.status == Status::Converged {
+            self.remember(&parts);
+            // of the change that is left
+            parts.join(self.advance_in_parts(ramps, 0.5 * take / (1.0 - 0.5 * take), halvings));
+        }
+        parts.iterations += report.iterations;
+        if matches!(parts.status, Status::Converged | Status::Stopped) {
+            return parts;
+        }
+        // as a whole, then
+        (self.moved, self.history) = (moved, history);
+        if let Err(error) = self.restore(start) {
+            return StepReport::refused(error);
+        }
+        let (mut whole, _) = self.attempt(&target, false);
+        whole.iterations += parts.iterations;
+        whole
+    }
+
+    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges, unless
+    /// the state may be on another branch and `doubts` are asked for.
+    fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, Option<Doubt>) {
         let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
-            return StepReport::refused(error);
+            return (StepReport::refused(error), None);
         }
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
         let before = if self.history.ends_at(&self.engine.state) { self.balance(&changes) } else { None };
         let ahead = self.history.target(&self.engine, target, &lifted);
-        let last = self.history.work.zip(ahead.as_ref().and_then(|ahead| self.history.stride(ahead)));
+        let stride = ahead.as_ref().and_then(|ahead| self.history.stride(ahead));
+        let last = self.history.work.zip(stride);
         let predicted = ahead.and_then(|ahead| self.history.predict(&self.engine, &ahead, &lifted.drive));
         let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
         target.load(&mut self.engine.state);
         if let Err(error) = self.engine.take_numbers() {
-            return StepReport::refused(SolveError::Symbolic { reason: error.to_string() });
+            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), None);
         }
         let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {
             let balance = before.zip(self.balance(&changes));
-            report.energy_released = balance.map_or(0.0, |(before, end)| before.released(&end, last));
+            let departure = balance.map(|(before, end)| before.departure(&end, last));
+            let is_on_branch = report.predicted || report.branch_ends;
+            if let Some(stride) =
+                stride.filter(|_| doubts && !is_on_branch && departure.is_some_and(|d| d.is_doubtful()))
+            {
+                return (report, Some(if stride <= FARTHEST { Doubt::Predictable } else { Doubt::TooLong }));
+            }
+            report.energy_released = departure.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
         }
-        report
+        (report, None)
     }
 
     /// Adds the accepted state to those from which the next one is predicted.

@@ -108,7 +108,7 @@ impl Solver {
             let engine = &mut solver.engine;
             let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
             let fraction = engine.free_fraction(&state, &prediction.increment)?;
-            engine.state = state.retract(&prediction.increment, fraction);
+            engine.state = engine.retract(&state, &prediction.increment, fraction);
             if engine.contact.is_some() {
                 let Potential { contact, elastic, .. } = engine.potential_at(&engine.state.clone())?;
                 if ROUGH * contact > elastic.iter().sum() {
@@ -147,6 +147,7 @@ impl Solver {
         report.predicted = false;
         // the straight rod was unstable
         report.escapes += usize::from(done);
+        report.branch_ends |= done;
         Ok(done)
     }
 
@@ -191,6 +192,7 @@ impl Solver {
             report.predicted = true;
             return Ok(true);
         }
+        report.branch_ends |= report.status == Status::Unstable;
         self.restore(before)?;
         report.start_again();
         Ok(false)
@@ -420,7 +422,7 @@ impl Solver {
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.escape_step).collect();
             let still = PrescribedMotion::default();
             let fraction = self.engine.step_fraction(&before, &increment)?;
-            self.engine.state = before.retract(&increment, fraction);
+            self.engine.state = self.engine.retract(&before, &increment, fraction);
             let work = work_of_moments(&self.engine, &increment) * fraction;
             let floor = potential.potential.total() + work - potential.rounding;
             let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;

@@ -102,7 +102,7 @@ impl Workspace {
             let fraction = engine.step_fraction(&state, &step)?;
             blend(&mut stress, &engine.predicted_stress(&state, &step), fraction);
             report.iterations.push(Iteration { increment, fraction, ..Iteration::from(engine, &residual) });
-            state = state.retract(&step, fraction);
+            state = engine.retract(&state, &step, fraction);
             remaining *= 1.0 - fraction;
             engine.state = state.clone();
             if let Some(side) = &mut engine.contact {
