@@ -28,7 +28,7 @@ use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{LAST_PLACES, ROUNDING, SAME, SLIGHT};
+use crate::solve::measures::{LAST_PLACES, ROUNDING, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
@@ -38,9 +38,11 @@ use crate::solve::problem::state::State;
 /// of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
 
-/// Part of its work by which a step ends lower than its branch if the branch may be lost, because it is .096 where a ring loses one
-/// of two contacts in a step of ten times the last one, and by 1e-2 halves cost nothing: smooth branches extrapolated from
-/// steps as long are met to 1e-3.
+/// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend sharply miss
+/// their branch by a few hundredths.
+const SNAP: f64 = 0.1;
+/// Part of its work by which the energy of a step may miss that of its branch before the step is made again in halves, because
+/// a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts missed it by .096.
 const DOUBTFUL: f64 = 0.01;
 
 /// Changes that a step prescribes.
@@ -96,7 +98,7 @@ impl Departure {
 
     /// Energy that the step has set free \[F·L\]; 0 on a branch.
     pub(in crate::solve) fn released(&self) -> f64 {
-        if self.is_above(SLIGHT) { self.released.max(0.0) } else { 0.0 }
+        if self.is_above(SNAP) { self.released.max(0.0) } else { 0.0 }
     }
 }
 

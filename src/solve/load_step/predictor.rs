@@ -22,11 +22,14 @@ use crate::math::quaternion::{exp, rotation_of, rotation_vector, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS, SLIGHT};
+use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
 use crate::solve::problem::state::State;
 use crate::solve::search::workspace::Foretold;
+
+/// Largest difference of a prediction from the one from a state less, rad, because linearisations about it err by the square.
+const MAX_UNCERTAINTY: f64 = 0.1;
 
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,7 +186,7 @@ impl History {
         let simpler = extrapolated(engine, target, place, &line[..line.len() - 1]);
         // of the order of the error
         let uncertainty = largest_difference(&increment, &simpler);
-        if uncertainty > SLIGHT {
+        if uncertainty > MAX_UNCERTAINTY {
             return None;
         }
         for (node, free) in engine.free.iter().enumerate() {

@@ -10,17 +10,8 @@ use crate::scene::{NodeRef, Pose, Ramp, Stage};
 use crate::solve::load_step::predictor::{History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{FARTHEST, IN_VAIN};
+use crate::solve::measures::FARTHEST;
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
-
-/// A step that may have lost its branch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doubt {
-    /// It was too long for a prediction.
-    TooLong,
-    /// It could be predicted, but did not converge from there.
-    Predictable,
-}
 
 impl Solver {
     /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
@@ -54,46 +45,46 @@ impl Solver {
     /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose its
     /// branch.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
-        self.advance_in_parts(ramps, take, IN_VAIN)
-    }
-
-    /// [`Solver::advance`] with at most so many halvings of steps that are short enough to be predicted.
-    fn advance_in_parts(&mut self, ramps: &[Ramp], take: f64, halvings: usize) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
-        let (report, doubt) = self.attempt(&target, halvings > 0);
-        let Some(doubt) = doubt else { return report };
+        let (report, is_doubtful) = self.attempt(&target, true);
+        if !is_doubtful {
+            return report;
+        }
         let (moved, history) = (self.moved.clone(), self.history.clone());
-        let halvings = halvings - usize::from(doubt == Doubt::Predictable);
         let mut parts = match self.restore(start.clone()) {
-            Ok(()) => self.advance_in_parts(ramps, 0.5 * take, halvings),
+            Ok(()) => self.advance(ramps, 0.5 * take),
             Err(error) => return StepReport::refused(error),
         };
         if parts.status == Status::Converged {
             self.remember(&parts);
             // of the change that is left
-            parts.join(self.advance_in_parts(ramps, 0.5 * take / (1.0 - 0.5 * take), halvings));
+            parts.join(self.advance(ramps, 0.5 * take / (1.0 - 0.5 * take)));
         }
         parts.iterations += report.iterations;
-        if matches!(parts.status, Status::Converged | Status::Stopped) {
+        if parts.status == Status::Converged {
             return parts;
         }
-        // as a whole, then
         (self.moved, self.history) = (moved, history);
         if let Err(error) = self.restore(start) {
             return StepReport::refused(error);
         }
+        if parts.status == Status::Stopped {
+            return parts;
+        }
+        // as a whole, then
         let (mut whole, _) = self.attempt(&target, false);
         whole.iterations += parts.iterations;
         whole
     }
 
-    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges, unless
-    /// the state may be on another branch and `doubts` are asked for.
-    fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, Option<Doubt>) {
+    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges. Where
+    /// `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch, which the second
+    /// part of the result says.
+    fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
-            return (StepReport::refused(error), None);
+            return (StepReport::refused(error), false);
         }
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
@@ -105,7 +96,7 @@ impl Solver {
         let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
         target.load(&mut self.engine.state);
         if let Err(error) = self.engine.take_numbers() {
-            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), None);
+            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), false);
         }
         let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
         self.judge_turning(&mut report);
@@ -113,16 +104,15 @@ impl Solver {
             let balance = before.zip(self.balance(&changes));
             let departure = balance.map(|(before, end)| before.departure(&end, last));
             let is_on_branch = report.predicted || report.branch_ends;
-            if let Some(stride) =
-                stride.filter(|_| doubts && !is_on_branch && departure.is_some_and(|d| d.is_doubtful()))
-            {
-                return (report, Some(if stride <= FARTHEST { Doubt::Predictable } else { Doubt::TooLong }));
+            let is_too_long = stride.is_some_and(|stride| stride > FARTHEST);
+            if doubts && is_too_long && !is_on_branch && departure.is_some_and(|departure| departure.is_doubtful()) {
+                return (report, true);
             }
             report.energy_released = departure.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
         }
-        (report, None)
+        (report, false)
     }
 
     /// Adds the accepted state to those from which the next one is predicted.

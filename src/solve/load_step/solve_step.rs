@@ -18,7 +18,6 @@ use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::short_rod::Snapped;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{FEW, ROUGH};
 use crate::solve::options::Options;
 use crate::solve::problem::assembly::Potential;
 use crate::solve::problem::contact_field::ContactField;
@@ -39,6 +38,20 @@ const DEPTH: f64 = 0.4;
 const TOO_DEEP: f64 = 0.8 * 2.0 * DEPTH;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
+/// Largest energy of contact in a predicted state, over that of the rods, because cables took hundreds of iterations a step from
+/// states with more.
+const MAX_CONTACT_ENERGY: f64 = 100.0;
+/// Largest overlap of a shape, over the contact radius, whose pressures are estimated, because strands that are farther inside each
+/// other are not in balance by any.
+const MAX_OVERLAP_OF_SHAPE: f64 = 0.01;
+/// Extent of the last step of a rough search, rad, because its end is only the start of the next one.
+const ROUGH_EXTENT: f64 = 0.01;
+/// Fall of the potential, over the energy stored, from which leaving an unstable equilibrium was worth the name.
+const LEAST_FALL: f64 = 0.01;
+/// Times that contact tangents are taken from the state at rest, because the second round corrects and the third confirms.
+const MAX_TANGENT_ROUNDS: usize = 3;
+/// Softer laws that are tried, each by [`STIFFNESS_RATIO`], because contact a thousand times softer than asked for is another problem.
+const MAX_SOFTER_LAWS: usize = 3;
 /// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
 /// would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
@@ -112,7 +125,7 @@ impl Solver {
             engine.state = engine.retract(&state, &prediction.increment, fraction);
             if engine.contact.is_some() {
                 let Potential { contact, elastic, .. } = engine.potential_at(&engine.state.clone())?;
-                if ROUGH * contact > elastic.iter().sum() {
+                if contact > MAX_CONTACT_ENERGY * elastic.iter().sum::<f64>() {
                     report.status = Status::MaxIterations;
                     return Ok(());
                 }
@@ -288,7 +301,7 @@ impl Solver {
                 // the core's energy would be infinite here
                 return Ok(foretold);
             }
-        } else if near && overlap < ROUGH {
+        } else if near && overlap < MAX_OVERLAP_OF_SHAPE {
             let multiplier_estimate = self.multiplier_estimate(core, pressure)?;
             pressures = multiplier_estimate.pressures;
             foretold = Foretold::forces(multiplier_estimate.forces);
@@ -319,7 +332,7 @@ impl Solver {
         let mut at_rest = self.ended_at_rest(report);
         let mut num_followed = 0;
         while report.status == Status::Converged {
-            if num_followed < FEW && self.engine.follow_tangents() {
+            if num_followed < MAX_TANGENT_ROUNDS && self.engine.follow_tangents() {
                 num_followed += 1;
                 self.search_nearly(max_escapes, report)?;
                 at_rest = self.ended_at_rest(report);
@@ -394,10 +407,10 @@ impl Solver {
             return Ok(());
         }
         let before = self.snapshot();
-        for softer in 0..=FEW {
+        for softer in 0..=MAX_SOFTER_LAWS {
             self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer as i32) }, &[]);
             let outcome = self.search_from_here(report);
-            if outcome.is_ok() && report.status == Status::Converged || softer == FEW {
+            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER_LAWS {
                 return outcome;
             }
             self.restore(before.clone())?;
@@ -417,7 +430,7 @@ impl Solver {
             Some(Law::Core { depth, .. }) => depth,
             _ => 1.0,
         };
-        let rough = rough.then_some(ROUGH.min(deep));
+        let rough = rough.then_some(ROUGH_EXTENT.min(deep));
         self.search(drive, &SearchOptions { rough, foretold, ..self.search_options() }, report)
     }
 
@@ -462,7 +475,7 @@ impl Solver {
             let is_neutral = left.converged && fall.abs() <= potential.rounding;
             if may_leave && !is_neutral {
                 report.escapes += 1;
-                idle = if fall > ROUGH * stored_energy(&potential.potential) { 0 } else { idle + 1 };
+                idle = if fall > LEAST_FALL * stored_energy(&potential.potential) { 0 } else { idle + 1 };
                 outcome = left;
                 continue;
             }

@@ -154,7 +154,7 @@ impl Workspace {
         engine: &mut Engine,
         search: &mut Search,
         (residual, drive): (&Residual, &PrescribedMotion),
-        options: &NewtonOptions,
+        options: &SearchOptions,
     ) -> Result<Advance, SolveError> {
         let unbalanced = relative_residual(engine, residual);
         let mut longest = 1.0;
