@@ -39,6 +39,7 @@ fn report() -> StepReport {
         complementarity: 0.0,
         stiffness_reduction: 1.0,
         predicted: false,
+        branch_ends: false,
         error: None,
         history: Vec::new(),
     }

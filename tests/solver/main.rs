@@ -19,6 +19,7 @@ mod tally;
 
 mod as_shaped;
 mod augmented_ring;
+mod branches;
 mod cable;
 mod certificate;
 mod coaxial_clamps;
@@ -34,6 +35,7 @@ mod fidelity;
 mod free_rods;
 mod held_motions;
 mod honest_endings;
+mod joined;
 mod light_contact;
 mod long_plectonemes;
 mod moments;

@@ -16,6 +16,11 @@
 //! branch by a snap. It has set free E* − E₁. Where a branch bends sharply, as a strut does that buckles, E* is missed, too,
 //! but the balance of the step after it closes.
 //!
+//! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell a small snap from a large curvature: with r = 10, a ring that loses one of two contacts
+//! has those of a smooth parabola of F. So a step that ends lower or higher by a hundredth of its work, and whose
+//! search neither began where the branch leads nor found it unstable there, is doubtful. It is made again in halves
+//! ([`Solver::advance`]), until the branch can be predicted from its own states.
+//!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
 
@@ -23,7 +28,7 @@ use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{LAST_PLACES, ROUNDING, SAME, SLIGHT};
+use crate::solve::measures::{LAST_PLACES, ROUNDING, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
@@ -32,6 +37,13 @@ use crate::solve::problem::state::State;
 /// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a ring
 /// of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
+
+/// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend sharply miss
+/// their branch by a few hundredths.
+const SNAP: f64 = 0.1;
+/// Part of its work by which the energy of a step may miss that of its branch before the step is made again in halves, because
+/// a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts missed it by .096.
+const DOUBTFUL: f64 = 0.01;
 
 /// Changes that a step prescribes.
 #[derive(Debug)]
@@ -60,18 +72,47 @@ impl Changes {
     }
 }
 
+/// How the end of a step compares with where its branch leads.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::solve) struct Departure {
+    /// Energy below the branch's \[F·L\].
+    released: f64,
+    /// What the balance of the step's own forces lacks \[F·L\].
+    gap: f64,
+    /// Size of the step's work \[F·L\].
+    work: f64,
+    rounding: f64,
+}
+
+impl Departure {
+    /// Whether it is more than a part of the work, and the balance of the step's own forces does not close, either.
+    fn is_above(&self, part: f64) -> bool {
+        let size = self.released.abs();
+        size > part * self.work + self.rounding && self.gap.abs() > CLOSED * size
+    }
+
+    /// Whether the branch may be lost, if nothing else is known of the step. A state of another branch may lie higher.
+    pub(in crate::solve) fn is_doubtful(&self) -> bool {
+        self.is_above(DOUBTFUL)
+    }
+
+    /// Energy that the step has set free \[F·L\]; 0 on a branch.
+    pub(in crate::solve) fn released(&self) -> f64 {
+        if self.is_above(SNAP) { self.released.max(0.0) } else { 0.0 }
+    }
+}
+
 impl Balance {
-    /// Energy that a step between two equilibria has set free \[F·L\]; 0 on a branch. `last` is the work of the step before
+    /// How the end of a step from here compares with its branch. `last` is the work of the step before
     /// under the forces at both of its ends, and how many times as long this step is.
-    pub(in crate::solve) fn released(&self, end: &Self, last: Option<([f64; 2], f64)>) -> f64 {
+    pub(in crate::solve) fn departure(&self, end: &Self, last: Option<([f64; 2], f64)>) -> Departure {
         let branch = last.map_or(self.work.min(end.work), |([start, end], stride)| {
             self.work + 0.5 * stride * stride * (end - start)
         });
         let gained = end.energy - self.energy;
         let (released, gap) = (branch - gained, 0.5 * (self.work + end.work) - gained);
         let work = self.work.abs().max(end.work.abs()).max(branch.abs());
-        let least = SLIGHT * work + self.rounding + end.rounding;
-        if released > least && gap.abs() > CLOSED * released { released } else { 0.0 }
+        Departure { released, gap, work, rounding: self.rounding + end.rounding }
     }
 }
 

@@ -24,7 +24,7 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::measures::{FEW, MAX_ROUNDS, ROUNDING, SAME};
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::prescribed_motion::{PrescribedMotion, twist};
 use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
 
@@ -193,8 +193,8 @@ impl Solver {
     fn in_contact_as(&self, short: &Self, long: State, made: &[Origin], iterations: usize) -> Option<Lengthened> {
         let before = &self.engine.state;
         let mut long = moved(long, &centre(before));
-        let nodes = 0..long.positions.len();
-        long.twist(0, nodes, before.seams[0] - long.seams[0]);
+        let angle = before.seams[0] - long.seams[0];
+        twist(&self.engine, &mut long, 0, angle);
         let side = short.engine.contact.as_ref()?;
         let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
         Some(Lengthened { state: long, law: side.law, offsets, iterations, timings: short.workspace.timings })
@@ -299,7 +299,7 @@ mod tests {
         let v: Vec<f64> = (0..nodes).flat_map(along).flat_map(|part| [part.x, part.y, part.z]).collect();
         let step = 1e-4;
         let [ahead, behind] = [step, -step].map(|t| {
-            let there = state.retract(&v, t);
+            let there = engine.retract(&state, &v, t);
             engine.update_contact(&there).unwrap();
             engine.residual(&there).gradient
         });

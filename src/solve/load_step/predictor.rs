@@ -22,11 +22,14 @@ use crate::math::quaternion::{exp, rotation_of, rotation_vector, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS, SLIGHT};
+use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, spin_shares};
-use crate::solve::problem::state::{State, seam_shares};
+use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
+use crate::solve::problem::state::State;
 use crate::solve::search::workspace::Foretold;
+
+/// Largest difference of a prediction from the one from a state less, rad, because linearisations about it err by the square.
+const MAX_UNCERTAINTY: f64 = 0.1;
 
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,7 +186,7 @@ impl History {
         let simpler = extrapolated(engine, target, place, &line[..line.len() - 1]);
         // of the order of the error
         let uncertainty = largest_difference(&increment, &simpler);
-        if uncertainty > SLIGHT {
+        if uncertainty > MAX_UNCERTAINTY {
             return None;
         }
         for (node, free) in engine.free.iter().enumerate() {
@@ -192,6 +195,7 @@ impl History {
             }
         }
         drive.add_to(&mut increment);
+        engine.join_increment(&mut increment);
         Some(Prediction { increment, foretold: Foretold { forces, uncertainty } })
     }
 }
@@ -312,10 +316,7 @@ impl Visited {
     fn spins_to(&self, engine: &Engine, target: &Self) -> Vec<f64> {
         let mut spins = vec![0.0; engine.num_nodes()];
         for (rod, (from, to)) in self.state.seams.iter().zip(&target.state.seams).enumerate() {
-            let nodes = engine.nodes(rod);
-            for (node, share) in nodes.clone().zip(seam_shares(nodes.len())) {
-                spins[node] += (to - from) * share;
-            }
+            seam_shares(engine, rod).for_each(|(node, share)| spins[node] += (to - from) * share);
         }
         for (&node, angle) in &target.moved.spun {
             let by = angle - self.moved.spun.get(&node).copied().unwrap_or(0.0);
@@ -361,7 +362,7 @@ mod tests {
         if by(&next) != 0.0 {
             spin_evenly(engine, &mut lifted, 36, by(&next) - by(&last));
         }
-        let there = lifted.retract(&increment, 1.0);
+        let there = engine.retract(&lifted, &increment, 1.0);
         there.increment_since(&next.state).iter().fold(0.0f64, |a, x| a.max(x.abs()))
     }
 
@@ -413,7 +414,7 @@ mod tests {
         };
         let [first, before, last, next] = [0.0, 1.0, 2.0, 3.0].map(at);
         let increment = extrapolated(&engine, &next, 1.0, &[(0.0, &last), (-1.0, &before), (-2.0, &first)]);
-        let there = last.state.retract(&increment, 1.0);
+        let there = engine.retract(&last.state, &increment, 1.0);
         let lost = |x: &Vec3| (x.yz().norm() - 0.1).abs();
         let [on_arcs, on_parabolas] = (0..=36).fold([0.0f64; 2], |[arcs, parabolas], node| {
             let [a, b, c] = [&first, &before, &last].map(|visited| visited.state.positions[node]);

@@ -10,6 +10,7 @@ use crate::scene::{NodeRef, Pose, Ramp, Stage};
 use crate::solve::load_step::predictor::{History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::measures::FARTHEST;
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
 impl Solver {
@@ -20,6 +21,7 @@ impl Solver {
     }
 
     /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
+    /// A step that may have lost its branch is made in parts.
     ///
     /// # Errors
     /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
@@ -33,40 +35,84 @@ impl Solver {
         let round = self.largest_round(ramps);
         let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
         InputError::check("ramp.rotation.turns", round, round <= Ramp::MAX_ROUND + 1e-9, allowed)?;
-        let target = self.target(ramps, 1.0);
-        let report = self.attempt(&target);
+        let report = self.advance(ramps, 1.0);
         if report.status == Status::Converged {
             self.remember(&report);
         }
         Ok(report)
     }
 
-    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
-    pub(in crate::solve) fn attempt(&mut self, target: &Target) -> StepReport {
+    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose its
+    /// branch.
+    pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
+        let start = self.snapshot();
+        let target = self.target(ramps, take);
+        let (report, is_doubtful) = self.attempt(&target, true);
+        if !is_doubtful {
+            return report;
+        }
+        let (moved, history) = (self.moved.clone(), self.history.clone());
+        let mut parts = match self.restore(start.clone()) {
+            Ok(()) => self.advance(ramps, 0.5 * take),
+            Err(error) => return StepReport::refused(error),
+        };
+        if parts.status == Status::Converged {
+            self.remember(&parts);
+            // of the change that is left
+            parts.join(self.advance(ramps, 0.5 * take / (1.0 - 0.5 * take)));
+        }
+        parts.iterations += report.iterations;
+        if parts.status == Status::Converged {
+            return parts;
+        }
+        (self.moved, self.history) = (moved, history);
+        if let Err(error) = self.restore(start) {
+            return StepReport::refused(error);
+        }
+        if parts.status == Status::Stopped {
+            return parts;
+        }
+        // as a whole, then
+        let (mut whole, _) = self.attempt(&target, false);
+        whole.iterations += parts.iterations;
+        whole
+    }
+
+    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges. Where
+    /// `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch, which the second
+    /// part of the result says.
+    fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
-            return StepReport::refused(error);
+            return (StepReport::refused(error), false);
         }
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
         let before = if self.history.ends_at(&self.engine.state) { self.balance(&changes) } else { None };
         let ahead = self.history.target(&self.engine, target, &lifted);
-        let last = self.history.work.zip(ahead.as_ref().and_then(|ahead| self.history.stride(ahead)));
+        let stride = ahead.as_ref().and_then(|ahead| self.history.stride(ahead));
+        let last = self.history.work.zip(stride);
         let predicted = ahead.and_then(|ahead| self.history.predict(&self.engine, &ahead, &lifted.drive));
         let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
         target.load(&mut self.engine.state);
         if let Err(error) = self.engine.take_numbers() {
-            return StepReport::refused(SolveError::Symbolic { reason: error.to_string() });
+            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), false);
         }
         let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {
             let balance = before.zip(self.balance(&changes));
-            report.energy_released = balance.map_or(0.0, |(before, end)| before.released(&end, last));
+            let departure = balance.map(|(before, end)| before.departure(&end, last));
+            let is_on_branch = report.predicted || report.branch_ends;
+            let is_too_long = stride.is_some_and(|stride| stride > FARTHEST);
+            if doubts && is_too_long && !is_on_branch && departure.is_some_and(|departure| departure.is_doubtful()) {
+                return (report, true);
+            }
+            report.energy_released = departure.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
         }
-        report
+        (report, false)
     }
 
     /// Adds the accepted state to those from which the next one is predicted.

@@ -18,7 +18,7 @@ use crate::solve::load_step::predictor::Prediction;
 use crate::solve::load_step::short_rod::Snapped;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{FEW, ROUGH};
+use crate::solve::options::Options;
 use crate::solve::problem::assembly::Potential;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
@@ -26,7 +26,7 @@ use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::NewtonReport;
+use crate::solve::search::newton::{Iteration, NewtonReport, SearchOptions};
 use crate::solve::search::trust_region::progress::stored_energy;
 use crate::solve::search::workspace::Foretold;
 
@@ -38,6 +38,20 @@ const DEPTH: f64 = 0.4;
 const TOO_DEEP: f64 = 0.8 * 2.0 * DEPTH;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
+/// Largest energy of contact in a predicted state, over that of the rods, because cables took hundreds of iterations a step from
+/// states with more.
+const MAX_CONTACT_ENERGY: f64 = 100.0;
+/// Largest overlap of a shape, over the contact radius, whose pressures are estimated, because strands that are farther inside each
+/// other are not in balance by any.
+const MAX_OVERLAP_OF_SHAPE: f64 = 0.01;
+/// Extent of the last step of a rough search, rad, because its end is only the start of the next one.
+const ROUGH_EXTENT: f64 = 0.01;
+/// Fall of the potential, over the energy stored, from which leaving an unstable equilibrium was worth the name.
+const LEAST_FALL: f64 = 0.01;
+/// Times that contact tangents are taken from the state at rest, because the second round corrects and the third confirms.
+const MAX_TANGENT_ROUNDS: usize = 3;
+/// Softer laws that are tried, each by [`STIFFNESS_RATIO`], because contact a thousand times softer than asked for is another problem.
+const MAX_SOFTER_LAWS: usize = 3;
 /// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
 /// would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
@@ -108,17 +122,15 @@ impl Solver {
             let engine = &mut solver.engine;
             let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
             let fraction = engine.free_fraction(&state, &prediction.increment)?;
-            engine.state = state.retract(&prediction.increment, fraction);
+            engine.state = engine.retract(&state, &prediction.increment, fraction);
             if engine.contact.is_some() {
                 let Potential { contact, elastic, .. } = engine.potential_at(&engine.state.clone())?;
-                if ROUGH * contact > elastic.iter().sum() {
+                if contact > MAX_CONTACT_ENERGY * elastic.iter().sum::<f64>() {
                     report.status = Status::MaxIterations;
                     return Ok(());
                 }
             }
-            solver.workspace.foretold.clone_from(&prediction.foretold);
-            solver.search(&drive.scaled(1.0 - fraction), report)?;
-            solver.enforce_gaps(report)
+            solver.search_along_branch(&drive.scaled(1.0 - fraction), prediction.foretold.clone(), report)
         })
     }
 
@@ -147,6 +159,7 @@ impl Solver {
         report.predicted = false;
         // the straight rod was unstable
         report.escapes += usize::from(done);
+        report.branch_ends |= done;
         Ok(done)
     }
 
@@ -170,9 +183,7 @@ impl Solver {
             }
             solver.engine.state = state;
             solver.engine.take_tangents();
-            solver.workspace.foretold = Foretold::forces(forces);
-            solver.search(&PrescribedMotion::default(), report)?;
-            solver.enforce_gaps(report)
+            solver.search_along_branch(&PrescribedMotion::default(), Foretold::forces(forces), report)
         })
     }
 
@@ -183,17 +194,39 @@ impl Solver {
         search: impl FnOnce(&mut Self, &mut StepReport) -> Result<(), SolveError>,
     ) -> Result<bool, SolveError> {
         let before = self.snapshot();
-        // at the end of a branch the descent begins from the last stable state
-        let escapes = std::mem::take(&mut self.options.max_escapes);
         let outcome = search(self, report);
-        self.options.max_escapes = escapes;
         if outcome.is_ok() && report.status == Status::Converged {
             report.predicted = true;
             return Ok(true);
         }
+        report.branch_ends |= report.status == Status::Unstable;
         self.restore(before)?;
         report.start_again();
         Ok(false)
+    }
+
+    /// A search that leaves no unstable equilibrium: at the end of a branch the descent begins from the last stable state.
+    fn search_along_branch(
+        &mut self,
+        drive: &PrescribedMotion,
+        foretold: Foretold,
+        report: &mut StepReport,
+    ) -> Result<(), SolveError> {
+        let max_escapes = 0;
+        self.search(drive, &SearchOptions { max_escapes, foretold, ..self.search_options() }, report)?;
+        self.enforce_gaps_within(max_escapes, report)
+    }
+
+    /// Of a search to the full tolerance.
+    fn search_options(&self) -> SearchOptions {
+        let Options { newton, max_escapes, .. } = &self.options;
+        SearchOptions {
+            newton: newton.clone(),
+            max_escapes: *max_escapes,
+            rough: None,
+            near_rest: false,
+            foretold: Foretold::default(),
+        }
     }
 
     /// Tries the present law from the present state; true if it converged, otherwise the solver's state is as before.
@@ -227,14 +260,12 @@ impl Solver {
         drive: &PrescribedMotion,
         report: &mut StepReport,
     ) -> Result<(), SolveError> {
-        if self.augments() {
-            self.soften(report)?;
-        }
+        let mut foretold = if self.augments() { self.soften(report)? } else { Foretold::default() };
         let mut rough = false;
         for part in drive.parts(TURNS_AT_ONCE) {
             rough = self.augments() && self.is_near_contact()?;
             if report.status == Status::Converged {
-                self.search_roughly(rough, &part, report)?;
+                self.search_roughly((rough, std::mem::take(&mut foretold)), &part, report)?;
             }
             if report.status != Status::Converged {
                 return Ok(());
@@ -247,35 +278,36 @@ impl Solver {
             return self.raise_penalty(report);
         }
         self.change_law(Law::Linear { stiffness: self.engine.contact_stiffness() }, &[]);
-        if rough { self.search(&PrescribedMotion::default(), report) } else { Ok(()) }
+        if rough { self.search_from_here(report) } else { Ok(()) }
     }
 
-    /// Puts the core law in force, with offsets such that the pressures of touching strands balance the state.
-    fn soften(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+    /// Puts the core law in force, with offsets such that the pressures of touching strands balance the state; the forces
+    /// in the rods that go with them.
+    fn soften(&mut self, report: &mut StepReport) -> Result<Foretold, SolveError> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
         let core = Law::Core { pressure, depth: DEPTH };
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
-        let mut pressures = Vec::new();
+        let (mut pressures, mut foretold) = (Vec::new(), Foretold::default());
         if overlap >= TOO_DEEP {
             // strands deep inside each other are separated under a law without a core first
             self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
-            self.search_roughly(true, &PrescribedMotion::default(), report)?;
+            self.search_roughly((true, Foretold::default()), &PrescribedMotion::default(), report)?;
             report.penetration = self.contact_errors().penetration;
             if report.status == Status::Converged && report.penetration >= TOO_DEEP {
                 report.status = Status::Penetration;
             }
             if report.status != Status::Converged {
                 // the core's energy would be infinite here
-                return Ok(());
+                return Ok(foretold);
             }
-        } else if near && overlap < ROUGH {
+        } else if near && overlap < MAX_OVERLAP_OF_SHAPE {
             let multiplier_estimate = self.multiplier_estimate(core, pressure)?;
             pressures = multiplier_estimate.pressures;
-            self.workspace.foretold = Foretold::forces(multiplier_estimate.forces);
+            foretold = Foretold::forces(multiplier_estimate.forces);
         }
         self.start_under(core, &pressures);
-        Ok(())
+        Ok(foretold)
     }
 
     /// Pressure of the core law over its depth \[F/L²\].
@@ -287,6 +319,11 @@ impl Solver {
     /// Augmented Lagrangian loop: until penetrations and gaps held open are within the tolerance, and the tangents of the
     /// contact centrelines are those of the state.
     pub(in crate::solve) fn enforce_gaps(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        self.enforce_gaps_within(self.options.max_escapes, report)
+    }
+
+    /// [`Solver::enforce_gaps`] by searches that leave unstable equilibria so often.
+    fn enforce_gaps_within(&mut self, max_escapes: usize, report: &mut StepReport) -> Result<(), SolveError> {
         let tol = match self.engine.model.contact.law {
             ContactLaw::AugmentedLagrangian { tol_penetration, .. } => Some(tol_penetration),
             _ => None,
@@ -295,16 +332,17 @@ impl Solver {
         let mut at_rest = self.ended_at_rest(report);
         let mut num_followed = 0;
         while report.status == Status::Converged {
-            if num_followed < FEW && self.engine.follow_tangents() {
+            if num_followed < MAX_TANGENT_ROUNDS && self.engine.follow_tangents() {
                 num_followed += 1;
-                self.search_nearly(&PrescribedMotion::default(), report)?;
+                self.search_nearly(max_escapes, report)?;
                 at_rest = self.ended_at_rest(report);
                 continue;
             }
             match tol.and_then(|tol| self.outstanding_in(report, tol, &mut secant_steps)) {
                 None if at_rest => break,
                 None => {
-                    self.search(&PrescribedMotion::default(), report)?;
+                    let options = SearchOptions { max_escapes, ..self.search_options() };
+                    self.search(&PrescribedMotion::default(), &options, report)?;
                     at_rest = true;
                 }
                 Some(_) if report.augmentations >= self.options.max_augmentations => {
@@ -313,7 +351,7 @@ impl Solver {
                 Some(gaps) => {
                     self.augment(&gaps, &mut secant_steps);
                     report.augmentations += 1;
-                    self.search_nearly(&PrescribedMotion::default(), report)?;
+                    self.search_nearly(max_escapes, report)?;
                     at_rest = self.ended_at_rest(report);
                 }
             }
@@ -339,16 +377,17 @@ impl Solver {
 
     /// A search between two augmentations. Newton's method converges quadratically, so after a last increment of √tol
     /// the error is of the order of tol; the last search of all uses the tolerance itself.
-    fn search_nearly(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<(), SolveError> {
-        let tol = self.options.newton.tol_increment;
+    fn search_nearly(&mut self, max_escapes: usize, report: &mut StepReport) -> Result<(), SolveError> {
+        let mut options = SearchOptions { max_escapes, near_rest: true, ..self.search_options() };
         if self.augments() && self.is_near_contact()? {
-            self.options.newton.tol_increment = tol.sqrt();
+            options.newton.tol_increment = options.newton.tol_increment.sqrt();
         }
-        self.workspace.near_rest = true;
-        let outcome = self.search(drive, report);
-        self.workspace.near_rest = false;
-        self.options.newton.tol_increment = tol;
-        outcome
+        self.search(&PrescribedMotion::default(), &options, report)
+    }
+
+    /// A search to the full tolerance without any motion.
+    fn search_from_here(&mut self, report: &mut StepReport) -> Result<(), SolveError> {
+        self.search(&PrescribedMotion::default(), &self.search_options(), report)
     }
 
     /// Whether the last search met the full tolerance.
@@ -363,15 +402,15 @@ impl Solver {
         let asked = self.engine.contact_stiffness();
         // half way in decades; a law softer than the core is reached at once
         self.change_law_keeping_pressures(Law::Linear { stiffness: asked.min((asked * self.core_stiffness()).sqrt()) });
-        self.search_roughly(true, &PrescribedMotion::default(), report)?;
+        self.search_roughly((true, Foretold::default()), &PrescribedMotion::default(), report)?;
         if report.status != Status::Converged {
             return Ok(());
         }
         let before = self.snapshot();
-        for softer in 0..=FEW {
+        for softer in 0..=MAX_SOFTER_LAWS {
             self.change_law(Law::Linear { stiffness: asked / STIFFNESS_RATIO.powi(softer as i32) }, &[]);
-            let outcome = self.search(&PrescribedMotion::default(), report);
-            if outcome.is_ok() && report.status == Status::Converged || softer == FEW {
+            let outcome = self.search_from_here(report);
+            if outcome.is_ok() && report.status == Status::Converged || softer == MAX_SOFTER_LAWS {
                 return outcome;
             }
             self.restore(before.clone())?;
@@ -383,7 +422,7 @@ impl Solver {
     /// A rough search: its result is the start of the next one.
     fn search_roughly(
         &mut self,
-        rough: bool,
+        (rough, foretold): (bool, Foretold),
         drive: &PrescribedMotion,
         report: &mut StepReport,
     ) -> Result<(), SolveError> {
@@ -391,10 +430,8 @@ impl Solver {
             Some(Law::Core { depth, .. }) => depth,
             _ => 1.0,
         };
-        self.workspace.rough = rough.then_some(ROUGH.min(deep));
-        let outcome = self.search(drive, report);
-        self.workspace.rough = None;
-        outcome
+        let rough = rough.then_some(ROUGH_EXTENT.min(deep));
+        self.search(drive, &SearchOptions { rough, foretold, ..self.search_options() }, report)
     }
 
     pub(in crate::solve) fn augments(&self) -> bool {
@@ -408,29 +445,37 @@ impl Solver {
     }
 
     /// Equilibrium search that leaves unstable equilibria, from which the potential falls by more than rounding.
-    fn search(&mut self, drive: &PrescribedMotion, report: &mut StepReport) -> Result<(), SolveError> {
-        let mut outcome = self.equilibrate(drive, None, report)?;
+    fn search(
+        &mut self,
+        drive: &PrescribedMotion,
+        options: &SearchOptions,
+        report: &mut StepReport,
+    ) -> Result<(), SolveError> {
+        let mut outcome = self.equilibrate(drive, (options, None), report)?;
+        // nothing is known of where a descent leads
+        let options = options.unforetold();
         // without a potential the inertia of the symmetric part does not decide stability
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
         let mut idle = 0;
-        while outcome.converged && outcome.num_unstable > 0 && leaves && !self.ended_roughly(&outcome) {
-            let may_leave = idle < self.options.max_escapes;
+        while outcome.converged && outcome.num_unstable > 0 && leaves && !ended_roughly(&options, &outcome) {
+            let may_leave = idle < options.max_escapes;
             let (before, potential) = (self.engine.state.clone(), self.engine.residual(&self.engine.state));
             let direction = self.workspace.negative_direction(&mut self.engine)?;
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.escape_step).collect();
             let still = PrescribedMotion::default();
             let fraction = self.engine.step_fraction(&before, &increment)?;
-            self.engine.state = before.retract(&increment, fraction);
+            self.engine.state = self.engine.retract(&before, &increment, fraction);
             let work = work_of_moments(&self.engine, &increment) * fraction;
             let floor = potential.potential.total() + work - potential.rounding;
-            let left = self.equilibrate(&still, Some(if may_leave { f64::NEG_INFINITY } else { floor }), report)?;
+            let floor = if may_leave { f64::NEG_INFINITY } else { floor };
+            let left = self.equilibrate(&still, (&options, Some(floor)), report)?;
             let end = self.engine.residual(&self.engine.state).potential.total() - work - left.work;
             let fall = potential.potential.total() - end;
             // a motion without energy, such as the turning of the helix of a ring with two bending stiffnesses
             let is_neutral = left.converged && fall.abs() <= potential.rounding;
             if may_leave && !is_neutral {
                 report.escapes += 1;
-                idle = if fall > ROUGH * stored_energy(&potential.potential) { 0 } else { idle + 1 };
+                idle = if fall > LEAST_FALL * stored_energy(&potential.potential) { 0 } else { idle + 1 };
                 outcome = left;
                 continue;
             }
@@ -446,25 +491,19 @@ impl Solver {
         report.status = match (outcome.converged, outcome.num_unstable) {
             (false, _) => Status::MaxIterations,
             (true, 0) => Status::Converged,
-            (true, _) if !leaves || self.ended_roughly(&outcome) => Status::Converged,
+            (true, _) if !leaves || ended_roughly(&options, &outcome) => Status::Converged,
             (true, _) => Status::Unstable,
         };
         Ok(())
     }
 
-    /// Whether a rough search ended before convergence, so not at a saddle.
-    fn ended_roughly(&self, outcome: &NewtonReport) -> bool {
-        let tol = self.options.newton.tol_increment;
-        self.workspace.rough.is_some() && outcome.iterations.last().is_some_and(|i| i.increment > tol)
-    }
-
     fn equilibrate(
         &mut self,
         drive: &PrescribedMotion,
-        leaving: Option<f64>,
+        (options, leaving): (&SearchOptions, Option<f64>),
         report: &mut StepReport,
     ) -> Result<NewtonReport, SolveError> {
-        let outcome = self.workspace.equilibrate(&mut self.engine, drive, &self.options.newton, leaving)?;
+        let outcome = self.workspace.equilibrate(&mut self.engine, drive, options, leaving)?;
         report.iterations += outcome.iterations.len();
         self.workspace.timings.node_iterations += outcome.iterations.len() * self.engine.num_nodes();
         report.history.push(outcome.iterations.clone());
@@ -492,13 +531,18 @@ impl Solver {
     }
 }
 
+/// Whether a rough search ended before convergence, so not at a saddle.
+fn ended_roughly(options: &SearchOptions, outcome: &NewtonReport) -> bool {
+    let is_unfinished = |last: &Iteration| last.increment > options.newton.tol_increment;
+    options.rough.is_some() && outcome.iterations.last().is_some_and(is_unfinished)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::Vec3;
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
-    use crate::solve::options::Options;
 
     /// Symptom: cables took hundreds of iterations a step from predicted states in which contact had hundreds of times the
     /// energy of the rods.

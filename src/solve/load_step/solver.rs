@@ -60,7 +60,7 @@ impl Solver {
     /// supports.
     ///
     /// # Errors
-    /// `InputError::Inconsistent` when the sizes do not match the model.
+    /// `InputError::Inconsistent` when the sizes do not match the model, or joined nodes are parted.
     pub fn set_state(&mut self, state: State) -> Result<(), InputError> {
         self.engine.set_state(state)
     }

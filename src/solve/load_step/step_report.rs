@@ -72,6 +72,8 @@ pub struct StepReport {
     pub iterations_on_other_meshes: usize,
     /// Whether the step converged from the predicted state.
     pub predicted: bool,
+    /// Whether the state to which the branch leads was found unstable.
+    pub branch_ends: bool,
     /// The error of a breakdown, or what kept the last step of a search from being taken as a whole.
     pub error: Option<SolveError>,
     /// All Newton iterations, one list per equilibrium search.
@@ -93,6 +95,7 @@ impl StepReport {
             stiffness_reduction: 1.0,
             iterations_on_other_meshes: 0,
             predicted: false,
+            branch_ends: false,
             error: None,
             history: Vec::new(),
         }
@@ -101,6 +104,18 @@ impl StepReport {
     /// Of a step that was not even tried.
     pub(crate) fn refused(error: SolveError) -> Self {
         Self { status: Status::BrokeDown, error: Some(error), ..Self::settled() }
+    }
+
+    /// Of a step made in two parts.
+    pub(in crate::solve) fn join(&mut self, mut second: Self) {
+        second.iterations += self.iterations;
+        second.augmentations += self.augmentations;
+        second.escapes += self.escapes;
+        second.energy_released += self.energy_released;
+        second.iterations_on_other_meshes += self.iterations_on_other_meshes;
+        second.branch_ends |= self.branch_ends;
+        second.history.splice(0..0, std::mem::take(&mut self.history));
+        *self = second;
     }
 
     /// Another attempt from where the last one began: iterations stay counted.

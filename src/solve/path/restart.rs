@@ -109,6 +109,7 @@ impl Solver {
         if history.states().any(|s| sizes(s) != sizes(&state)) {
             return Err(refuse("remembers states of another model"));
         }
+        history.states().try_for_each(|remembered| self.engine.check_joined(remembered))?;
         self.engine.set_state(state)?;
         match (&mut self.engine.contact, contact) {
             (None, None) => {}

@@ -226,8 +226,7 @@ impl LoadStepping<'_, '_> {
         while self.place.fraction < 1.0 - NOTHING {
             let attempt = Attempt::next(self.place.fraction, size, full);
             let snapshot = self.solver.snapshot();
-            let target = self.solver.target(&stage.ramps, attempt.take);
-            let mut report = self.solver.attempt(&target);
+            let mut report = self.solver.advance(&stage.ramps, attempt.take);
             self.place.iterations += report.iterations;
             if report.status != Status::Converged {
                 failed_iterations += report.iterations;

@@ -40,7 +40,7 @@ impl Engine {
     /// supports.
     ///
     /// # Errors
-    /// `InputError::Inconsistent` when the sizes do not match the model.
+    /// `InputError::Inconsistent` when the sizes do not match the model, or joined nodes are parted.
     pub(crate) fn set_state(&mut self, state: State) -> Result<(), InputError> {
         let fits = state.positions.len() == self.state.positions.len()
             && state.remainders.len() == self.state.remainders.len()
@@ -52,7 +52,9 @@ impl Engine {
             let reason = "has another number of nodes or rods than the model".to_owned();
             return Err(InputError::Inconsistent { field: "state".to_owned(), reason });
         }
+        self.check_joined(&state)?;
         self.state = state;
+        self.followers.iter().for_each(|follower| follower.follow(&mut self.state));
         self.take_numbers()?;
         self.take_tangents();
         Ok(())

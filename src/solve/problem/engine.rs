@@ -17,6 +17,7 @@ use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::measures::SAME;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
+use crate::solve::problem::joints::Follower;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
 
@@ -55,6 +56,8 @@ pub struct Engine {
     /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no
     /// mass, and their share of the gradient is the master's.
     pub(crate) master: Vec<usize>,
+    /// Joined nodes but the masters.
+    pub(crate) followers: Vec<Follower>,
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
     /// The contact law as it was asked for: by the mesh, its stiffness follows the numbers of the rods.
@@ -148,7 +151,7 @@ impl Engine {
         }
         let num_nodes = first_node[model.rods.len()];
         let master = masters(&model, &first_node, num_nodes);
-        let state = State {
+        let mut state = State {
             remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
             frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
@@ -158,6 +161,8 @@ impl Engine {
             plane_heights: vec![0.0; model.planes.len()],
             numbers: BTreeMap::new(),
         };
+        let followers = Follower::all(&state.frames, &master);
+        followers.iter().for_each(|follower| follower.follow(&mut state));
         let elements = build_elements(&model, &first_node);
         let scales = scales(&model);
         let pool = threads.map(Pool::new).transpose()?;
@@ -176,6 +181,7 @@ impl Engine {
             equations: Vec::new(),
             swivels: Vec::new(),
             master,
+            followers,
             state,
             scales,
             pool,
@@ -242,9 +248,11 @@ impl Engine {
         self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
     }
 
-    /// Whether a support holds rotations of a node, some or all.
+    /// Whether a support holds rotations of a node, some or all, or another rod that is joined to it does.
     pub(crate) fn is_turning_held(&self, node: usize) -> bool {
-        self.free[node][3..] != [true; 3] || self.swivels.iter().any(|swivel| swivel.nodes.contains(&node))
+        self.free[node][3..] != [true; 3]
+            || self.swivels.iter().any(|swivel| swivel.nodes.contains(&node))
+            || self.is_joined_node(node)
     }
 
     /// Whether a rod is joined to another one, or to itself.

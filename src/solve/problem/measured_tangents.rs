@@ -84,7 +84,7 @@ mod tests {
     use crate::math::quaternion::exp;
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
-    use crate::solve::problem::prescribed_motion::PrescribedMotion;
+    use crate::solve::problem::prescribed_motion::{PrescribedMotion, twist};
     use crate::solve::search::workspace::Workspace;
 
     /// Rings of radius 1, one above the other, whose sections are tilted about their normal.
@@ -98,7 +98,7 @@ mod tests {
         let rods = (0..num_rods).map(ring).collect();
         let mut engine = Engine::new(Model { rods, ..Model::default() }, None).unwrap();
         let mut state = engine.state.clone();
-        state.twist(0, 0..48, seam);
+        twist(&engine, &mut state, 0, seam);
         state.frames.iter_mut().for_each(|frame| *frame = exp(&(Vec3::z() * angle)) * *frame);
         engine.set_state(state).unwrap();
         engine

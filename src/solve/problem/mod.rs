@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `engine` | model, unknowns, state, in one place |
 //! | `state` | positions and unit quaternions, and how an increment moves them |
+//! | `joints` | joined nodes, which follow the first of them |
 //! | `prescribed_motion` | motions of supports and seams, lifted to the rods |
 //! | `assembly` | elements, loads and contact summed into gradient and tangent |
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
@@ -25,6 +26,7 @@ pub(crate) mod contact_side;
 pub(in crate::solve) mod contact_tangents;
 pub(crate) mod engine;
 pub(in crate::solve) mod fields;
+pub(in crate::solve) mod joints;
 mod measured_tangents;
 pub(in crate::solve) mod moment_load;
 pub(in crate::solve) mod prescribed_motion;

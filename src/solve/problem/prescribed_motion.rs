@@ -2,10 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Unit;
-
 use crate::math::Vec3;
-use crate::math::quaternion::spin;
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{Numbers, State};
@@ -152,7 +149,7 @@ pub(crate) struct Lifted {
 pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -> Lifted {
     let mut state = state.clone();
     for (rod, &angle) in drive.seams.iter().enumerate() {
-        state.twist(rod, engine.nodes(rod), angle);
+        twist(engine, &mut state, rod, angle);
     }
     let (mut left, mut spun) = (PrescribedMotion::default(), Vec::new());
     for &(node, displacement, rotation) in &drive.nodes {
@@ -174,13 +171,33 @@ pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -
     Lifted { state, drive: left, spun }
 }
 
+/// Turns the seam of a closed rod by `angle` and spreads the twist evenly: frames spin about their own d3, the centreline
+/// and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good start for others.
+pub(in crate::solve) fn twist(engine: &Engine, state: &mut State, rod: usize, angle: f64) {
+    state.seams[rod] += angle;
+    seam_shares(engine, rod).for_each(|(node, share)| state.spin_frame(node, angle * share));
+}
+
+/// Shares, by node, of a closed rod in the turn of its seam, which twists it evenly. Nodes whose rotation is held, by a
+/// support or a joint, are not spun: the seam is between the last and the first of them, so that piece takes the twist.
+pub(in crate::solve) fn seam_shares(engine: &Engine, rod: usize) -> impl Iterator<Item = (usize, f64)> {
+    let nodes = engine.nodes(rod);
+    let (first, count) = (nodes.start, nodes.len());
+    let held = |n: &usize| engine.is_turning_held(*n);
+    let ends = nodes.clone().find(held).zip(nodes.clone().rev().find(held)).map(|(a, b)| (a - first, b - first));
+    let share = move |k: usize| match ends {
+        None => k as f64 / count as f64 - 0.5,
+        Some((a, b)) => (k as f64 - k.clamp(a, b) as f64) / (count - (b - a)) as f64,
+    };
+    (0..count).map(move |k| (first + k, share(k)))
+}
+
 /// Spins the frames of an open rod about their tangents: those of `node` by an angle, the others by shares that fall
 /// evenly to zero at the next nodes on both sides whose rotation is held.
 pub(in crate::solve) fn spin_evenly(engine: &Engine, state: &mut State, node: usize, angle: f64) {
-    for (k, share) in spin_shares(engine, node).filter(|(_, share)| *share != 0.0) {
-        let turned = state.frames[k] * spin(angle * share);
-        state.frames[k] = Unit::new_normalize(turned.into_inner());
-    }
+    spin_shares(engine, node)
+        .filter(|(_, share)| *share != 0.0)
+        .for_each(|(k, share)| state.spin_frame(k, angle * share));
 }
 
 /// Shares, by node, of the rod in a spin of one of its nodes.

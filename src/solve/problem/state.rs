@@ -52,15 +52,10 @@ pub struct State {
     pub numbers: Numbers,
 }
 
-/// Shares of the nodes of a closed rod in the turn of its seam, which twists it evenly.
-pub(crate) fn seam_shares(count: usize) -> impl Iterator<Item = f64> {
-    (0..count).map(move |k| k as f64 / count as f64 - 0.5)
-}
-
 impl State {
     /// Moves every node by `t` times its six increments (displacement, rotation vector; multiplicative update
-    /// q ← exp(tθ/2) q).
-    pub fn retract(&self, increment: &[f64], t: f64) -> Self {
+    /// q ← exp(tθ/2) q). Joined nodes are moved by their own: [`Engine::retract`](crate::solve::Engine) joins them.
+    pub(in crate::solve::problem) fn moved(&self, increment: &[f64], t: f64) -> Self {
         let mut next = self.clone();
         for node in 0..self.positions.len() {
             let d = &increment[6 * node..6 * node + 6];
@@ -96,15 +91,10 @@ impl State {
         increment
     }
 
-    /// Turns the seam of a closed rod (nodes `nodes`) by `angle` and spreads the twist evenly: frames spin about their
-    /// own d3, the centreline and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good
-    /// start for others.
-    pub fn twist(&mut self, rod: usize, nodes: std::ops::Range<usize>, angle: f64) {
-        self.seams[rod] += angle;
-        for (share, node) in seam_shares(nodes.len()).zip(nodes) {
-            let turned = self.frames[node] * spin(angle * share);
-            self.frames[node] = Unit::new_normalize(turned.into_inner());
-        }
+    /// Spins the frame of a node about its own d3 by an angle, rad.
+    pub(crate) fn spin_frame(&mut self, node: usize, angle: f64) {
+        let turned = self.frames[node] * spin(angle);
+        self.frames[node] = Unit::new_normalize(turned.into_inner());
     }
 
     /// Frame at s = L of a closed rod whose first node is `first`.

@@ -5,7 +5,7 @@ use crate::solve::measures::MAX_ITERATIONS;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
-use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, SearchStart};
+use crate::solve::search::newton::{Iteration, NewtonOptions, NewtonReport, SearchOptions};
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
 
@@ -24,38 +24,38 @@ impl Workspace {
         &mut self,
         engine: &mut Engine,
         drive: &PrescribedMotion,
-        options: &NewtonOptions,
+        options: &SearchOptions,
         leaving: Option<f64>,
     ) -> Result<NewtonReport, SolveError> {
         let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
         engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
         let drive = &drive;
-        let foretold = std::mem::take(&mut self.foretold);
         engine.state = start.clone();
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
-        let direct = NewtonOptions { stable_only: false, max_iterations: MAX_ITERATIONS, ..options.clone() };
-        if options.stable_only && leaving.is_none() && engine.contact.is_some() && (self.near_rest || !near_contact) {
+        let stable_only = options.newton.stable_only;
+        let newton = NewtonOptions { stable_only: false, max_iterations: MAX_ITERATIONS, ..options.newton.clone() };
+        let direct = SearchOptions { newton, ..options.clone() };
+        if stable_only && leaving.is_none() && engine.contact.is_some() && (options.near_rest || !near_contact) {
             let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
-            if let Some(report) = plain(self, engine, (drive, &foretold), &direct, &mut spent)? {
+            if let Some(report) = plain(self, engine, drive, &direct, &mut spent)? {
                 return Ok(report);
             }
             engine.state = start.clone();
             self.refresh(engine, &start)?;
         }
-        if !options.stable_only || !(engine.contact.is_some() || leaving.is_some()) {
-            let direct = if options.stable_only { &direct } else { options };
-            match self.direct(engine, (drive, &foretold), direct, options.stable_only) {
-                Ok(report) if !options.stable_only || report.converged => return Ok(report),
+        if !stable_only || !(engine.contact.is_some() || leaving.is_some()) {
+            let direct = if stable_only { &direct } else { options };
+            match self.direct(engine, drive, direct, stable_only) {
+                Ok(report) if !stable_only || report.converged => return Ok(report),
                 Ok(report) => spent = report.iterations,
-                Err(_) if options.stable_only => {}
+                Err(_) if stable_only => {}
                 Err(error) => return Err(error),
             }
             engine.state = start;
         }
-        let mut report =
-            self.trust_region_search(engine, (drive, &foretold), options, leaving.unwrap_or(f64::NEG_INFINITY))?;
+        let mut report = self.trust_region_search(engine, drive, options, leaving.unwrap_or(f64::NEG_INFINITY))?;
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)
@@ -66,13 +66,13 @@ impl Workspace {
     fn direct_apart(
         &mut self,
         engine: &mut Engine,
-        start: SearchStart,
-        options: &NewtonOptions,
+        drive: &PrescribedMotion,
+        options: &SearchOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.state.clone();
         let side = engine.contact.take();
-        let outcome = self.direct(engine, start, options, true);
+        let outcome = self.direct(engine, drive, options, true);
         engine.contact = side;
         // after a breakdown the other searches begin from the start
         let Ok(mut report) = outcome else { return Ok(None) };
@@ -94,13 +94,13 @@ impl Workspace {
     fn direct_in_contact(
         &mut self,
         engine: &mut Engine,
-        start: SearchStart,
-        options: &NewtonOptions,
+        drive: &PrescribedMotion,
+        options: &SearchOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
         // after a breakdown the trust-region search begins from the start
-        if let Ok(mut report) = self.direct(engine, start, options, true) {
+        if let Ok(mut report) = self.direct(engine, drive, options, true) {
             if report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
             }

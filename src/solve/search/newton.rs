@@ -70,23 +70,43 @@ impl Iteration {
     }
 }
 
-/// Prescribed motions, and what is known of the end.
-pub(super) type SearchStart<'a> = (&'a PrescribedMotion, &'a Foretold);
+/// What is asked of one search, and what is known of it beforehand.
+#[derive(Debug, Clone)]
+pub(crate) struct SearchOptions {
+    /// Newton's choices, with the tolerance of this search.
+    pub(crate) newton: NewtonOptions,
+    /// Unstable equilibria that may be left in a row without a fall of the potential worth the name.
+    pub(crate) max_escapes: usize,
+    /// Extent of the last step of a rough search, whose result is the start of the next one; `None`: not rough.
+    pub(crate) rough: Option<f64>,
+    /// The search starts from an equilibrium under slightly different pressures: its first steps are plain.
+    pub(crate) near_rest: bool,
+    /// What is known of the end.
+    pub(crate) foretold: Foretold,
+}
+
+impl SearchOptions {
+    /// The same without what was known of the end.
+    pub(crate) fn unforetold(&self) -> Self {
+        Self { foretold: Foretold::default(), ..self.clone() }
+    }
+}
 
 impl Workspace {
     /// Plain mixed-integration-point Newton: no shift, no descent test.
     pub(super) fn direct(
         &mut self,
         engine: &mut Engine,
-        (drive, foretold): SearchStart,
-        options: &NewtonOptions,
+        drive: &PrescribedMotion,
+        search: &SearchOptions,
         may_give_up: bool,
     ) -> Result<NewtonReport, SolveError> {
+        let options = &search.newton;
         let mut report = NewtonReport::default();
         let mut remaining = 1.0;
         let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
         let mut state = engine.state.clone();
-        let mut stress = engine.stress_with(&state, &foretold.forces);
+        let mut stress = engine.stress_with(&state, &search.foretold.forces);
         for iteration in 0..options.max_iterations {
             if self.must_stop(options) {
                 return Ok(report);
@@ -102,7 +122,7 @@ impl Workspace {
             let fraction = engine.step_fraction(&state, &step)?;
             blend(&mut stress, &engine.predicted_stress(&state, &step), fraction);
             report.iterations.push(Iteration { increment, fraction, ..Iteration::from(engine, &residual) });
-            state = state.retract(&step, fraction);
+            state = engine.retract(&state, &step, fraction);
             remaining *= 1.0 - fraction;
             engine.state = state.clone();
             if let Some(side) = &mut engine.contact {
@@ -117,7 +137,7 @@ impl Workspace {
                 break;
             }
             // a search that diverges ends early if another one can follow
-            if divergence.shows(increment, fraction, self.near_rest) && may_give_up {
+            if divergence.shows(increment, fraction, search.near_rest) && may_give_up {
                 return Ok(report);
             }
         }

@@ -195,7 +195,7 @@ mod tests {
         for node in engine.first_node[1]..engine.first_node[2] {
             increment[6 * node..6 * node + 3].copy_from_slice(by.as_slice());
         }
-        let there = state.retract(&increment, 1.0);
+        let there = engine.retract(&state, &increment, 1.0);
         engine.update_contact(&there).unwrap();
         let after = engine.residual_of_trial(&there);
         let mut forces = vec![0.0; 6 * engine.num_nodes()];

@@ -72,7 +72,7 @@ impl Engine {
         let longest = rotation_fraction(self, state, increment, keep);
         let mut t = 0.0;
         for _ in 0..MAX_ROUNDS {
-            let here = state.retract(increment, t);
+            let here = self.retract(state, increment, t);
             self.place_curves(&here)?;
             let Some(side) = &self.contact else { return Ok(longest) };
             let rest: Vec<f64> = increment.iter().map(|x| x * (1.0 - t)).collect();
@@ -236,9 +236,10 @@ mod tests {
                     let step = downward(&engine, by, turn);
                     let t = engine.step_fraction(&state, &step).unwrap();
                     assert!(t > 0.0 && t <= 1.0);
-                    let side = engine.contact.as_mut().unwrap();
                     for k in 0..=50 {
-                        side.place(&state.retract(&step, t * f64::from(k) / 50.0));
+                        let there = engine.retract(&state, &step, t * f64::from(k) / 50.0);
+                        let side = engine.contact.as_mut().unwrap();
+                        side.place(&there);
                         let middle = |c: usize| {
                             let info = side.set.curves[c];
                             side.set.segments[info.first + info.count / 2].point(0.5)
@@ -296,8 +297,13 @@ mod tests {
     /// Whether writhe or link jump along the fraction t of a step.
     fn passes(engine: &mut Engine, state: &State, step: &[f64], t: f64) -> bool {
         let count = 60;
-        let along: Vec<f64> =
-            (0..=count).map(|k| topology(engine, &state.retract(step, t * f64::from(k) / f64::from(count)))).collect();
+        let at = |k: i32| t * f64::from(k) / f64::from(count);
+        let along: Vec<f64> = (0..=count)
+            .map(|k| {
+                let there = engine.retract(state, step, at(k));
+                topology(engine, &there)
+            })
+            .collect();
         along.windows(2).any(|pair| (pair[1] - pair[0]).abs() > 1.0)
     }
 
@@ -336,7 +342,7 @@ mod tests {
             let side = engine.contact.as_ref().unwrap();
             let h = 1e-6;
             for segment in 0..side.nodes.len() {
-                let [up, down] = [h, -h].map(|t| side.cubic(&state.retract(&step, t), segment));
+                let [up, down] = [h, -h].map(|t| side.cubic(&engine.retract(&state, &step, t), segment));
                 for (m, rate) in side.motion(&state, &step, segment).linear.iter().enumerate() {
                     let difference = (up.b[m] - down.b[m]) / (2.0 * h);
                     assert!((rate - difference).norm() < 1e-8, "{tilt} {segment} {m}: {rate} {difference}");
@@ -426,9 +432,10 @@ mod tests {
                 let mut step = waves(&engine, 1.3, 0.1 * by, turn);
                 step.chunks_mut(6).for_each(|node| node[2] -= by);
                 let t = engine.step_fraction(&state, &step).unwrap();
-                let side = engine.contact.as_mut().unwrap();
                 let mut least = |t: f64| {
-                    side.place(&state.retract(&step, t));
+                    let there = engine.retract(&state, &step, t);
+                    let side = engine.contact.as_mut().unwrap();
+                    side.place(&there);
                     let points = side.set.segments.iter().flat_map(|s| (0..=40).map(|k| s.point(f64::from(k) / 40.0)));
                     points.map(|r| r.z - point.z).fold(f64::INFINITY, f64::min)
                 };

@@ -28,9 +28,7 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::{
-    Iteration, NewtonOptions, NewtonReport, SearchStart, increment_size, relative_residual,
-};
+use crate::solve::search::newton::{Iteration, NewtonReport, SearchOptions, increment_size, relative_residual};
 use crate::solve::search::workspace::Workspace;
 use convergence::{Accepted, Convergence};
 use corrected_step::{CorrectedStep, StepStart};
@@ -73,12 +71,13 @@ enum Advance {
 }
 
 impl Search {
-    fn new(engine: &Engine, (drive, foretold): SearchStart, (options, rough): (&NewtonOptions, Option<f64>)) -> Self {
+    fn new(engine: &Engine, drive: &PrescribedMotion, options: &SearchOptions) -> Self {
+        let (newton, foretold) = (&options.newton, &options.foretold);
         let state = engine.state.clone();
         let stress = engine.stress_with(&state, &foretold.forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
-        let progress = SearchProgress::new(options.max_iterations);
-        let rest = Convergence::new(options.tol_increment, rough);
+        let progress = SearchProgress::new(newton.max_iterations);
+        let rest = Convergence::new(newton.tol_increment, options.rough);
         Self {
             state,
             stress,
@@ -121,16 +120,16 @@ impl Workspace {
     pub(crate) fn trust_region_search(
         &mut self,
         engine: &mut Engine,
-        start: SearchStart,
-        options: &NewtonOptions,
+        drive: &PrescribedMotion,
+        options: &SearchOptions,
         floor: f64,
     ) -> Result<NewtonReport, SolveError> {
-        let mut search = Search::new(engine, start, (options, self.rough));
+        let mut search = Search::new(engine, drive, options);
         // a search knows nothing of the one before
         self.softest.clear();
         while !search.report.converged && !search.progress.is_over() {
             self.refresh(engine, &search.state)?;
-            let drive_now = start.0.scaled(search.remaining);
+            let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
             let load = residual.potential.load - search.report.work;
             let potential = Potential { load, ..residual.potential };
@@ -155,14 +154,14 @@ impl Workspace {
         engine: &mut Engine,
         search: &mut Search,
         (residual, drive): (&Residual, &PrescribedMotion),
-        options: &NewtonOptions,
+        options: &SearchOptions,
     ) -> Result<Advance, SolveError> {
         let unbalanced = relative_residual(engine, residual);
         let mut longest = 1.0;
         // no step knows the shift of the one before: contact that was put right asks for none any more
         self.shift = 0.0;
         loop {
-            if self.must_stop(options) {
+            if self.must_stop(&options.newton) {
                 return Ok(Advance::Interrupted);
             }
             let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };

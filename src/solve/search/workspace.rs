@@ -67,12 +67,6 @@ pub(crate) struct Workspace {
     pub(crate) softest: Vec<f64>,
     /// Times of the parts of all searches.
     pub(crate) timings: Timings,
-    /// Extent of the last step of a rough search, whose result is the start of the next one; `None`: not rough.
-    pub(crate) rough: Option<f64>,
-    /// Of the next search.
-    pub(crate) foretold: Foretold,
-    /// The next search starts from an equilibrium under slightly different pressures: its first steps are plain.
-    pub(crate) near_rest: bool,
     /// Bases of the unknowns of the last linearisation.
     bases: Bases,
     /// A search was interrupted.

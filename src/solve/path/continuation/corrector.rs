@@ -238,7 +238,7 @@ impl Tracer<'_> {
     fn take(&self, point: &mut Point, moved: &mut PathMotion, step: &PathMotion) -> Vec<[Stress; 3]> {
         let engine = &self.solver.engine;
         let stress = self.parameter.predicted_stress(engine, &point.state, &step.field, step.parameter);
-        point.state = point.state.retract(&step.field, 1.0);
+        point.state = engine.retract(&point.state, &step.field, 1.0);
         self.parameter.advance(&mut point.state, step.parameter);
         point.value += step.parameter;
         moved.subtract(step, -1.0);

@@ -35,7 +35,7 @@ fn disturb(solver: &mut Solver) {
     let free: Vec<bool> = solver.engine.free.iter().flatten().copied().collect();
     let field: Vec<f64> =
         free.iter().enumerate().map(|(i, f)| if *f { 0.05 * (1.0 + 1.7 * i as f64).sin() } else { 0.0 }).collect();
-    let state = solver.engine.state.retract(&field, 1.0);
+    let state = solver.engine.retract(&solver.engine.state, &field, 1.0);
     solver.engine.state = State { load_factor: 0.7, ..state };
 }
 
@@ -65,7 +65,7 @@ fn rates_match_finite_differences() {
                 (0..3).for_each(|k| field[6 * node + k] = by * displacement[k]);
                 (0..3).for_each(|k| field[6 * node + 3 + k] = by * rotation[k]);
             }
-            let mut moved = state.retract(&field, 1.0);
+            let mut moved = solver.engine.retract(&state, &field, 1.0);
             parameter.advance(&mut moved, by);
             solver.engine.residual(&moved).gradient
         };
@@ -90,7 +90,7 @@ fn predicted_stress_knows_of_the_seam() {
     let error = |h: f64| {
         let field: Vec<f64> = (0..6 * solver.engine.num_nodes()).map(|i| h * (0.3 * i as f64).cos()).collect();
         let predicted = parameter.predicted_stress(&solver.engine, &state, &field, h);
-        let mut moved = state.retract(&field, 1.0);
+        let mut moved = solver.engine.retract(&state, &field, 1.0);
         parameter.advance(&mut moved, h);
         let actual = solver.engine.actual_stress(&moved);
         let pairs = predicted.iter().flatten().flatten().zip(actual.iter().flatten().flatten());

@@ -29,7 +29,7 @@ fn engine_with(electrostatics: Option<Electrostatics>) -> Engine {
     engine.state.pressures[0] = 1.1;
     engine.state.seams[0] = 0.4;
     let direction = direction(engine.num_nodes(), 3.0);
-    engine.state = engine.state.retract(&direction, 0.003);
+    engine.state = engine.retract(&engine.state, &direction, 0.003);
     engine
 }
 
@@ -56,10 +56,10 @@ fn far_from_the_origin_forces_are_the_same() {
     let here = at(&mut engine, &state);
     let shift = Vec3::new(1e6, -0.4e6, 0.7e6);
     let by: Vec<f64> = (0..6 * engine.num_nodes()).map(|i| if i % 6 < 3 { shift[i % 6] } else { 0.0 }).collect();
-    let far = state.retract(&by, 1.0);
+    let far = state.moved(&by, 1.0);
     // motions far below the resolution of the coordinates are kept
     let small: Vec<f64> = direction(engine.num_nodes(), 0.2).iter().map(|x| 1e-13 * x).collect();
-    let moved = far.retract(&small, 1.0).increment_since(&far);
+    let moved = far.moved(&small, 1.0).increment_since(&far);
     for node in 0..engine.num_nodes() {
         (6 * node..6 * node + 3).for_each(|i| assert!((moved[i] - small[i]).abs() < 1e-20));
     }
@@ -79,7 +79,7 @@ fn rounding_of_the_potential_is_its_scatter() {
     for mut engine in [engine(), engine_on_planes()] {
         let (state, by) = (engine.state.clone(), direction(engine.num_nodes(), 0.7));
         let rounding = at(&mut engine, &state).rounding;
-        let moved = |k: usize| at(&mut engine, &state.retract(&by, 1e-14 * k as f64)).potential.total();
+        let moved = |k: usize| at(&mut engine, &state.moved(&by, 1e-14 * k as f64)).potential.total();
         let potentials: Vec<f64> = (0..60).map(moved).collect();
         // second differences have no part of the slope, and six times the variance
         let squares: Vec<f64> = potentials.windows(3).map(|u| (u[0] - 2.0 * u[1] + u[2]).powi(2) / 6.0).collect();
@@ -153,7 +153,7 @@ fn gradient_and_tangent_on_planes_match_finite_differences() {
     assert!(touched(0) >= 3 && touched(1) >= 3, "{} {}", touched(0), touched(1));
     // contact alone: its gradient is the slope of its energy
     let v = direction(engine.num_nodes(), 0.5);
-    let energy = |engine: &mut Engine, h: f64| at(engine, &state.retract(&v, h)).potential.contact;
+    let energy = |engine: &mut Engine, h: f64| at(engine, &state.moved(&v, h)).potential.contact;
     let h = 1e-6;
     let slope = (8.0 * (energy(&mut engine, h) - energy(&mut engine, -h))
         - (energy(&mut engine, 2.0 * h) - energy(&mut engine, -2.0 * h)))
@@ -174,7 +174,7 @@ fn planes_are_surprised_by_turning_handles_only() {
     let still = PrescribedMotion::default();
     let residual = engine.linearise(&state, None, &still, (&pattern, &mut Tangent::default()));
     let mut missed = |increment: &[f64]| {
-        let there = state.retract(increment, 1.0);
+        let there = state.moved(increment, 1.0);
         engine.update_contact(&there).unwrap();
         // strands are left out: they have tests of their own
         let mut here = residual.clone();
@@ -206,7 +206,7 @@ fn check_derivatives(mut engine: Engine) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let potential = |engine: &mut Engine, a: f64, b: f64| {
         let step: Vec<f64> = v.iter().zip(&w).map(|(v, w)| a * v + b * w).collect();
-        at(engine, &state.retract(&step, 1.0)).potential.total() - work_of_moments(engine, &step)
+        at(engine, &state.moved(&step, 1.0)).potential.total() - work_of_moments(engine, &step)
     };
     let h = 1e-6;
     let slope = (8.0 * (potential(&mut engine, h, 0.0) - potential(&mut engine, -h, 0.0))

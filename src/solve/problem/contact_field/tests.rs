@@ -144,7 +144,7 @@ fn forces_are_the_slope_of_the_energy() {
     for _ in 0..5 {
         let way: Vec<f64> = (0..6 * 111).map(|_| 0.5 * random.unit()).collect();
         let mut at = |t: f64| {
-            let there = state.retract(&way, t);
+            let there = state.moved(&way, t);
             solver.engine.update_contact(&there).unwrap();
             let residual = solver.engine.residual(&there);
             let works: Vec<f64> = residual.contact_gradient.iter().zip(&way).map(|(g, w)| g * w).collect();

@@ -73,7 +73,7 @@ impl Engine {
 
     /// The state at t between 0 and 1 on the path.
     fn between(&self, start: &State, end: &State, increment: &[f64], t: f64) -> State {
-        let mut state = start.retract(increment, t);
+        let mut state = self.retract(start, increment, t);
         for (index, rod) in self.model.rods.iter().enumerate() {
             let first = self.first_node[index];
             let count = rod.num_segments();

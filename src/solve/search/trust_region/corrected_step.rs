@@ -64,10 +64,10 @@ struct LinearStep<'a> {
 
 impl LinearStep<'_> {
     /// Its state before any correction; the potential is not known yet.
-    fn uncorrected(&self, step: &ModelStep) -> CorrectedStep {
+    fn uncorrected(&self, engine: &Engine, step: &ModelStep) -> CorrectedStep {
         let fraction = self.fraction;
         CorrectedStep {
-            state: self.from.state.retract(&self.increment, 1.0),
+            state: engine.retract(self.from.state, &self.increment, 1.0),
             increment: self.increment.clone(),
             potential: f64::NAN,
             expected: -fraction * step.slope - 0.5 * fraction * fraction * step.curvature,
@@ -96,7 +96,7 @@ impl Workspace {
         let work = step.curvature + self.shift * step.inertia;
         let increment = step.increment.iter().map(|x| x * safe).collect();
         let linear = LinearStep { from, increment, fraction: safe, energy: safe * safe * work };
-        let mut trial = linear.uncorrected(step);
+        let mut trial = linear.uncorrected(engine, step);
         let mut last = f64::INFINITY;
         let mut best: Option<CorrectedStep> = None;
         while let Some(there) = self.evaluate(engine, residual, &mut trial) {
@@ -115,7 +115,7 @@ impl Workspace {
             last = size;
             trial.rounds += 1;
             trial.settled = size < ROUGH;
-            trial.state = state.retract(&wanted, 1.0);
+            trial.state = engine.retract(state, &wanted, 1.0);
             trial.increment = wanted;
             trial.excess = Some(excess);
         }
