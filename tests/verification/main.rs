@@ -25,6 +25,7 @@ mod elastic_knots;
 mod elastica_branches;
 mod electrostatics;
 mod greenhill;
+mod hanging;
 mod helical_spring;
 mod ibrahimbegovic_helix;
 mod intrinsic_curvature;

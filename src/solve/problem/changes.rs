@@ -98,6 +98,7 @@ impl Engine {
             match &rod.natural {
                 Natural::Straight => *reference = Reference::curved([0.0; 3]),
                 Natural::Uniform { kappa } => *reference = Reference::curved(*kappa),
+                Natural::Varying(along) if rod.binding.is_some() => *reference = reference.varying(rod, along),
                 // as it was: these do not change
                 Natural::Varying(_) | Natural::AsShaped => {}
             }

@@ -11,6 +11,7 @@
 //! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
+//! | `falling` | rods that nothing is left to carry |
 //! | `twist_limit` | no frame turns past half a turn against its neighbour |
 //! | `bend` | how tightly rods are bent for their thickness |
 //! | `changes` | another state, contact law or number of a rod |
@@ -24,6 +25,8 @@ pub(in crate::solve) mod contact_gaps;
 pub(crate) mod contact_side;
 pub(in crate::solve) mod contact_tangents;
 pub(crate) mod engine;
+pub(in crate::solve) mod falling;
+pub(in crate::solve) mod falling;
 pub(in crate::solve) mod fields;
 mod measured_tangents;
 pub(in crate::solve) mod moment_load;
