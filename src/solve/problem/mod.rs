@@ -26,7 +26,6 @@ pub(crate) mod contact_side;
 pub(in crate::solve) mod contact_tangents;
 pub(crate) mod engine;
 pub(in crate::solve) mod falling;
-pub(in crate::solve) mod falling;
 pub(in crate::solve) mod fields;
 mod measured_tangents;
 pub(in crate::solve) mod moment_load;
