@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
-use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use supercoil::scene::{Contact, Electrostatics, Joint, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{FollowOptions, PathEnd, PointKind, Solver};
 
 const LENGTH: f64 = 120.0;
@@ -128,7 +128,10 @@ fn bad_joints_are_refused() {
     assert!(refusal(&loose).contains("nothing holds it against the sum of its dead forces"));
     let mut touching = good.clone();
     touching.contact = Contact::default();
-    assert!(refusal(&touching).contains("take part in contact"));
+    assert_eq!(touching.check(), Ok(()));
+    touching.electrostatics = Some(Electrostatics { strength: 1.0, debye_length: 0.1 });
+    touching.rods.iter_mut().for_each(|rod| rod.section.contact_radius = 0.1);
+    assert!(refusal(&touching).contains("joins two charged rods"), "{}", refusal(&touching));
     let mut held = good.clone();
     held.supports.push(Support::pin(held.joints[0].a));
     let ramp = Ramp::Displacement { node: held.joints[0].b, to: Vec3::x() };

@@ -14,6 +14,7 @@ mod random;
 
 mod bathe_bolourchi;
 mod beams;
+mod bound_states;
 mod bowed_and_turned;
 mod chain_of_rings;
 mod clamped_pop;

@@ -25,7 +25,7 @@ impl Model {
     /// # Errors
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
     /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
-    /// element, or of two rods that both take part in contact; dead loads that do unbounded work on a rod, with those it is
+    /// element, or of two charged rods; dead loads that do unbounded work on a rod, with those it is
     /// joined to: forces whose sum has a component along an axis in which no support holds it, if no planes carry it, moments about an
     /// axis that its supports leave free; a plane whose normal is not of length 1, or which a rod starts beyond;
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
@@ -326,9 +326,9 @@ impl Model {
                 return Err(InputError::inconsistent(field, "joins nodes of one element"));
             }
         }
-        if self.is_touchable(a) && self.is_touchable(b) {
+        if self.is_touchable(a) && self.is_touchable(b) && self.electrostatics.is_some() {
             let reason =
-                "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
+                "joins two charged rods, which would repel each other at the joint: give one a contact_radius of 0";
             return Err(InputError::inconsistent(field, reason));
         }
         Ok(())
