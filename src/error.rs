@@ -182,6 +182,12 @@ pub enum SolveError {
         /// Largest relative rotation, turns.
         limit: f64,
     },
+    /// A rod that dead forces drive for ever: nothing holds it, and nothing is left below that could carry it.
+    #[error("rod \"{rod}\" falls for ever: nothing holds it against its dead forces, and all other rods are behind it")]
+    Falls {
+        /// Name of the rod.
+        rod: String,
+    },
     /// The matrices need more memory than there is.
     #[error(
         "{pairs} pairs of segments may touch: their matrices take at least {needed:.1} GiB, and {available:.1} GiB are \

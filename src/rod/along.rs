@@ -94,6 +94,25 @@ impl<T: Averaged> Along<T> {
         }
     }
 
+    /// (1 − part) × this + part × other, exact where both are tables of the same arc lengths, or one is constant.
+    #[cfg(feature = "solver")]
+    pub(crate) fn mixed(&self, other: &Self, part: f64) -> Self {
+        let mix = move |a: T, b: T| a * (1.0 - part) + b * part;
+        let with = |values: &[T], of: &dyn Fn(T) -> T| values.iter().map(|value| of(*value)).collect();
+        let both = |a: &[T], b: &[T]| a.iter().zip(b).map(|(a, b)| mix(*a, *b)).collect();
+        Self(Arc::new(match (&*self.0, &*other.0) {
+            (Kind::Constant(a), Kind::Constant(b)) => Kind::Constant(mix(*a, *b)),
+            (Kind::Constant(a), Kind::Pieces(ends, b)) => Kind::Pieces(ends.clone(), with(b, &|b| mix(*a, b))),
+            (Kind::Constant(a), Kind::Points(arcs, b)) => Kind::Points(arcs.clone(), with(b, &|b| mix(*a, b))),
+            (Kind::Pieces(ends, a), Kind::Pieces(same, b)) if ends == same => Kind::Pieces(ends.clone(), both(a, b)),
+            (Kind::Points(arcs, a), Kind::Points(same, b)) if arcs == same => Kind::Points(arcs.clone(), both(a, b)),
+            _ => {
+                let (a, b) = (self.clone(), other.clone());
+                Kind::Function(Box::new(move |s| mix(a.at(s), b.at(s))))
+            }
+        }))
+    }
+
     /// Values at the integration points of the element that begins at `start` and has length `length`; entries beyond
     /// the rule's points repeat the first.
     pub(crate) fn on_element(&self, start: f64, length: f64, rule: &Rule) -> [T; 3] {

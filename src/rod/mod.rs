@@ -17,7 +17,7 @@ mod stiffness;
 pub use along::{Along, Averaged};
 pub(crate) use natural::STRAINS;
 pub use natural::{Natural, NaturalStrains};
-pub use number::RodNumber;
+pub use number::{Binding, RodNumber};
 #[cfg(feature = "scenes")]
 pub(crate) use rod::within;
 pub use rod::{MAX_TURN, Rod, RodMesh};

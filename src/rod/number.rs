@@ -1,7 +1,8 @@
-//! Numbers of a rod that stages may change: section, length, natural curvature and twist.
+//! Numbers of a rod that stages may change: section, length, natural curvature and twist, the part of a bound natural
+//! state.
 
 use crate::error::InputError;
-use crate::rod::{Natural, Rod};
+use crate::rod::{Along, Natural, NaturalStrains, Rod};
 
 /// A number of a rod that stages may ramp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,6 +30,27 @@ pub enum RodNumber {
     Curvature2,
     /// Natural twist \[rad/L\].
     Twist,
+    /// Part of a bound natural state that is in force, see [`Binding`].
+    Binding,
+}
+
+/// A natural state of which a part is in force: free strains + part × (bound strains − free strains), six numbers along the
+/// rod. Where a rod does not get to its natural state from its start shape by itself, the part is ramped from 0 to 1.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    /// Natural strains at 0.
+    pub free: Along<NaturalStrains>,
+    /// Natural strains at 1.
+    pub bound: Along<NaturalStrains>,
+    /// The part. Legal: 0 to 1.
+    pub part: f64,
+}
+
+impl Binding {
+    /// The natural state that is in force.
+    pub fn natural(&self) -> Natural {
+        Natural::Varying(self.free.mixed(&self.bound, self.part))
+    }
 }
 
 impl RodNumber {
@@ -46,6 +68,7 @@ impl RodNumber {
             Self::Curvature1 => "natural_curvature_1",
             Self::Curvature2 => "natural_curvature_2",
             Self::Twist => "natural_twist",
+            Self::Binding => "binding",
         }
     }
 
@@ -54,7 +77,7 @@ impl RodNumber {
     }
 
     fn is_stiffness(self) -> bool {
-        !self.is_natural() && !matches!(self, Self::ContactRadius | Self::Length)
+        !self.is_natural() && !matches!(self, Self::ContactRadius | Self::Length | Self::Binding)
     }
 }
 
@@ -74,6 +97,7 @@ impl Rod {
             RodNumber::Curvature1 => kappa[0],
             RodNumber::Curvature2 => kappa[1],
             RodNumber::Twist => kappa[2],
+            RodNumber::Binding => self.binding.as_ref().map_or(1.0, |binding| binding.part),
         }
     }
 
@@ -94,6 +118,12 @@ impl Rod {
             RodNumber::Curvature1 => kappa[0] = value,
             RodNumber::Curvature2 => kappa[1] = value,
             RodNumber::Twist => kappa[2] = value,
+            RodNumber::Binding => {
+                if let Some(binding) = &mut self.binding {
+                    binding.part = value;
+                    self.natural = binding.natural();
+                }
+            }
         }
         if which.is_natural() {
             self.natural = Natural::Uniform { kappa };
@@ -105,7 +135,7 @@ impl Rod {
     /// # Errors
     /// A stiffness, length or contact radius that is not positive; the contact radius of a rod that takes no part in
     /// contact, or whose radius varies along it; stiffnesses of a rod with a full stiffness; length and natural strains of
-    /// rods whose natural strains, or radii, vary along them.
+    /// rods whose natural strains, or radii, vary along them; a binding of rods without one, or beyond 0 to 1.
     pub(crate) fn check_number(&self, field: &str, which: RodNumber, to: f64) -> Result<(), InputError> {
         let refuse = |reason: &str| {
             let reason = format!("rod \"{}\" {reason}", self.name);
@@ -130,6 +160,14 @@ impl Rod {
         }
         if which.is_natural() {
             return InputError::check(field, to, true, "a finite number");
+        }
+        if which == RodNumber::Binding {
+            if self.binding.is_none() {
+                return refuse(
+                    "has no natural state that could be in force in part: give it a natural table, or proteins",
+                );
+            }
+            return InputError::check(field, to, (0.0..=1.0).contains(&to), "between 0 and 1");
         }
         InputError::positive(field, to)
     }

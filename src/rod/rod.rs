@@ -6,6 +6,7 @@ use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
 use crate::rod::along::{Along, Averaged};
 use crate::rod::natural::Natural;
+use crate::rod::number::Binding;
 use crate::rod::stiffness::Stiffness;
 use crate::rod::{Placement, Section, Shape};
 
@@ -40,6 +41,8 @@ pub struct Rod {
     pub frames: Vec<Quat>,
     /// Stress-free state.
     pub natural: Natural,
+    /// The bound state of which `natural` is a part, if stages may ramp that part.
+    pub binding: Option<Binding>,
     /// Closed rods: excess link of the start state, turns: the link Tw + Wr of the centreline with the material line d1
     /// beyond that of the relaxed rod, Lk − Lk₀, see [`Rod::natural_link`]. Open rods: 0.
     ///
@@ -140,6 +143,7 @@ impl Rod {
             positions,
             frames,
             natural,
+            binding: None,
             start_excess_link: 0.0,
             twist_put_in: 0.0,
             shape_link: 0.0,

@@ -6,6 +6,7 @@ mod build;
 mod canonical;
 mod dna;
 mod frames;
+mod gravity;
 mod help;
 mod memory;
 mod mesh;

@@ -1,6 +1,7 @@
 //! The problem as plain data: rods, supports, loads, contact, stages. [`Model::check`] and [`Model::check_stages`]
 //! check everything; the solver calls them first.
 
+mod carried;
 mod check;
 mod plane;
 mod pose;
@@ -272,7 +273,7 @@ pub enum Ramp {
         /// Pose at the end of the stage.
         pose: Pose,
     },
-    /// The factor on all [`NodeLoad`]s and [`LineLoad`]s (0 at the start of a run; dimensionless).
+    /// The factor on all [`NodeLoad`]s and [`LineLoad`]s (that of the [`Model`] at the start of a run; dimensionless).
     Load {
         /// Factor at the end of the stage.
         to: f64,
@@ -337,6 +338,8 @@ pub struct Model {
     pub loads: Vec<NodeLoad>,
     /// Dead line loads at load factor 1.
     pub line_loads: Vec<LineLoad>,
+    /// Load factor at the start of a run.
+    pub load: f64,
     /// Planes that rods may rest on.
     pub planes: Vec<Plane>,
     /// Contact choice.

@@ -65,7 +65,7 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
         if model.rods.len() > 1 { format!("{}_{name}", model.rods[rod].name) } else { name.to_owned() }
     };
     match ramp {
-        Ramp::Load { to } => vec![("load".to_owned(), "", 0.0, *to)],
+        Ramp::Load { to } => vec![("load".to_owned(), "", model.load, *to)],
         Ramp::Pressure { rod, to } => vec![(of_rod("pressure", *rod), "F/L", 0.0, *to)],
         Ramp::Rotation { node, to, .. } | Ramp::RotationAbout { node, to, .. } => {
             vec![(format!("{}_turned", place_name(model, *node)), "turns", 0.0, *to)]
@@ -100,6 +100,7 @@ fn unit_of(which: RodNumber) -> &'static str {
         RodNumber::ContactRadius | RodNumber::Length => "L",
         RodNumber::Bending1 | RodNumber::Bending2 | RodNumber::Twisting => "F L^2",
         RodNumber::Stretching | RodNumber::Shearing1 | RodNumber::Shearing2 => "F",
+        RodNumber::Binding => "",
         RodNumber::Curvature1 | RodNumber::Curvature2 | RodNumber::Twist => "1/L",
     }
 }

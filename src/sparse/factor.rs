@@ -120,7 +120,7 @@ impl Factor {
         self.inertia()
     }
 
-    /// Counts negative entries of D; `None` if any is NaN.
+    /// Counts negative entries of D; `None` if any is zero or NaN.
     fn inertia(&self) -> Option<Inertia> {
         let symbolic = match self.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic,
@@ -136,7 +136,7 @@ impl Factor {
             let block = factors.supernode(s).val();
             for k in 0..block.ncols() {
                 let pivot = block[(k, k)];
-                if pivot.is_nan() {
+                if pivot == 0.0 || pivot.is_nan() {
                     return None;
                 }
                 num_negative += usize::from(pivot < 0.0);

@@ -154,10 +154,10 @@ fn rods_that_planes_do_not_carry_are_refused() {
     };
     assert_eq!(with("force = [0, 0, -1]", "load = 1.0"), Ok(()));
     for (line, stage, reason) in [
-        ("force = [0.001, 0, -1]", "load = 1.0", "free to move as a rigid body"),
-        ("force = [0, 0, 1]", "load = 1.0", "free to move as a rigid body"),
-        ("force = [0, 0, -1]\nmoment = [0, 0, 1]", "load = 1.0", "free to move as a rigid body"),
-        ("force = [0, 0, -1]", "load = -1.0", "rests on planes alone"),
+        ("force = [0.001, 0, -1]", "load = 1.0", "along (0.001, 0, -1): it would fall for ever"),
+        ("force = [0, 0, 1]", "load = 1.0", "along (0, 0, 1): it would fall for ever"),
+        ("force = [0, 0, -1]\nmoment = [0, 0, 1]", "load = 1.0", "turns it about the axis (0, 0, 1)"),
+        ("force = [0, 0, -1]", "load = -1.0", "load = -1: line_loads[0] acts on it, and nothing holds it"),
     ] {
         let refusal = with(line, stage).unwrap_err().to_string();
         assert!(refusal.contains(reason), "{line} {stage}: {refusal}");

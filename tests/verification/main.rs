@@ -14,6 +14,7 @@ mod random;
 
 mod bathe_bolourchi;
 mod beams;
+mod bound_states;
 mod bowed_and_turned;
 mod chain_of_rings;
 mod clamped_pop;
@@ -25,6 +26,7 @@ mod elastic_knots;
 mod elastica_branches;
 mod electrostatics;
 mod greenhill;
+mod hanging;
 mod helical_spring;
 mod ibrahimbegovic_helix;
 mod intrinsic_curvature;

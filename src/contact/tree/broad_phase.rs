@@ -232,8 +232,9 @@ impl LeafComparison<'_> {
             let bit = mask.trailing_zeros();
             mask &= mask - 1;
             let (i, j) = (self.firsts[p] + bit / WIDTH as u32, self.firsts[q] + bit % WIDTH as u32);
-            let wanted = j > self.far[i as usize];
-            if wanted && (!self.seams || !self.exclusion.excluded_reduced(i as usize, j as usize)) {
+            let (a, b) = (i as usize, j as usize);
+            let wanted = j > self.far[a] && !self.exclusion.are_joined(a, b);
+            if wanted && (!self.seams || !self.exclusion.excluded_reduced(a, b)) {
                 found.push([i, j]);
             }
         }

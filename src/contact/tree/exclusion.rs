@@ -9,7 +9,10 @@
 //! **Bilateral (π).** If the chord between two points is orthogonal to the curve at both, arc and chord form a closed
 //! curve with two corners of π/2; Fenchel's theorem gives total curvature ≥ 2π, so the arc turns by at least π.
 //!
-//! Neither element indices nor arc lengths enter: a tight loop of few elements is detected, a long straight part is
+//! **Joints.** Strands of two curves that are joined overlap there at any angle, and no turning tells how far. Pairs of
+//! their segments near the joint are given ([`Exclusion::leave_out`]).
+//!
+//! Of one curve neither element indices nor arc lengths enter: a tight loop of few elements is detected, a long straight part is
 //! excluded as a whole.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -40,6 +43,8 @@ pub struct Exclusion {
     place: Vec<(u32, u32, bool)>,
     /// Curve of each segment.
     curve: Vec<u32>,
+    /// Further pairs i < j that are left out whatever the geometry, sorted.
+    joined: Vec<[u32; 2]>,
 }
 
 impl Exclusion {
@@ -47,6 +52,23 @@ impl Exclusion {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Leaves out further pairs of segments, i < j: the surroundings of points at which curves are joined.
+    pub(crate) fn leave_out(&mut self, mut pairs: Vec<[u32; 2]>) {
+        pairs.sort_unstable();
+        pairs.dedup();
+        self.joined = pairs;
+    }
+
+    /// Forgets the geometry, not the pairs left out for good.
+    pub(crate) fn forget(&mut self) {
+        *self = Self { joined: std::mem::take(&mut self.joined), ..Self::default() };
+    }
+
+    /// Whether a pair is left out because its curves are joined there.
+    pub(crate) fn are_joined(&self, i: usize, j: usize) -> bool {
+        !self.joined.is_empty() && self.joined.binary_search(&[i.min(j) as u32, i.max(j) as u32]).is_ok()
     }
 
     /// Recomputes everything for the present geometry, O(segments).
@@ -142,20 +164,20 @@ impl Exclusion {
     /// that spans both segments, in either direction on a closed curve. Symmetric.
     #[must_use]
     pub fn excluded(&self, i: usize, j: usize) -> bool {
-        self.within(&self.reach, i, j)
+        self.within(&self.reach, i, j) || self.are_joined(i, j)
     }
 
     /// True if no two points of the segments can be each other's orthogonal projections: turning below π. Symmetric;
     /// `i == j` always.
     #[must_use]
     pub fn excluded_bilateral(&self, i: usize, j: usize) -> bool {
-        self.within(&self.reach_bilateral, i, j)
+        self.within(&self.reach_bilateral, i, j) || self.are_joined(i, j)
     }
 
     /// As [`Exclusion::excluded`] with a limit lower by 0.25 rad, for candidate lists that are kept while the geometry
     /// changes.
     pub(crate) fn excluded_reduced(&self, i: usize, j: usize) -> bool {
-        self.within(&self.reach_reduced, i, j)
+        self.within(&self.reach_reduced, i, j) || self.are_joined(i, j)
     }
 
     /// Number of segments following each segment that a list built now excludes.

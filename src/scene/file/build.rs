@@ -8,7 +8,7 @@ use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, Natural, Rod, RodMesh, RodNumber, Section, Stiffness};
+use crate::rod::{Along, Binding, Natural, Rod, RodMesh, RodNumber, Section, Stiffness};
 use crate::scene::read_natural;
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 
@@ -21,7 +21,7 @@ use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
 use super::values::{At, NaturalText, RodNames};
-use super::{frames, memory, planes, poses, state};
+use super::{frames, gravity, memory, planes, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -82,6 +82,12 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
         let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
         model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
     }
+    gravity::check(text)?;
+    for (index, rod) in text.rods.iter().enumerate() {
+        let weight = gravity::weight(text, rod, model.rods[index].length)?;
+        model.line_loads.extend(weight.map(|weight| LineLoad::of_force(index, weight)));
+    }
+    model.load = gravity::start_factor(text);
     model.planes = planes::planes(&text.planes)?;
     model.check().map(|()| model)
 }
@@ -101,13 +107,7 @@ pub(super) fn stages(
     model: &Model,
     relaxed_links: &[Option<f64>],
 ) -> Result<Vec<Stage>, InputError> {
-    let stages = further_stages(text, model, relaxed_links)?;
-    let loaded = !model.loads.is_empty() || !model.line_loads.is_empty();
-    if loaded && !stages.iter().flat_map(|stage| &stage.ramps).any(|ramp| matches!(ramp, Ramp::Load { .. })) {
-        let reason = "loads or line_loads are given but no stage ramps their factor from 0: add ramp = { load = 1.0 }";
-        return Err(InputError::inconsistent("stages", reason));
-    }
-    Ok(stages)
+    further_stages(text, model, relaxed_links)
 }
 
 /// Stages that follow others, which may have ramped the loads. `relaxed_links`: link of relaxed DNA by rod, turns.
@@ -250,6 +250,9 @@ fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, Inpu
         ];
         add(format!("{field}.natural"), ramp.rod.as_deref(), &numbers)?;
     }
+    for ramp in &text.binding.0 {
+        add(format!("{field}.binding"), ramp.rod.as_deref(), &[(RodNumber::Binding, Some(ramp.to))])?;
+    }
     Ok(ramps)
 }
 
@@ -268,7 +271,11 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         section_or_dna(text, dna.as_ref(), contact, base_dir, by_sequence).map_err(inside)?;
     let excess_link = excess_link(&path, text, dna.as_ref())?;
     InputError::check(&format!("{path}.roll"), text.roll, true, "a finite number of turns")?;
-    let natural = natural(&path, text, helix, base_dir)?;
+    let binding = binding(&path, text, helix.as_ref(), base_dir)?;
+    let natural = match &binding {
+        Some(binding) => binding.natural(),
+        None => natural(&path, text, helix, base_dir)?,
+    };
     let given = GivenRod { scene, text, base_dir, nodes_before: nodes, dna: dna.as_ref(), excess_link };
     let mut rod = match &text.shape {
         ShapeText::State { file, rod } => {
@@ -289,6 +296,7 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         rod = rod.with_contact_radii(radii)?;
     }
     rod.turns_left_out = turns_left_out;
+    rod.binding = binding;
     rod = with_link(&path, text, excess_link, rod)?;
     if let Some(dna) = &dna {
         dna.check_length(rod.length).map_err(inside)?;
@@ -369,6 +377,31 @@ fn roll(rod: &mut Rod, text: &RodText) {
     if let (NaturalText::AsShaped, Natural::Uniform { kappa }) = (&text.natural, &mut rod.natural) {
         *kappa = (turn.inverse() * Vec3::from(*kappa)).into();
     }
+}
+
+/// The bound natural state of a rod that has one: that of a table, beside a straight rod, or of a sequence with proteins,
+/// beside the sequence alone.
+fn binding(path: &str, text: &RodText, helix: Option<&Helix>, base_dir: &Path) -> Result<Option<Binding>, InputError> {
+    let part = text.binding;
+    InputError::check(&format!("{path}.binding"), part, (0.0..=1.0).contains(&part), "between 0 and 1")?;
+    let free = match (&text.sequence, &text.natural) {
+        (Some(given), NaturalText::Straight) if given.proteins.is_some() => {
+            let alone = SequenceText { proteins: None, ..given.clone() };
+            self::helix(&alone, text.closed, base_dir).map_err(|error| within(path, error))?.natural
+        }
+        (None, NaturalText::Table(_)) => Along::constant([0.0, 0.0, 1.0, 0.0, 0.0, 0.0].into()),
+        _ if part == 1.0 => return Ok(None),
+        _ => {
+            let reason = "is of a natural table, or of the proteins of a sequence: this rod has neither";
+            return Err(InputError::inconsistent(format!("{path}.binding"), reason));
+        }
+    };
+    let bound = match (&text.natural, helix) {
+        (NaturalText::Table(file), _) => read_natural(&base_dir.join(file))?,
+        (_, Some(helix)) => helix.natural.clone(),
+        (_, None) => return Ok(None),
+    };
+    Ok(Some(Binding { free, bound, part }))
 }
 
 /// The stress-free state: that of the scene, or of its sequence.

@@ -8,6 +8,7 @@ use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
 use super::dna::Dna;
+use super::gravity;
 use super::text::{LawText, RampText, RodText, SceneText};
 use super::values::{List, RodNames};
 
@@ -59,7 +60,7 @@ impl Unmeshed<'_> {
         let is_posed = |r: &RampText| r.pose.0.iter().any(|r| is_among(&r.rod));
         let is_moved = stages().any(|r| is_displaced(r) || is_posed(r));
         let moved = if is_moved { MOVED } else { 0.0 };
-        let factor = largest(&mut stages().filter_map(|r| r.load));
+        let factor = largest(&mut stages().filter_map(|r| r.load).chain([gravity::start_factor(scene)]));
         let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
         let together = joined(scene, &rod.name);
         let is_felt = |name: &Option<String>| name.as_deref().is_none_or(|name| together.contains(&name));
@@ -68,7 +69,8 @@ impl Unmeshed<'_> {
         let line_loads = || scene.line_loads.iter().filter(|load| is_felt(&load.rod));
         let spread: f64 = line_loads().map(|load| size(load.moment)).sum();
         let moment = loads().map(|load| size(load.moment)).sum::<f64>() + spread * length;
-        let line: f64 = line_loads().map(|load| size(load.force)).sum();
+        let weight = gravity::weight(scene, rod, length)?.map_or(0.0, |weight| weight.norm() * factor);
+        let line: f64 = line_loads().map(|load| size(load.force)).sum::<f64>() + weight;
         let pressure = largest(&mut stages().flat_map(|r| &r.pressure.0).filter(|r| is_this(&r.rod)).map(|r| r.to));
         // lengths over which loads bend a rod: (B/F)^½, (B/q)^⅓, B/M
         let bending = self.section.smaller_bending();

@@ -58,6 +58,12 @@ pub(super) struct SceneText {
     /// Dead forces and moments per length.
     #[serde(default, deserialize_with = "tables")]
     pub line_loads: Vec<LineLoadText>,
+    /// Acceleration that gives rods a weight; their `density`, `mass` or `weight` says how much. The weight is a line load.
+    #[schemars(extend("x-unit" = "F/(unit of mass)", "x-allowed" = "not zero", "x-default" = "none"))]
+    pub gravity: Option<List<f64, 3>>,
+    /// Factor on all loads at the start, from which stages ramp it.
+    #[schemars(extend("x-default" = "0 if a stage ramps `load`, otherwise 1"))]
+    pub load: Option<f64>,
     /// Planes that rods touch on one side.
     #[serde(default, deserialize_with = "tables")]
     pub planes: Vec<PlaneText>,

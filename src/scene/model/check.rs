@@ -7,15 +7,6 @@ use crate::rod::{Rod, RodNumber};
 
 use super::{ContactLaw, Electrostatics, Model, NodeRef, Pose, Ramp, Stage};
 
-/// Advice for a rod that only contact supports.
-const CARRIED_BY_CONTACT: &str = " (planes count as one where they face the sum of the dead forces on the rod; contact with \
-    other rods, which may part, does not: where a rod is to rest on others, support \
-    as many of its nodes as this takes in the direction in which they carry it, too, and move these by displacements \
-    until their reactions vanish)";
-
-/// Singular values of the support constraints below this (of 1) leave a rigid motion free.
-const TOL_RANK: f64 = 1e-9;
-
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
 /// Largest number of steps of a stage, because smaller fractions would be lost in rounding.
@@ -35,10 +26,9 @@ impl Model {
     /// # Errors
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
     /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
-    /// element, of two rods that both take part in contact, or of rods that together are free to move as a rigid body;
-    /// an open or loaded rod that its supports leave free to move as a rigid body
-    /// while dead loads act on it or other rods or planes may push it (closed rods may float when no dead load acts on
-    /// them, and rods may fall onto planes that face the sum of the dead forces on them); a plane whose normal is not of length 1, or which a rod starts beyond;
+    /// element, or of two charged rods; dead loads that do unbounded work on a rod, with those it is
+    /// joined to: forces whose sum has a component along an axis in which no support holds it, if no planes carry it, moments about an
+    /// axis that its supports leave free; a plane whose normal is not of length 1, or which a rod starts beyond;
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
     pub fn check(&self) -> Result<(), InputError> {
@@ -68,10 +58,11 @@ impl Model {
         if self.planar {
             self.check_planar()?;
         }
-        (0..self.rods.len()).try_for_each(|rod| match self.pushed_by(rod) {
-            Some(cause) => self.check_supported(rod, &cause),
-            None => Ok(()),
-        })
+        InputError::check("load", self.load, true, "a finite number")?;
+        let factors = [Some(1.0), (self.load < 0.0).then_some(self.load)];
+        let mut all =
+            factors.into_iter().flatten().flat_map(|factor| (0..self.rods.len()).map(move |rod| (rod, factor)));
+        all.try_for_each(|(rod, factor)| self.check_carried("", rod, factor))
     }
 
     /// Refuses stages that this model cannot follow.
@@ -80,10 +71,8 @@ impl Model {
     /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
-    /// node that is not clamped; motions of
-    /// joined nodes; an open rod so moved that is
-    /// otherwise free to move as a rigid body; a plane that there is not; a load factor without loads; pressure on anything but a closed rod of a
-    /// planar model.
+    /// node that is not clamped; motions of joined nodes; a plane that there is not; a load factor without loads, or one
+    /// that lifts a rod off the planes that carry it; pressure on anything but a closed rod of a planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // the checks of ramps assume a sound model
         self.check()?;
@@ -137,10 +126,7 @@ impl Model {
                 return Err(InputError::inconsistent(&field, reason));
             }
         }
-        (0..self.rods.len()).try_for_each(|rod| match self.pushed_by(rod) {
-            Some(cause) => self.check_supported(rod, &format!("{stage}: {cause}")),
-            None => Ok(()),
-        })
+        (0..self.rods.len()).try_for_each(|rod| self.check_carried(&format!("{stage}: "), rod, 1.0))
     }
 
     fn check_ramp(&self, stage: &str, ramp: &Ramp, ramps: &[Ramp]) -> Result<(), InputError> {
@@ -189,8 +175,7 @@ impl Model {
         self.check_node(field, node)?;
         finite(&format!("{field}.to"), to)?;
         self.check_not_joined(field, node)?;
-        self.check_position_held(field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))?;
-        self.check_moved(field, node.rod)
+        self.check_position_held(field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))
     }
 
     fn check_lifted(&self, field: &str, plane: usize, height: f64) -> Result<(), InputError> {
@@ -209,17 +194,14 @@ impl Model {
     ) -> Result<(), InputError> {
         self.check_rod(field, rod)?;
         self.rods[rod].check_number(field, which, to)?;
-        let moves_nature = matches!(which, RodNumber::Length | RodNumber::Twist);
+        let moves_nature = matches!(which, RodNumber::Length | RodNumber::Twist | RodNumber::Binding);
         let winds = ramps.iter().any(|other| matches!(other, Ramp::ExcessLink { rod: it, .. } if *it == rod));
-        let reason = "has its excess link ramped in the same stage, which length and natural twist change, too";
+        let reason =
+            "has its excess link ramped in the same stage, which length, natural twist and binding change, too";
         self.require(!(moves_nature && winds), field, rod, reason)?;
         let rod = &self.rods[rod];
-        let least = self
-            .rods
-            .iter()
-            .map(Rod::least_contact_radius)
-            .filter(|radius| *radius > 0.0)
-            .fold(f64::INFINITY, f64::min);
+        let radii = self.rods.iter().map(Rod::least_contact_radius).filter(|radius| *radius > 0.0);
+        let least = radii.fold(f64::INFINITY, f64::min);
         match which {
             RodNumber::Length => self.check_pieces(field, rod, rod.spacing() * to / rod.length, least),
             RodNumber::ContactRadius => self.check_pieces(field, rod, rod.spacing(), least.min(to)),
@@ -232,11 +214,7 @@ impl Model {
         if self.loads.is_empty() && self.line_loads.is_empty() {
             return Err(InputError::inconsistent(field, "there are no loads to ramp: add loads or line_loads"));
         }
-        let lifted = |rod: &usize| factor < 0.0 && self.is_carried(*rod) && self.free_rigid_motion(*rod).is_some();
-        match (0..self.rods.len()).find(lifted) {
-            Some(rod) => self.require(false, field, rod, "rests on planes alone: a factor below 0 takes it off them"),
-            None => Ok(()),
-        }
+        (0..self.rods.len()).try_for_each(|rod| self.check_carried(&format!("{field} = {factor}: "), rod, factor))
     }
 
     fn check_inflated(&self, field: &str, rod: usize, pressure: f64) -> Result<(), InputError> {
@@ -252,8 +230,7 @@ impl Model {
         self.check_axis(field, axis)?;
         self.check_not_joined(field, node)?;
         let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
-        self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)?;
-        self.check_moved(field, node.rod)
+        self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)
     }
 
     fn check_pose(&self, field: &str, node: NodeRef, pose: &Pose) -> Result<(), InputError> {
@@ -279,7 +256,6 @@ impl Model {
         self.check_not_joined(field, node)?;
         let reason = "is not clamped at this node: add a support with position = true and rotation = true";
         self.require(self.fixed(node) == ([true; 3], [true; 3]), field, node.rod, reason)?;
-        self.check_moved(field, node.rod)?;
         self.check_pose_in_plane(field, node, pose)
     }
 
@@ -359,12 +335,12 @@ impl Model {
                 return Err(InputError::inconsistent(field, "joins nodes of one element"));
             }
         }
-        if self.is_touchable(a) && self.is_touchable(b) {
+        if self.is_touchable(a) && self.is_touchable(b) && self.electrostatics.is_some() {
             let reason =
-                "joins two rods that take part in contact: give one a contact_radius of 0, or turn contact off";
+                "joins two charged rods, which would repel each other at the joint: give one a contact_radius of 0";
             return Err(InputError::inconsistent(field, reason));
         }
-        self.check_supported(joint.a.rod, &format!("{field} joins it to a rod"))
+        Ok(())
     }
 
     fn check_electrostatics(&self) -> Result<(), InputError> {
@@ -461,92 +437,6 @@ impl Model {
             in_plane(format!("line_loads[{i}]"), &load.force, &load.moment)?;
         }
         Ok(())
-    }
-
-    /// Causes of a rigid motion of an unsupported `rod`: dead loads, or, for an open rod, other rods in contact.
-    fn pushed_by(&self, rod: usize) -> Option<String> {
-        let node_load =
-            |load: &super::NodeLoad| load.node.rod == rod && (load.force, load.moment) != Default::default();
-        let line_load = |load: &super::LineLoad| load.rod == rod && (load.force, load.moment) != Default::default();
-        if let Some(i) = self.loads.iter().position(node_load) {
-            return Some(format!("loads[{i}] acts on it"));
-        }
-        if let Some(i) = self.line_loads.iter().position(line_load) {
-            return Some(format!("line_loads[{i}] acts on it"));
-        }
-        let touchable = self.is_touchable(&self.rods[rod]);
-        let (others, planes) = (self.rods.len() > 1, !self.planes.is_empty());
-        let pushed = !self.rods[rod].closed && touchable;
-        match (others, planes) {
-            (true, _) if pushed => Some("other rods may push it".to_owned()),
-            (false, true) if pushed => Some("a plane may push it".to_owned()),
-            _ => None,
-        }
-    }
-
-    fn check_moved(&self, field: &str, rod: usize) -> Result<(), InputError> {
-        if self.rods[rod].closed { Ok(()) } else { self.check_supported(rod, &format!("{field} moves it")) }
-    }
-
-    fn check_supported(&self, rod: usize, cause: &str) -> Result<(), InputError> {
-        let Some(motion) = self.free_rigid_motion(rod).filter(|_| !self.is_carried(rod)) else { return Ok(()) };
-        let reason = format!(
-            "{cause}, but its supports leave it free to move as a rigid body, for one by {motion}: add supports{}",
-            if (self.rods.len() > 1 || !self.planes.is_empty()) && self.contact.law.is_on() {
-                CARRIED_BY_CONTACT
-            } else {
-                ""
-            }
-        );
-        Err(InputError::inconsistent(format!("rods.{}", self.rods[rod].name), reason))
-    }
-
-    /// A rigid motion of `rod` that no support prevents, as text.
-    ///
-    /// A velocity v of the first node and an angular velocity ω (times the length ℓ, for the unit of v) move a node at
-    /// distance d from it by v + ω × d. The supports prevent every rigid motion if their rows have rank 6.
-    fn free_rigid_motion(&self, rod: usize) -> Option<String> {
-        let (origin, length) = (self.rods[rod].positions[0], self.rods[rod].length);
-        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-        let mut normal = nalgebra::Matrix6::<f64>::zeros();
-        let mut constrain = |v: Vec3, spin: Vec3| {
-            let row = nalgebra::Vector6::new(v.x, v.y, v.z, spin.x, spin.y, spin.z);
-            normal += row * row.transpose();
-        };
-        if self.planar {
-            constrain(axes[2], Vec3::zeros());
-            constrain(Vec3::zeros(), axes[0]);
-            constrain(Vec3::zeros(), axes[1]);
-        }
-        let together = self.joined_rods(rod);
-        for support in self.supports.iter().filter(|support| together.contains(&support.node.rod)) {
-            let arm = (self.rods[support.node.rod].positions[support.node.node] - origin) / length;
-            for k in 0..3 {
-                if support.position[k] {
-                    constrain(axes[k], arm.cross(&axes[k]));
-                }
-                if support.rotation[k] {
-                    constrain(Vec3::zeros(), axes[k]);
-                }
-            }
-        }
-        let eigen = normal.symmetric_eigen();
-        let least = eigen.eigenvalues.imin();
-        if eigen.eigenvalues[least] > TOL_RANK {
-            return None;
-        }
-        let free = eigen.eigenvectors.column(least).into_owned();
-        let (v, spin) = (Vec3::new(free[0], free[1], free[2]), Vec3::new(free[3], free[4], free[5]));
-        let text = |v: &Vec3| {
-            let v = v.map(|x| (x * 1e3).round() / 1e3 + 0.0); // + 0.0 turns −0 into 0
-            format!("({}, {}, {})", v.x, v.y, v.z)
-        };
-        let forward = |v: Vec3| if v[v.iamax()] < 0.0 { -v } else { v };
-        if spin.norm() < 1e-6 {
-            return Some(format!("translation along {}", text(&forward(v))));
-        }
-        let through = origin + spin.cross(&v) * (length / spin.norm_squared());
-        Some(format!("rotation about the axis {} through {}", text(&forward(spin.normalize())), text(&through)))
     }
 }
 

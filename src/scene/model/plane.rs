@@ -1,13 +1,13 @@
 //! Planes that rods rest on: half-spaces that no rod enters.
 
 use crate::error::InputError;
+use crate::math::Vec3;
 use crate::math::bernstein::cubic_weights;
-use crate::math::{Mat3, Vec3};
 use crate::rod::Rod;
 
 use super::Model;
 
-/// Deviation of a normal's length from 1, and of forces from those that normals balance, that counts as rounding.
+/// Deviation of a normal's length from 1 that counts as rounding.
 const TOL_UNIT: f64 = 1e-9;
 /// Depth of a rod's surface at the start, over its contact radius, that is refused: more than a penalty leaves at rest.
 const DEEP: f64 = 0.1;
@@ -51,25 +51,6 @@ impl Model {
         Ok(())
     }
 
-    /// Whether planes carry the dead forces on a rod that nothing else holds, so that no way down is open to it: minus the sum
-    /// of the forces is a sum of normals, none of which counts negative, or else a motion away from all planes exists that they
-    /// do work on (Farkas). Three normals are enough (Carathéodory).
-    pub(super) fn is_carried(&self, rod: usize) -> bool {
-        let at_nodes = self.loads.iter().filter(|load| load.node.rod == rod);
-        let along = self.line_loads.iter().filter(|load| load.rod == rod);
-        let turned = at_nodes.clone().any(|load| load.moment != Vec3::zeros())
-            || along.clone().any(|load| load.moment != Vec3::zeros());
-        let length = self.rods[rod].length;
-        let down = at_nodes.map(|load| load.force).sum::<Vec3>() + along.map(|load| load.force * length).sum::<Vec3>();
-        let normal = |plane: usize| self.planes[plane].normal;
-        let count = self.planes.len();
-        let sets = (0..count).flat_map(|i| (i..count).flat_map(move |j| (j..count).map(move |k| [i, j, k])));
-        self.is_touchable(&self.rods[rod])
-            && !turned
-            && down != Vec3::zeros()
-            && sets.map(|set| set.map(normal)).any(|set| balances(set, &-down))
-    }
-
     /// Whether a rod takes part in contact.
     pub(super) fn is_touchable(&self, rod: &Rod) -> bool {
         rod.section.contact_radius > 0.0 && self.contact.law.is_on()
@@ -107,15 +88,4 @@ fn check_above(field: &str, plane: &Plane, rod: &Rod) -> Result<(), InputError> 
         rod.name, at.x, at.y, at.z
     );
     Err(InputError::inconsistent(field, reason))
-}
-
-/// Whether a force is a sum of these directions, none of which counts negative; they may repeat.
-fn balances(directions: [Vec3; 3], force: &Vec3) -> bool {
-    let shares = Mat3::from_columns(&directions).pseudo_inverse(TOL_UNIT).map(|inverse| inverse * force);
-    let is_met = |shares: Vec3| {
-        let sum: Vec3 = directions.iter().zip(shares.iter()).map(|(direction, share)| direction * *share).sum();
-        let least = TOL_UNIT * force.norm();
-        shares.min() >= -least && (sum - force).norm() <= least
-    };
-    shares.is_ok_and(is_met)
 }

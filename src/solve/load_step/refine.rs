@@ -41,6 +41,7 @@ impl Model {
             joints: self.joints.iter().map(|j| Joint { a: node(j.a), b: node(j.b) }).collect(),
             loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
             line_loads: self.line_loads.clone(),
+            load: self.load,
             planes: self.planes.clone(),
             contact: self.contact,
             electrostatics: self.electrostatics,

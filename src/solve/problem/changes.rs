@@ -4,7 +4,6 @@
 //! follows them ([`Engine::take_numbers`]).
 
 use crate::contact::broad_phase::BroadPhase;
-use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
@@ -100,6 +99,7 @@ impl Engine {
             match &rod.natural {
                 Natural::Straight => *reference = Reference::curved([0.0; 3]),
                 Natural::Uniform { kappa } => *reference = Reference::curved(*kappa),
+                Natural::Varying(along) if rod.binding.is_some() => *reference = reference.varying(rod, along),
                 // as it was: these do not change
                 Natural::Varying(_) | Natural::AsShaped => {}
             }
@@ -132,7 +132,7 @@ impl Engine {
     pub(in crate::solve) fn forget_path(&mut self) -> Result<(), SolveError> {
         if let Some(side) = &mut self.contact {
             side.before = None;
-            side.exclusion = Exclusion::new();
+            side.exclusion.forget();
             side.broad_phase = BroadPhase::new();
             side.repulsion.iter_mut().for_each(Repulsion::forget);
         }

@@ -13,6 +13,7 @@ use crate::scene::{Electrostatics, Model};
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_tangents::MaterialTangents;
+use crate::solve::problem::joint_surroundings::joint_surroundings;
 use crate::solve::problem::state::State;
 
 /// Contact side of the engine; absent when the law is none.
@@ -69,6 +70,8 @@ impl ContactSide {
         }
         let (set, nodes) = curves(model, first_node, (state, &tangents), &touching)?;
         let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
+        let mut exclusion = Exclusion::new();
+        exclusion.leave_out(joint_surroundings(model, &touching));
         let planes: Vec<HalfSpace> = half_spaces(model, state).collect();
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| Repulsion::new(screened(charges), &set));
@@ -77,7 +80,7 @@ impl ContactSide {
             nodes,
             rods: touching,
             tangents,
-            exclusion: Exclusion::new(),
+            exclusion,
             broad_phase: BroadPhase::new(),
             offsets: ContactField::uniform(state.positions.len(), planes.len(), 0.0),
             planes,

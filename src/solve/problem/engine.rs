@@ -12,7 +12,7 @@ use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::ShapeTable;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
-use crate::rod::{Natural, Rod};
+use crate::rod::{Along, Natural, NaturalStrains, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::measures::SAME;
 use crate::solve::problem::contact_side::{self, ContactSide};
@@ -89,6 +89,12 @@ impl Reference {
         Self::Uniform([0.0, 0.0, 1.0, k1, k2, k3])
     }
 
+    /// Of the same elements, by natural strains that vary along their rod.
+    pub(crate) fn varying(&self, rod: &Rod, along: &Along<NaturalStrains>) -> Self {
+        let first = if let Self::PerElement(first, _) = self { *first } else { 0 };
+        Self::PerElement(first, (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into)).collect())
+    }
+
     pub(crate) fn of(&self, element: usize) -> [Strain; 3] {
         match self {
             Self::Uniform(six) => [*six; 3],
@@ -156,7 +162,7 @@ impl Engine {
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
             frames: model.rods.iter().flat_map(|r| r.frames.iter().copied()).collect(),
             seams: model.rods.iter().map(|r| TAU * r.start_link()).collect(),
-            load_factor: 0.0,
+            load_factor: model.load,
             pressures: vec![0.0; model.rods.len()],
             plane_heights: vec![0.0; model.planes.len()],
             numbers: BTreeMap::new(),
@@ -384,10 +390,7 @@ impl Engine {
             all.push(match &rod.natural {
                 Natural::Straight => Reference::curved([0.0; 3]),
                 Natural::Uniform { kappa } => Reference::curved(*kappa),
-                Natural::Varying(along) => {
-                    let strains = (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into));
-                    Reference::PerElement(first, strains.collect())
-                }
+                Natural::Varying(along) => Reference::PerElement(first, Vec::new()).varying(rod, along),
                 Natural::AsShaped => {
                     let own = &self.elements[first..first + rod.num_elements];
                     let strains = own.iter().map(|element| {

@@ -9,9 +9,11 @@
 //! | `assembly` | elements, loads and contact summed into gradient and tangent |
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
 //! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
+//! | `joint_surroundings` | where joined rods touch for good, and contact is left out |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
+//! | `falling` | rods that nothing is left to carry |
 //! | `twist_limit` | no frame turns past half a turn against its neighbour |
 //! | `bend` | how tightly rods are bent for their thickness |
 //! | `changes` | another state, contact law or number of a rod |
@@ -25,8 +27,10 @@ pub(in crate::solve) mod contact_gaps;
 pub(crate) mod contact_side;
 pub(in crate::solve) mod contact_tangents;
 pub(crate) mod engine;
+pub(in crate::solve) mod falling;
 pub(in crate::solve) mod fields;
 pub(in crate::solve) mod joints;
+mod joint_surroundings;
 mod measured_tangents;
 pub(in crate::solve) mod moment_load;
 pub(in crate::solve) mod prescribed_motion;

@@ -16,6 +16,8 @@
 //! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods:
 //! see [`Several`].
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
 use crate::contact::potential::plane::PlaneContact;
@@ -50,9 +52,9 @@ pub(crate) fn is_falling(engine: &Engine, rod: usize) -> bool {
     engine.bears_loads(rod) && is_free(engine, rod)
 }
 
-/// Whether a rod's joints or supports let none of its motions pass, on the face of it.
+/// Whether a rod's supports let none of its motions pass, on the face of it.
 fn holds_all(engine: &Engine, rod: usize) -> bool {
-    engine.is_joined(rod) || !engine.model.rods[rod].closed && engine.is_clamped(rod)
+    !engine.model.rods[rod].closed && engine.is_clamped(rod)
 }
 
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
@@ -68,7 +70,7 @@ fn spins(engine: &Engine, rod: usize) -> bool {
     engine.model.rods[rod].closed && is_round(engine, rod)
 }
 
-/// Isotropic, naturally straight, in space: strains turned about the tangent cost the same.
+/// Isotropic, naturally straight, in space, joined to nothing: strains turned about the tangent cost the same.
 fn is_round(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
     let straight = match data.natural {
@@ -76,7 +78,8 @@ fn is_round(engine: &Engine, rod: usize) -> bool {
         Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
         Natural::AsShaped | Natural::Varying(_) => false,
     };
-    data.stiffness.is_none() && data.section.is_isotropic() && straight && !engine.model.planar
+    let alone = !engine.is_joined(rod) && !engine.model.planar;
+    data.stiffness.is_none() && data.section.is_isotropic() && straight && alone
 }
 
 fn tangent_of(state: &State, node: usize) -> Vec3 {
@@ -181,28 +184,74 @@ fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
     inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
 }
 
-/// Whether loads at nodes or along rods do work on a motion of some nodes, or would as it goes on.
-fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) -> bool {
+/// Dead forces \[F\] and moments \[F·L\] at some nodes, each with the place of its node among them; line loads count
+/// at each node of their rods, by the share of the length that it has.
+fn loads_at(engine: &Engine, nodes: &[usize]) -> Vec<(usize, Vec3, Vec3)> {
+    let places: BTreeMap<usize, usize> = nodes.iter().enumerate().map(|(place, node)| (*node, place)).collect();
     let model = &engine.model;
+    let is_here = |rod: usize| places.contains_key(&engine.first_node[rod]);
+    let at_nodes = model.loads.iter().map(|l| (engine.first_node[l.node.rod] + l.node.node, l.force, l.moment));
+    let along =
+        model.line_loads.iter().filter(|load| is_here(load.rod)).flat_map(|load| {
+            engine.shares(load.rod).map(|(node, share)| (node, load.force * share, load.moment * share))
+        });
+    at_nodes.chain(along).filter_map(|(node, f, m)| places.get(&node).map(|place| (*place, f, m))).collect()
+}
+
+fn displacement_at(motion: &[f64], place: usize) -> Vec3 {
+    Vec3::new(motion[6 * place], motion[6 * place + 1], motion[6 * place + 2])
+}
+
+/// Whether loads do work on a motion of some nodes that is no rigid one, or would as it goes on.
+fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) -> bool {
     if state.load_factor == 0.0 {
         return false;
     }
     let whole = rigid_rotation(state, nodes, motion);
     let largest = motion.chunks(6).map(|m| Vec3::new(m[0], m[1], m[2]).norm()).fold(0.0, f64::max);
-    let works = |force: &Vec3, k: usize| {
-        let moved = Vec3::new(motion[6 * k], motion[6 * k + 1], motion[6 * k + 2]);
-        let least = NOTHING * force.norm() * largest;
-        force.dot(&moved).abs() > least || force.dot(&whole.cross(&moved)).abs() > least * whole.norm()
-    };
-    let turns = |moment: &Vec3, k: usize| {
-        *moment != Vec3::zeros() && Vec3::new(motion[6 * k + 3], motion[6 * k + 4], motion[6 * k + 5]) != Vec3::zeros()
-    };
-    nodes.iter().enumerate().any(|(k, &node)| {
-        let at_node = model.loads.iter().filter(|load| engine.first_node[load.node.rod] + load.node.node == node);
-        let along = model.line_loads.iter().filter(|load| engine.nodes(load.rod).contains(&node));
-        at_node.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
-            || along.clone().any(|load| works(&load.force, k) || turns(&load.moment, k))
+    loads_at(engine, nodes).iter().any(|(place, force, moment)| {
+        let (moved, least) = (displacement_at(motion, *place), NOTHING * force.norm() * largest);
+        force.dot(&moved).abs() > least
+            || force.dot(&whole.cross(&moved)).abs() > least * whole.norm()
+            || *moment != Vec3::zeros() && rotation_at(motion, 6 * place + 3) != Vec3::zeros()
     })
+}
+
+/// A basis of those combinations of motions, whose displacements are those of rigid bodies, that dead loads leave alone:
+/// forces F do no work on them at once, Σ F·v = 0, nor as they go on together with any other, Σ F·½(ω × v' + ω' × v) =
+/// 0, and no node that bears a moment turns. Along the others potential and search descend.
+fn left_alone(engine: &Engine, state: &State, nodes: &[usize], motions: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let loads = if state.load_factor == 0.0 { Vec::new() } else { loads_at(engine, nodes) };
+    let acts = |(_, force, moment): &&(usize, Vec3, Vec3)| *force != Vec3::zeros() || *moment != Vec3::zeros();
+    let (loads, count): (Vec<_>, usize) = (loads.iter().filter(acts).collect(), motions.len());
+    if loads.is_empty() || count == 0 {
+        return motions;
+    }
+    let scale = 1.0 / engine.scales.length;
+    let whole: Vec<Vec3> = motions.iter().map(|motion| rigid_rotation(state, nodes, motion)).collect();
+    let forces: f64 = loads.iter().map(|(_, force, _)| force.norm()).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut rows = vec![vec![0.0; count]; count + 1];
+    for (place, force, moment) in loads {
+        let (force, moved) = (force * (scale / forces), |i: usize| displacement_at(&motions[i], *place));
+        for i in 0..count {
+            rows[count][i] += force.dot(&moved(i));
+            for j in 0..count {
+                rows[j][i] += 0.5 * force.dot(&(whole[i].cross(&moved(j)) + whole[j].cross(&moved(i))));
+            }
+        }
+        if *moment != Vec3::zeros() {
+            rows.extend((0..3).map(|k| motions.iter().map(|motion| motion[6 * place + 3 + k]).collect()));
+        }
+    }
+    let work = DMatrix::from_fn(rows.len(), count, |i, j| rows[i][j]);
+    let Some(parts) = work.clone().svd(false, true).v_t else { return Vec::new() };
+    let is_free = |k: &usize| (&work * parts.row(*k).transpose()).norm() <= NOTHING;
+    let combined = |k: usize| {
+        let mut sum = vec![0.0; motions[0].len()];
+        motions.iter().enumerate().for_each(|(i, motion)| subtract(&mut sum, motion, -parts[(k, i)]));
+        sum
+    };
+    (0..count).filter(is_free).map(combined).collect()
 }
 
 fn rotation_at(motion: &[f64], at: usize) -> Vec3 {
@@ -222,7 +271,8 @@ struct Supports {
 impl Supports {
     /// Of some nodes, as motions of these list them.
     fn of(engine: &Engine, state: &State, nodes: &[usize]) -> Self {
-        let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| !engine.free[node][*i]).map(move |i| 6 * k + i);
+        let free = |node: usize| &engine.free[engine.master[node]];
+        let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| !free(node)[*i]).map(move |i| 6 * k + i);
         let axes = Bases::at(&engine.swivels, state).held().collect::<Vec<_>>();
         let axis = |(node, axis): &(usize, Vec3)| nodes.iter().position(|n| n == node).map(|k| (6 * k + 3, *axis));
         Self {
@@ -327,7 +377,7 @@ impl ZeroEnergyModes {
             return Self::default();
         }
         let free = is_free(engine, 0);
-        let passes_nothing = holds_all(engine, 0) && (engine.is_joined(0) || !is_round(engine, 0));
+        let passes_nothing = holds_all(engine, 0) && !is_round(engine, 0);
         if !free && passes_nothing {
             return Self::default();
         }
@@ -342,54 +392,29 @@ impl ZeroEnergyModes {
             motions.push(spin_of(engine, state, 0, engine.nodes(0)));
         }
         let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
+        let mut least = 0.0;
         if !free {
             let supports = Supports::of(engine, state, &nodes);
             supports.size(&mut motions);
             supports.size(sliding.as_mut_slice());
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
-            // a straight rod between coaxial clamps turns back as much as it turns
-            let least = SAME * motions.last().map_or(0.0, |motion| zero_energy.dot(motion, motion)).sqrt();
+            least = least_size(zero_energy.weights, &motions);
             motions = supports.all_that_pass(&motions);
-            motions.retain(|motion| zero_energy.dot(motion, motion).sqrt() > least);
         }
-        motions.retain(|motion| !is_loaded(engine, state, &nodes, motion));
+        for motion in left_alone(engine, state, &nodes, motions) {
+            add(zero_energy.weights, &mut zero_energy.motions, motion, least);
+        }
         sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
-        for motion in motions {
-            zero_energy.add(motion);
-        }
-        if sliding.is_some_and(|motion| zero_energy.add(motion)) {
+        if sliding.is_some_and(|motion| add(zero_energy.weights, &mut zero_energy.motions, motion, 0.0)) {
             zero_energy.sliding = Some(zero_energy.motions.len() - 1);
         }
         zero_energy
     }
 
-    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
-        weighted(self.weights, a, b)
-    }
-
-    /// Orthonormalises a motion against those there; false if it depends on them.
-    fn add(&mut self, mut motion: Vec<f64>) -> bool {
-        let before = self.dot(&motion, &motion).sqrt();
-        // twice is enough
-        for _ in 0..2 {
-            for earlier in &self.motions {
-                let part = self.dot(&motion, earlier);
-                subtract(&mut motion, earlier, part);
-            }
-        }
-        let norm = self.dot(&motion, &motion).sqrt();
-        if norm <= SAME * before {
-            return false;
-        }
-        motion.iter_mut().for_each(|x| *x /= norm);
-        self.motions.push(motion);
-        true
-    }
-
     /// Takes the neutral part out of an increment.
     pub(crate) fn remove(&self, step: &mut [f64]) {
         for motion in &self.motions {
-            let part = self.dot(step, motion);
+            let part = weighted(self.weights, step, motion);
             subtract(step, motion, part);
         }
         self.several.remove(step);
@@ -476,7 +501,7 @@ fn pin_held(
     for index in 0..rest.len() {
         let size = |k: &usize| dot(&at(&rest[index], *k), &at(&rest[index], *k));
         let Some(most) = (0..nodes.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
-        let (along, node) = (at(&rest[index], most), nodes[most]);
+        let (along, node) = (at(&rest[index], most), engine.master[nodes[most]]);
         let square = dot(&along, &along);
         bases.add_block(pattern, values, (node, node), |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
         let (done, others) = rest.split_at_mut(index + 1);
@@ -511,6 +536,31 @@ fn weights(engine: &Engine) -> [f64; 2] {
 
 fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).enumerate().map(|(i, (x, y))| weights[usize::from(i % 6 >= 3)] * x * y).sum()
+}
+
+/// Size below which a combination of motions is none: a straight rod between coaxial clamps turns back as much as it turns.
+fn least_size(weights: [f64; 2], motions: &[Vec<f64>]) -> f64 {
+    let size = |motion: &Vec<f64>| weighted(weights, motion, motion).sqrt();
+    SAME * motions.iter().map(size).fold(f64::INFINITY, f64::min)
+}
+
+/// Orthonormalises a motion against those of a basis and adds it; false if it depends on them, or is none.
+fn add(weights: [f64; 2], basis: &mut Vec<Vec<f64>>, mut motion: Vec<f64>, least: f64) -> bool {
+    let before = weighted(weights, &motion, &motion).sqrt();
+    // twice is enough
+    for _ in 0..2 {
+        for earlier in basis.iter() {
+            let part = weighted(weights, &motion, earlier);
+            subtract(&mut motion, earlier, part);
+        }
+    }
+    let norm = weighted(weights, &motion, &motion).sqrt();
+    if norm <= least.max(SAME * before) {
+        return false;
+    }
+    motion.iter_mut().for_each(|x| *x /= norm);
+    basis.push(motion);
+    true
 }
 
 /// Takes the force out of a gradient that does this work on a motion.

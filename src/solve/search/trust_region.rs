@@ -131,6 +131,9 @@ impl Workspace {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
+            if let Some(rod) = engine.falling_for_ever(&search.state, &residual.contact_pairs) {
+                return Err(SolveError::Falls { rod: engine.model.rods[rod].name.clone() });
+            }
             let load = residual.potential.load - search.report.work;
             let potential = Potential { load, ..residual.potential };
             if potential.total() < floor {

@@ -18,6 +18,7 @@ mod closed;
 mod curve;
 mod draft;
 mod falling;
+mod hanging;
 mod material;
 mod moments;
 mod open;
@@ -43,7 +44,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 16] = [
+pub const FAMILIES: [Family; 18] = [
     Family { name: "clamped", make: open::clamped },
     Family { name: "paths", make: open::paths },
     Family { name: "tweezers", make: open::tweezers },
@@ -60,6 +61,8 @@ pub const FAMILIES: [Family; 16] = [
     Family { name: "beams", make: several::beams },
     Family { name: "moments", make: moments::moments },
     Family { name: "falling", make: falling::falling },
+    Family { name: "hanging", make: hanging::hanging },
+    Family { name: "along_axes", make: hanging::along_axes },
 ];
 
 /// One scene of a family.

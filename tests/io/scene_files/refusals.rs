@@ -101,9 +101,24 @@ fn bad_numbers_are_named_with_value_and_range() {
 fn ill_posed_scenes_are_refused_with_a_reason() {
     let thick = ["rods.dna: a rod thicker than its own curvature allows", "contact_radius = 19", "0.05500"];
     refused(RING, "contact_radius = 2.5", "contact_radius = 19", &thick);
-    let loose = ["rods.beam: loads[0] acts on it", "free to move as a rigid body", "rotation about the axis"];
-    refused(BEAM, "rotation = true", "rotation = [\"z\"]", &loose);
-    refused(BEAM, "load = 2.0, ", "", &["no stage ramps their factor", "load = 1.0"]);
+    let loose = ["rods.beam: loads[0] acts on it", "along (0, 0, -1)", "would fall for ever"];
+    refused(BEAM, "position = true", "position = [\"x\"]", &loose);
+    let heavy = |keys: &str| format!("elements = 4\n{keys}\n");
+    let gravity = "gravity = [0, 0, -9.81]\n[[rods]]";
+    refused(BEAM, "[[rods]]", gravity, &["gravity: pulls at nothing", "density, a mass or a weight"]);
+    refused(BEAM, "elements = 4", &heavy("mass = 2.0"), &["rods.beam.mass: has no meaning without gravity"]);
+    let with_gravity = BEAM.replacen("[[rods]]", gravity, 1);
+    let both = ["rods.beam: density, mass and weight say one thing"];
+    refused(&with_gravity, "elements = 4", &heavy("mass = 2.0\nweight = 1.0"), &both);
+    refused(&with_gravity, "elements = 4", &heavy("mass = -2.0"), &["rods.beam.mass = -2"]);
+    refused(BEAM, "[[rods]]", "load = inf\n[[rods]]", &["load = inf: must be a finite number"]);
+    refused(BEAM, "elements = 4", &heavy("binding = 0.5"), &["rods.beam.binding", "has neither"]);
+    refused(
+        BEAM,
+        "load = 2.0, ",
+        "binding = { to = 0.5 }, ",
+        &["stages[0].ramp.binding", "no natural state that could"],
+    );
     refused(BEAM, "at = 0,", "at = 3,", &["stages[0].ramp.rotation", "no support that fixes its rotation"]);
     refused(RING, "closed = true", "", &["rods.dna.shape: a circle is closed"]);
     refused(BEAM, "order = 2", "closed = true", &["rods.beam.shape: a line is open"]);

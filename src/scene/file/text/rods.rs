@@ -12,6 +12,10 @@ fn default_order() -> usize {
     3
 }
 
+fn whole() -> f64 {
+    1.0
+}
+
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in super::super) struct RodText {
@@ -32,6 +36,20 @@ pub(in super::super) struct RodText {
     /// DNA, in place of `section` and of the shape's length.
     #[serde(default, deserialize_with = "some_table")]
     pub dna: Option<DnaText>,
+    /// Mass per volume: times the area of the section's `circle` or `rectangle` and `gravity`, weight per length.
+    #[schemars(extend("x-unit" = "mass/L³", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]
+    pub density: Option<f64>,
+    /// Mass of the rod, in place of `density`.
+    #[schemars(extend("x-unit" = "mass", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]
+    pub mass: Option<f64>,
+    /// Weight per reference length, in place of `density`; of `gravity` the direction counts.
+    #[schemars(extend("x-unit" = "F/L", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]
+    pub weight: Option<f64>,
+    /// Part of the natural state of a table, or of the change of it by proteins, that is in force at the start; the rest is
+    /// that of a straight rod, or of the sequence alone.
+    #[serde(default = "whole")]
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-allowed" = "`natural` of a table, `sequence.proteins`"))]
+    pub binding: f64,
     /// Number of elements.
     #[schemars(extend("minimum" = 1, "x-default" = "by `fidelity`; those of a `state`"))]
     pub elements: Option<usize>,
@@ -140,7 +158,7 @@ pub(in super::super) struct DnaText {
     pub stretch_modulus: Option<f64>,
 }
 
-#[derive(Deserialize, JsonSchema)]
+#[derive(Deserialize, JsonSchema, Clone)]
 #[serde(deny_unknown_fields)]
 pub(in super::super) struct SequenceText {
     /// File of the base sequence, relative to the scene file.

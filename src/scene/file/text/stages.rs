@@ -66,7 +66,7 @@ pub(in super::super) struct RampText {
     /// Positions and frames to which clamped nodes are taken.
     #[serde(default)]
     pub pose: OneOrMany<PoseText>,
-    /// Factor on all loads, 0 at the start.
+    /// Factor on all loads, at the start that of `load`.
     pub load: Option<f64>,
     /// Force per current length, inwards positive.
     #[serde(default)]
@@ -86,6 +86,10 @@ pub(in super::super) struct RampText {
     /// Natural curvature and twist.
     #[serde(default)]
     pub natural: OneOrMany<NaturalRampText>,
+    /// Part of the natural state of a table, or of the change of it by proteins, that is in force.
+    #[serde(default)]
+    #[schemars(extend("x-allowed" = "0 to 1; `natural` of a table, `sequence.proteins`"))]
+    pub binding: OneOrMany<ScalarText>,
 }
 
 #[derive(Deserialize, JsonSchema)]

@@ -5,11 +5,12 @@
 //! along themselves is left to the mesh's ripple.
 
 use super::{
-    Supports, holds_all, is_falling, is_free, is_loaded, is_round, normals_of, rigid_motions, spin_of, spins, subtract,
-    subtract_force,
+    Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, normals_of, rigid_motions, spin_of,
+    subtract, subtract_force,
 };
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
+use crate::solve::measures::SAME;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -40,39 +41,46 @@ impl Several {
             let start = several.motions.len();
             // loads do work on some of the motions of such a group, which are then left to them
             let falls = group.iter().any(|&rod| is_falling(engine, rod));
-            for &rod in group.iter().filter(|rod| !falls && is_free(engine, **rod) && spins(engine, **rod)) {
-                several.add(start, vec![(rod, spin_of(engine, state, rod, engine.nodes(rod)))]);
+            let floats = |rod: usize| !falls && is_free(engine, rod);
+            // an open rod alone spins as it turns
+            let rolls = |rod: usize| {
+                let own = engine.model.rods[rod].closed || group.len() > 1 || !floats(rod);
+                own && is_round(engine, rod) && !holds_all(engine, rod)
+            };
+            for &rod in group.iter().filter(|rod| floats(**rod) && rolls(**rod)) {
+                several.add(start, vec![(rod, spin_of(engine, state, rod, engine.nodes(rod)))], 0.0);
             }
             if falls {
                 several.falling.extend(&group);
             }
-            if group.iter().any(|&rod| holds_all(engine, rod)) {
-                continue;
-            }
+            let is_held = group.iter().any(|&rod| holds_all(engine, rod));
             let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
             let touched = normals_of(engine, &residual.plane_contacts, &group);
-            let rigid = rigid_motions(engine, state, &nodes, &touched);
-            if !falls && group.iter().all(|rod| is_free(engine, *rod)) {
+            let rigid = if is_held { Vec::new() } else { rigid_motions(engine, state, &nodes, &touched) };
+            if group.iter().all(|rod| floats(*rod)) {
                 if touched.is_empty() {
                     several.anchors.push(group[0]);
                 }
-                rigid.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
-            } else {
-                // spins of the rods that are held may make up for what supports hold
-                let rolls = |rod: usize| {
-                    if falls { is_round(engine, rod) } else { spins(engine, rod) && !is_free(engine, rod) }
-                };
-                let held = group.iter().filter(|rod| rolls(**rod));
-                let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
-                let mut motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
-                let supports = Supports::of(engine, state, &nodes);
-                supports.size(&mut motions);
-                let mut passing = supports.all_that_pass(&motions);
-                passing.retain(|motion| !is_loaded(engine, state, &nodes, motion));
-                passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion)));
-                if !passing.is_empty() {
-                    several.held.push((nodes, passing));
-                }
+                rigid.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion), 0.0));
+                continue;
+            }
+            // spins of the rods that are held may make up for what supports hold
+            let held = group.iter().filter(|rod| !floats(**rod) && rolls(**rod));
+            let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
+            let mut motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
+            if motions.is_empty() {
+                continue;
+            }
+            let supports = Supports::of(engine, state, &nodes);
+            supports.size(&mut motions);
+            let least = least_size(weights, &motions);
+            let passing = left_alone(engine, state, &nodes, supports.all_that_pass(&motions));
+            let before = several.motions.len();
+            passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion), least));
+            let whole = |motion: &NodalMotions| motion.iter().flat_map(|(_, values)| values).copied().collect();
+            let added: Vec<Vec<f64>> = several.motions[before..].iter().map(whole).collect();
+            if !added.is_empty() {
+                several.held.push((nodes, added));
             }
         }
         several
@@ -107,8 +115,13 @@ impl Several {
         super::weighted(self.weights, a, b)
     }
 
-    /// Orthonormalises a motion against those from `start` on, which its rods may share.
-    fn add(&mut self, start: usize, mut motion: NodalMotions) {
+    /// Orthonormalises a motion against those from `start` on, which its rods may share, and adds it if it is no combination
+    /// of them, nor smaller than `least`.
+    fn add(&mut self, start: usize, mut motion: NodalMotions, least: f64) {
+        let size = |motion: &NodalMotions, several: &Self| {
+            motion.iter().map(|(_, values)| several.dot(values, values)).sum::<f64>().sqrt()
+        };
+        let before = size(&motion, self);
         // twice is enough
         for _ in 0..2 {
             for earlier in &self.motions[start..] {
@@ -119,7 +132,10 @@ impl Several {
                 shared.into_iter().for_each(|(at, values)| subtract(&mut motion[at].1, values, part));
             }
         }
-        let norm = motion.iter().map(|(_, values)| self.dot(values, values)).sum::<f64>().sqrt();
+        let norm = size(&motion, self);
+        if norm <= least.max(SAME * before) {
+            return;
+        }
         motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
         self.motions.push(motion);
     }
@@ -136,10 +152,11 @@ fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> NodalMotions {
     rods.iter().map(piece).collect()
 }
 
-/// Rods that touch each other, directly or by others; each group and the groups in the order of their first rods.
+/// Rods that touch each other or are joined, directly or by others; each group and the groups in the order of their first rods.
 fn groups(engine: &Engine, contact_pairs: &[ContactPair]) -> Vec<Vec<usize>> {
     let mut scratch = Vec::new();
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
+    engine.model.joints.iter().for_each(|joint| touching.join(joint.a.rod, joint.b.rod));
     if let Some(side) = &engine.contact {
         for pair in contact_pairs {
             let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));

@@ -38,6 +38,7 @@ struct SegmentRun {
 /// Everything a step bound looks at.
 pub(super) struct PassageTree<'a> {
     set: &'a CurveSet,
+    exclusion: &'a Exclusion,
     motions: &'a [SegmentMotion],
     capsules: Vec<Capsule>,
     /// Turning on the way, accumulated along each curve: to the start and to the end of each segment, and per curve in
@@ -53,7 +54,7 @@ impl<'a> PassageTree<'a> {
     /// geometry.
     pub(super) fn new(
         set: &'a CurveSet,
-        exclusion: &Exclusion,
+        exclusion: &'a Exclusion,
         motions: &'a [SegmentMotion],
         relative: &[f64],
         keep: Keep,
@@ -71,7 +72,7 @@ impl<'a> PassageTree<'a> {
             totals.push(exclusion.turning_of(index) + added);
         }
         let runs = Vec::with_capacity(2 * set.len().div_ceil(RUN) + 2 * set.curves.len());
-        let mut tree = Self { set, motions, capsules, turning, totals, runs, keep };
+        let mut tree = Self { set, exclusion, motions, capsules, turning, totals, runs, keep };
         tree.add_curves(0, set.curves.len());
         tree
     }
@@ -233,7 +234,7 @@ impl<'a> PassageTree<'a> {
     /// The fraction t, or less if this pair needs it.
     fn pair(&self, i: usize, j: usize, t: f64) -> f64 {
         let set = self.set;
-        if set.next(i) == Some(j) || set.next(j) == Some(i) {
+        if set.next(i) == Some(j) || set.next(j) == Some(i) || self.exclusion.are_joined(i, j) {
             // joined for good; the limit on rotations keeps them from folding
             return t;
         }
