@@ -74,6 +74,31 @@ impl<T: Averaged> Along<T> {
         Self(Arc::new(Kind::Function(Box::new(of_arc))))
     }
 
+    /// The quantity `of` makes of this one at each arc length, over arc lengths `factor` times as long: pieces stay pieces,
+    /// points stay points. `of` takes arc lengths before they are multiplied: the end of a piece, 0 for a constant.
+    ///
+    /// ```
+    /// use supercoil::rod::Along;
+    /// let twist = Along::pieces(vec![1.0, 3.0], vec![0.2, 0.5])?;
+    /// let in_half_units = twist.map(2.0, |_, twist| 0.5 * twist);
+    /// assert_eq!(in_half_units, Along::pieces(vec![2.0, 6.0], vec![0.1, 0.25])?);
+    /// # Ok::<(), supercoil::InputError>(())
+    /// ```
+    #[must_use]
+    pub fn map<U: Averaged>(&self, factor: f64, of: impl Fn(f64, T) -> U + Send + Sync + 'static) -> Along<U> {
+        let each = |arcs: &[f64], values: &[T]| arcs.iter().zip(values).map(|(arc, value)| of(*arc, *value)).collect();
+        let longer = |arcs: &[f64]| arcs.iter().map(|arc| factor * arc).collect();
+        Along(Arc::new(match &*self.0 {
+            Kind::Constant(value) => Kind::Constant(of(0.0, *value)),
+            Kind::Pieces(ends, values) => Kind::Pieces(longer(ends), each(ends, values)),
+            Kind::Points(arcs, values) => Kind::Points(longer(arcs), each(arcs, values)),
+            Kind::Function(_) => {
+                let given = self.clone();
+                Kind::Function(Box::new(move |s| of(s / factor, given.at(s / factor))))
+            }
+        }))
+    }
+
     /// Whether it was made as a constant.
     pub(crate) fn is_constant(&self) -> bool {
         matches!(&*self.0, Kind::Constant(_))
@@ -277,6 +302,17 @@ mod tests {
             assert!((value - (1.0 + 2.0 * x).powi(2)).abs() < 1e-14);
         }
         assert!((square.mean(3.0) - 3.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn maps_keep_their_kind() {
+        let double = |along: &Along<f64>| along.map(4.0, |arc, value| 2.0 * value + arc);
+        assert_eq!(double(&Along::constant(3.0)), Along::constant(6.0));
+        let (arcs, values) = (vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 5.0]);
+        let points = Along::points(arcs, values).unwrap();
+        assert_eq!(double(&points), Along::points(vec![0.0, 4.0, 8.0], vec![2.0, 5.0, 12.0]).unwrap());
+        let function = Along::function(|s: f64| s * s);
+        assert_eq!(double(&function).at(8.0), 2.0 * 4.0 + 2.0);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Dead forces and moments, line loads, pressure.
 
 use super::{Residual, Sink};
+use crate::math::Vec3;
 use crate::math::quadrature::gauss;
 use crate::math::shape_functions::lagrange;
 use crate::scene::LineLoad;
@@ -46,10 +47,11 @@ impl Engine {
         elements.flat_map(move |e| (0..=order).map(move |a| (e.nodes[a], weights[a] * length)))
     }
 
-    /// Pressure p on a closed planar rod has the potential p × enclosed area ½∮(x dy − y dx).
+    /// Pressure p on a closed planar rod has the potential p × enclosed area, ±½∮(x dy − y dx): minus for rods that start
+    /// clockwise.
     fn add_pressure(&self, rod: usize, state: &State, out: &mut Residual, mut sink: Option<&mut Sink>) {
-        let pressure = state.pressures[rod];
         let order = self.model.rods[rod].order;
+        let pressure = state.pressures[rod] * turning(&self.model.rods[rod].positions);
         let skew = integrals(order).1;
         for element in self.elements.iter().filter(|e| e.rod == rod) {
             for a in 0..=order {
@@ -72,6 +74,14 @@ impl Engine {
             }
         }
     }
+}
+
+/// 1 for a closed polygon in the x-y plane that runs counter-clockwise, −1 for a clockwise one.
+fn turning(polygon: &[Vec3]) -> f64 {
+    let next = polygon.iter().cycle().skip(1);
+    // about one of its points, because areas far from the origin cancel
+    let area = polygon.iter().zip(next).map(|(a, b)| (a - polygon[0]).xy().perp(&(b - polygon[0]).xy())).sum::<f64>();
+    area.signum()
 }
 
 fn add_load(out: &mut Residual, unknown: usize, force: f64) {
