@@ -377,7 +377,7 @@ impl Engine {
                 Natural::Straight => Reference::curved([0.0; 3]),
                 Natural::Uniform { kappa } => Reference::curved(*kappa),
                 Natural::Varying(along) => {
-                    let strains = (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into));
+                    let strains = (0..rod.num_elements).map(|e| rod.natural_on_element(along, e));
                     Reference::PerElement(first, strains.collect())
                 }
                 Natural::AsShaped => {
