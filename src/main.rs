@@ -15,11 +15,9 @@ use std::time::Duration;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use console::Term;
-use supercoil::InputError;
-use supercoil::dna::base_pairs::BasePairs;
 use supercoil::dna::sequence::Sequence;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
-use supercoil::io::export::base_pairs;
+use supercoil::io::export::{Formats, base_pairs};
 use supercoil::io::plot_run::RunTable;
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::schema::scene_schema;
@@ -29,6 +27,7 @@ use supercoil::observe::{StartOverlap, ending, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
 use supercoil::scene::{Scene, Units};
 use supercoil::solve::{Interrupt, Options, RunError, Solver, Status};
+use supercoil::{InputError, dna};
 
 use progress::{Bar, terminal_width};
 
@@ -46,6 +45,7 @@ const MOST_WARNINGS: usize = 10;
 /// Equilibria of elastic rods that touch themselves and each other.
 #[derive(Parser)]
 #[command(
+    name = "supercoil",
     version,
     disable_help_subcommand = true,
     after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
@@ -132,7 +132,8 @@ enum Command {
         /// Which.
         #[arg(value_parser = kinds())]
         kind: String,
-        /// File to write; must not be there yet [default: KIND.toml].
+        /// File to write; must not be there yet [default: KIND.toml]. Of a knot its name, too: `new knot 8_19` writes
+        /// knot_8_19.toml.
         file: Option<PathBuf>,
     },
     /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command; `help schema` prints the JSON Schema
@@ -150,7 +151,7 @@ fn kinds() -> clap::builder::PossibleValuesParser {
 }
 
 /// Formats of a run's base pairs.
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(group(clap::ArgGroup::new("format").args(["oxdna", "xyz", "vect", "pdb", "par", "ref_frames", "npy"]).required(true).multiple(true)))]
 struct Export {
     /// Folder of the run.
@@ -158,14 +159,14 @@ struct Export {
     /// Rod, where there are several.
     #[arg(long)]
     rod: Option<String>,
-    /// Sequence (FASTA): names the bases and their number.
+    /// Sequence (FASTA): names the bases and their number [default: the sequence of the rod, if it has one].
     #[arg(long, value_name = "FASTA")]
     sequence: Option<PathBuf>,
-    /// Number of base pairs [default: bases of the sequence, or length / 0.34 nm].
+    /// Number of base pairs, equally spaced [default: those of the sequence, or length / 0.34 nm].
     #[arg(long, value_name = "N", conflicts_with = "sequence")]
     base_pairs: Option<usize>,
-    /// oxDNA: writes NAME.top and NAME.dat; needs --sequence.
-    #[arg(long, value_name = "NAME", requires = "sequence")]
+    /// oxDNA: writes NAME.top and NAME.dat; needs a sequence.
+    #[arg(long, value_name = "NAME")]
     oxdna: Option<PathBuf>,
     /// XYZ, one point a base pair, nm: a centreline for tacoxDNA.
     #[arg(long, value_name = "FILE")]
@@ -173,7 +174,7 @@ struct Export {
     /// Geomview's VECT, one point a base pair, nm.
     #[arg(long, value_name = "FILE")]
     vect: Option<PathBuf>,
-    /// PDB, an atom P on the axis a base pair, Å.
+    /// PDB, the atoms P of both strands, Å.
     #[arg(long, value_name = "FILE")]
     pdb: Option<PathBuf>,
     /// Step parameters as 3DNA's bp_step.par.
@@ -226,7 +227,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn main() -> ExitCode {
-    let code = match Arguments::parse().command {
+    ExitCode::from(program(std::env::args_os()))
+}
+
+/// The program with these arguments, its own name first; its exit code. The Python package has it, too.
+pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
+    let code = match Arguments::parse_from(arguments).command {
         Command::Check { file, set } => check(&file, &set.set),
         Command::View { dir, glb, color } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
@@ -237,10 +243,10 @@ fn main() -> ExitCode {
         Command::New { kind, file } => new(&kind, file),
         Command::Help { topic, key } => explain(topic.as_deref(), key.as_deref()),
     };
-    ExitCode::from(code.unwrap_or_else(|error| {
+    code.unwrap_or_else(|error| {
         eprintln!("error: {error}");
         if let InputError::Write { .. } = error { NOT_WRITTEN } else { BAD_INPUT }
-    }))
+    })
 }
 
 fn view(dir: &Path, glb: Option<PathBuf>, color: &str) -> Result<u8, InputError> {
@@ -277,13 +283,35 @@ fn warn(overlaps: &[StartOverlap]) {
 }
 
 fn new(kind: &str, file: Option<PathBuf>) -> Result<u8, InputError> {
-    let file = file.unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
     let text = TEMPLATES.iter().find(|template| template.name == kind).map_or("", |template| template.text);
+    let knot =
+        file.as_deref().filter(|_| kind == "knot").and_then(Path::to_str).and_then(|name| knot_scene(text, name));
+    let (file, text) = match knot {
+        Some(knot) => (PathBuf::from(format!("knot_{}.toml", file.unwrap_or_default().display())), knot?),
+        None => (file.unwrap_or_else(|| PathBuf::from(format!("{kind}.toml"))), text.to_owned()),
+    };
     let refuse = |e: std::io::Error| InputError::Write { path: file.clone(), reason: e.to_string() };
     let mut made = std::fs::File::create_new(&file).map_err(refuse)?;
     made.write_all(text.as_bytes()).map_err(refuse)?;
     say(format_args!("wrote {0}; to run it: supercoil run {0}", file.display()));
     Ok(CONVERGED)
+}
+
+/// The scene of a knot by its name; `None` for words that are no such name.
+fn knot_scene(template: &str, name: &str) -> Option<Result<String, InputError>> {
+    let (crossings, index) = name.split_once('_')?;
+    let is_name = [crossings, index].iter().all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));
+    is_name.then(|| {
+        let shape = "kind = \"torus_knot\", windings = [2, 3], length = 300.0";
+        // strands two diameters apart; the mesh follows from the length, which differs from knot to knot
+        let text = template.replace(shape, &format!("kind = \"knot\", name = \"{name}\", distance = 6.0"));
+        let text = text.replace("[[rods]]", "fidelity = \"balanced\"\n\n[[rods]]");
+        let text = text.lines().filter(|line| !line.starts_with("elements = ")).collect::<Vec<_>>().join("\n") + "\n";
+        let text = text.replace("A closed trefoil knot", &format!("A closed knot {name}"));
+        let text = text.replace("elastic trefoil knot", &format!("elastic knot {name}"));
+        // a name that there is not is refused here, not by the first run
+        Scene::from_toml(&text, Path::new("")).map(|_| text)
+    })
 }
 
 fn explain(topic: Option<&str>, key: Option<&str>) -> Result<u8, InputError> {
@@ -349,28 +377,17 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
 }
 
 fn export(what: &Export) -> Result<u8, InputError> {
-    let sequence = what.sequence.as_deref().map(Sequence::read).transpose()?;
-    let count = sequence.as_ref().map(Sequence::num_bases).or(what.base_pairs);
-    let pairs = base_pairs(&what.dir, what.rod.as_deref(), count)?;
-    let mut written = Vec::new();
-    let mut write = |path: PathBuf, content: &[u8]| {
-        BasePairs::write(&path, content).map(|()| written.push(path.display().to_string()))
-    };
-    if let (Some(name), Some(sequence)) = (&what.oxdna, &sequence) {
-        // a name may contain dots
-        let named = |ending: &str| PathBuf::from(format!("{}.{ending}", name.display()));
-        write(named("top"), pairs.oxdna_topology(sequence)?.as_bytes())?;
-        write(named("dat"), pairs.oxdna_configuration().as_bytes())?;
+    let given = what.sequence.as_deref().map(Sequence::read).transpose()?;
+    let of_rod = |count: Option<usize>| base_pairs(&what.dir, what.rod.as_deref(), count);
+    let mut pairs = of_rod(what.base_pairs)?;
+    if let Some(sequence) = given {
+        // a rod with a sequence of its own has as many base pairs, whatever is given
+        pairs = if pairs.sequence.is_none() { of_rod(Some(sequence.num_bases()))? } else { pairs };
+        pairs = pairs.with_sequence(sequence)?;
     }
-    what.xyz.iter().try_for_each(|path| write(path.clone(), pairs.xyz().as_bytes()))?;
-    what.vect.iter().try_for_each(|path| write(path.clone(), pairs.vect().as_bytes()))?;
-    if let Some(path) = &what.pdb {
-        let refuse = |reason: String| InputError::Inconsistent { field: path.display().to_string(), reason };
-        write(path.clone(), pairs.pdb().map_err(refuse)?.as_bytes())?;
-    }
-    what.par.iter().try_for_each(|path| write(path.clone(), pairs.par().as_bytes()))?;
-    what.ref_frames.iter().try_for_each(|path| write(path.clone(), pairs.ref_frames().as_bytes()))?;
-    what.npy.iter().try_for_each(|path| write(path.clone(), &pairs.npy()))?;
+    let Export { oxdna, xyz, vect, pdb, par, ref_frames, npy, .. } = what.clone();
+    let written = Formats { oxdna, xyz, vect, pdb, par, ref_frames, npy }.write(&pairs)?;
+    let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     say(format_args!("{} base pairs to {}", pairs.positions.len(), written.join(", ")));
     Ok(CONVERGED)
 }
@@ -477,7 +494,12 @@ fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, 
     }
     if let (Some((temperature, unit)), Some(last)) = (thermal, outcome.steps.last()) {
         let (total, in_kt) = (last.energies.total, last.energies.over(unit).total);
-        say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K"));
+        let stiff = if temperature == dna::TEMPERATURE {
+            String::new()
+        } else {
+            format!("; constants of DNA are those at {} K, where kT is {} pN nm", dna::TEMPERATURE, dna::THERMAL_ENERGY)
+        };
+        say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K{stiff}"));
     }
     if let Some(estimate) = &outcome.error_estimate {
         say(format_args!("{estimate}"));

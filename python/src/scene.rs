@@ -10,7 +10,7 @@ use supercoil::io::csv::Cell;
 use supercoil::io::run::options;
 use supercoil::io::table::Columns;
 use supercoil::observe::report::Observation;
-use supercoil::observe::{ending, observe};
+use supercoil::observe::{EndLinks, ending, observe};
 use supercoil::scene;
 use supercoil::solve::{Progress, Waypoint, run_from};
 
@@ -46,6 +46,32 @@ impl Scene {
         self.0.model.rods.iter().map(head).collect()
     }
 
+    /// Names of the units of length and force.
+    fn units(&self) -> (&str, &str) {
+        (&self.0.units.length, &self.0.units.force)
+    }
+
+    /// Temperature, K, and kT, pN nm, where units are nm and pN.
+    fn thermal(&self) -> Option<(f64, f64)> {
+        self.0.thermal()
+    }
+
+    /// Steps of all stages.
+    fn num_steps(&self) -> usize {
+        self.0.stages.iter().map(|stage| stage.steps).sum()
+    }
+
+    /// What to know of the scene, and what is probably not meant.
+    fn remarks(&self) -> (Vec<String>, Vec<String>) {
+        (self.0.notices.clone(), self.0.warnings())
+    }
+
+    /// Of the columns of `table.csv`: name, unit, meaning.
+    fn columns(&self) -> Vec<(String, String, &'static str)> {
+        let columns = Columns::of_scene(&self.0);
+        columns.explained().map(|column| (column.name.clone(), column.unit.clone(), column.meaning)).collect()
+    }
+
     /// The steps, given as JSON, in the columns of `table.csv`: JSON of pairs of a name and a list, null for a blank cell.
     fn table(&self, steps: &str) -> PyResult<String> {
         let damaged = |e| refuse::damaged("table", e);
@@ -75,8 +101,11 @@ impl Scene {
         let scene = &self.0;
         let work = move |states: Sender<State>| {
             let mut steps: Vec<Observation> = Vec::new();
+            let links = EndLinks::new(&scene.model, &scene.stages);
             let mut observer = |progress: &Progress, _: &Waypoint| {
-                let observation = observe(progress);
+                let mut observation = observe(progress);
+                let notes = links.notes(&observation, steps.first());
+                observation.notes.extend(notes);
                 steps.push(observation.clone());
                 if !watched {
                     return ControlFlow::Continue(());

@@ -7,10 +7,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
 use supercoil::io::picture::{Spot, Stripe, Tube, TubePicture};
-use supercoil::math::Vec3;
+use supercoil::io::record::RodSnapshot;
+use supercoil::math::{Quat, Vec3};
 use supercoil::observe::report::Observation;
 use supercoil::observe::{RodStrains, smoothed_contact_forces, strains};
-use supercoil::solve::Engine;
+use supercoil::solve::{Engine, NodalFields};
 
 use crate::refuse;
 
@@ -29,20 +30,22 @@ struct Rod {
     directions: Vec<[f64; 3]>,
     contact_force: Vec<[f64; 3]>,
     strains: RodStrains,
+    fields: NodalFields,
 }
 
 /// A state. Arrays are copies.
 #[pyclass(frozen, module = "supercoil._supercoil")]
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    observation: Observation,
+    pub observation: Observation,
     rods: Vec<Rod>,
 }
 
 impl State {
     pub fn of(engine: &Engine, observation: Observation) -> Self {
-        let forces = smoothed_contact_forces(engine, &engine.all_nodal_fields());
-        let rods = forces.iter().enumerate().map(|(index, forces)| {
+        let fields = engine.all_nodal_fields();
+        let forces = smoothed_contact_forces(engine, &fields);
+        let rods = forces.iter().zip(fields).enumerate().map(|(index, (forces, fields))| {
             let (rod, frames) = (&engine.model().rods[index], engine.frames(index));
             let seam_turns = observation.links.iter().find(|link| link.rod == index).map_or(0.0, |l| l.link);
             Rod {
@@ -56,15 +59,39 @@ impl State {
                 directions: frames.iter().map(|q| (q * Vec3::x()).into()).collect(),
                 contact_force: forces.iter().map(|&f| f.into()).collect(),
                 strains: strains(engine, index),
+                fields,
             }
         });
         let rods = rods.collect();
         Self { observation, rods }
     }
 
+    /// All rods as files have them.
+    pub fn snapshots(&self) -> Vec<RodSnapshot> {
+        let snapshot = |rod: &Rod| RodSnapshot {
+            positions: rod.positions.iter().map(|&r| r.into()).collect(),
+            frames: rod.quaternions.iter().map(|&q| frame(q)).collect(),
+            fields: rod.fields.clone(),
+            smoothed_contact_force: rod.contact_force.iter().map(|&f| f.into()).collect(),
+        };
+        self.rods.iter().map(snapshot).collect()
+    }
+
+    /// Positions and frames of the nodes of a rod, and its link, turns, if it is closed.
+    pub fn nodes(&self, rod: usize) -> (Vec<Vec3>, Vec<Quat>, f64) {
+        let rod = &self.rods[rod];
+        let (positions, frames) = (rod.positions.iter(), rod.quaternions.iter());
+        (positions.map(|&r| r.into()).collect(), frames.map(|&q| frame(q)).collect(), rod.seam_turns)
+    }
+
     fn flat<const N: usize>(&self, of: impl Fn(&Rod) -> &Vec<[f64; N]>) -> Vec<f64> {
         self.rods.iter().flat_map(|rod| of(rod).iter().flatten().copied()).collect()
     }
+}
+
+/// A frame from its quaternion, scalar part first; its bits are kept.
+fn frame([w, i, j, k]: [f64; 4]) -> Quat {
+    Quat::new_unchecked(supercoil::nalgebra::Quaternion::new(w, i, j, k))
 }
 
 fn rows<const N: usize>(py: Python<'_>, flat: Vec<f64>) -> PyResult<Bound<'_, PyArray2<f64>>> {

@@ -1,5 +1,7 @@
 """Equilibria of elastic rods that touch themselves and each other: DNA loops, plectonemes, knots, plies, cables."""
 
+from importlib.metadata import PackageNotFoundError, version
+
 from . import contact
 from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
@@ -14,10 +16,16 @@ from .scene import (
     Scene,
     Solver,
     Stage,
+    Step,
     StepReport,
     Support,
 )
 from .state import State
+
+try:
+    __version__ = version("supercoil")
+except PackageNotFoundError:  # sources that were not installed
+    __version__ = "0+unknown"
 
 __all__ = [
     "EquilibriumPath",
@@ -33,11 +41,13 @@ __all__ = [
     "Solver",
     "Stage",
     "State",
+    "Step",
     "StepReport",
     "SupercoilError",
     "Support",
     "SweepPlan",
     "SweepResult",
+    "__version__",
     "contact",
     "sweep",
 ]

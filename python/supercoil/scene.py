@@ -7,6 +7,8 @@ import json
 import os
 import pickle
 import sys
+import tempfile
+import webbrowser
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -14,13 +16,14 @@ from typing import Any, Literal
 
 import numpy as np
 import tomli_w
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _supercoil
+from ._inputs import Inputs, Table, check, ramp_keys, schema
 from .errors import InputError
 from .state import State
 
-Table = dict[str, Any]
+Path_ = str | os.PathLike[str]
 Vector = Sequence[float] | NDArray[Any]
 
 
@@ -30,12 +33,22 @@ class Rod:
 
     ``shape`` and ``section`` are tables such as ``{"kind": "circle", "length": 6.0}`` [L] and ``{"bending": 1.0,
     "twisting": 1.5, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.1}`` [F·L², F, L]. ``elements`` may be left
-    out where the scene has a fidelity. Closed rods have an ``excess_link`` [turns beyond the relaxed rod], or in its place
-    ``sigma`` or the whole ``link``; open ones a ``twist`` [turns]. ``dna``, such as ``{"base_pairs": 336, "salt_mM": 150}``,
-    stands for the section and the shape's length, in nm and pN.
+    out where the scene has a fidelity or the rod a sequence. Closed rods have an ``excess_link`` [turns beyond the relaxed
+    rod], or in its place ``sigma`` or the whole ``link``; open ones a ``twist`` [turns].
+
+    ``dna``, such as ``{"base_pairs": 336, "salt_mM": 150}``, stands for the section and the shape's length, in nm and pN.
+    ``sequence``, such as ``{"letters": "ACGT…", "steps": "ideal"}``, gives stiffness and natural strains; a plain string of
+    letters has the steps of ``"protein-dna-1998"``.
+
+    Wherever a scene file names a file, an array or a table may stand: ``points`` (n, 3) [L] or ``frames`` (n, 4, 3) [nm:
+    origin, d1, d2, d3] in place of ``shape`` (or as its ``"file"``); a dict of columns or a data frame as ``{"table": …}`` of
+    ``natural`` (columns ``s`` or ``from``, ``to``; ``gamma1`` … ``kappa3``) and ``section``, and as ``"steps"`` and
+    ``"proteins"`` of ``sequence``.
+
+    Raises :class:`InputError` when the scene is made: the text has the argument, its value and what is allowed.
     """
 
-    shape: Table
+    shape: Table | None = None
     section: Table | None = None
     elements: int | None = None
     name: str | None = None
@@ -48,6 +61,24 @@ class Rod:
     sigma: float | None = None
     link: float | None = None
     twist: float | None = None
+    sequence: str | Table | None = None
+    #: (n, 3) points [L] of the centreline at the start, in place of ``shape``.
+    points: ArrayLike | None = None
+    #: (n, 4, 3) base pairs [nm]: origin, d1, d2, d3; in place of ``shape``.
+    frames: ArrayLike | None = None
+
+    def _table(self) -> Table:
+        table = {f.name: getattr(self, f.name) for f in fields(self)}
+        given = {kind: table.pop(kind) for kind in ("points", "frames")}
+        arrays = {kind: np.asarray(value) for kind, value in given.items() if value is not None}
+        if len(arrays) + (self.shape is not None) != 1:
+            found = [*arrays, *(["shape"] if self.shape is not None else [])]
+            raise InputError(f"Rod: needs exactly one of shape, points, frames, found {', '.join(found) or 'none'}")
+        for kind, array in arrays.items():
+            table["shape"] = {"kind": kind, "file": array}
+        if isinstance(self.sequence, str):
+            table["sequence"] = {"letters": self.sequence, "steps": "protein-dna-1998"}
+        return table
 
 
 @dataclass(kw_only=True)
@@ -94,10 +125,16 @@ class Plane:
 class Stage:
     """What moves, in so many ``steps``. All targets are absolute and all ramps of a stage move together.
 
-    ``excess_link``: turns, or ``{"rod": …, "to": turns}``; so ``link`` [turns] and ``sigma``. ``pose``: ``{"at": …,
-    "position": [x, y, z], "quaternion": [w, x, y, z]}`` and what else the key takes in scene files. ``rotation``: ``{"at": …, "axis": […], "turns": …}``.
-    ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``plane``: displacement along its normal [L], or ``{"name": …, "to": …}``. ``load``: the factor. ``pressure``: [F/L], or a table. Lists of
-    tables move several nodes or rods.
+    ``excess_link``: turns, or ``{"rod": …, "to": turns}``; so ``link`` [turns], ``sigma``, ``pressure`` [F/L], ``length``
+    [L] and ``plane`` (displacement along its normal [L], or ``{"name": …, "to": …}``). ``pose``: ``{"at": …, "position":
+    [x, y, z], "quaternion": [w, x, y, z]}`` and what else the key takes in scene files. ``rotation``: ``{"at": …, "axis":
+    […], "turns": …}``. ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``load``: the factor of all loads.
+    ``section``: ``{"bending": …, "twisting": …, "contact_radius": …}`` and ``natural``: ``{"curvature": [k1, k2], "twist":
+    k3}`` [1/L]. Lists of tables move several nodes or rods.
+
+    ``hold`` and ``release``: supports that are there from this stage on, or no longer: :class:`Support` objects.
+    ``follow``, of the last stage with one ramp: True or ``{"step": …, "max_step": …, "max_points": …}``: the path past limit
+    points.
     """
 
     steps: int = 1
@@ -110,29 +147,26 @@ class Stage:
     pose: Table | list[Table] | None = None
     sigma: float | Table | list[Table] | None = None
     link: float | Table | list[Table] | None = None
+    section: Table | list[Table] | None = None
+    length: float | Table | list[Table] | None = None
+    natural: Table | list[Table] | None = None
+    hold: Support | Sequence[Support] | None = None
+    release: Support | Sequence[Support] | None = None
+    follow: bool | Table | None = None
 
     def _table(self) -> Table:
-        ramp = _plain(self)
-        steps = ramp.pop("steps")
-        for key in ("excess_link", "sigma", "link", "pressure", "plane"):
+        ramp = {key: getattr(self, key) for key in sorted(ramp_keys()) if getattr(self, key) is not None}
+        for key in ("excess_link", "sigma", "link", "pressure", "plane", "length"):
             if key in ramp and not isinstance(ramp[key], (dict, list)):
                 ramp[key] = {"to": ramp[key]}
-        return {"ramp": ramp, "steps": steps}
-
-
-def _plain(value: Any) -> Any:
-    """The value as TOML knows it; keys that are None are left out."""
-    if hasattr(value, "__dataclass_fields__"):
-        return _plain({f.name: getattr(value, f.name) for f in fields(value)})
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items() if entry is not None}
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
-    return value
+        table: Table = {"ramp": ramp, "steps": self.steps}
+        for key in ("hold", "release"):
+            supports = getattr(self, key)
+            if supports is not None:
+                table[key] = [supports] if isinstance(supports, Support) else list(supports)
+        if self.follow is not None and self.follow is not False:
+            table["follow"] = {} if self.follow is True else self.follow
+        return table
 
 
 def _check_threads(threads: int | None) -> None:
@@ -162,13 +196,16 @@ class Scene:
         planar: bool = False,
         title: str = "",
         units: Table | None = None,
+        temperature: float | None = None,
+        output: Table | None = None,
+        picture: Table | None = None,
     ) -> None:
-        stages = [stages] if isinstance(stages, Stage) else list(stages)
         scene = {
             "title": title,
             "planar": planar,
             "fidelity": fidelity,
             "units": units,
+            "temperature": temperature,
             "rods": [rods] if isinstance(rods, Rod) else list(rods),
             "supports": list(supports),
             "joints": list(joints),
@@ -177,13 +214,31 @@ class Scene:
             "planes": list(planes),
             "contact": contact,
             "solver": solver,
-            "stages": [stage._table() for stage in stages],
+            "output": output,
+            "picture": picture,
+            "stages": [stages] if isinstance(stages, Stage) else list(stages),
         }
-        self._read(tomli_w.dumps(_plain(scene)), Path())
+        inputs = Inputs()
+        plain = inputs.plain(scene)
+        check(plain, schema(), "")
+        self._read(tomli_w.dumps(plain), Path(), inputs.files)
 
-    def _read(self, text: str, base_dir: Path) -> None:
-        self._native = _supercoil.Scene(text, base_dir)
-        self._text, self._base_dir = text, base_dir
+    def _read(self, text: str, base_dir: Path, files: dict[str, bytes] | None = None) -> None:
+        self._text, self._base_dir, self._files = text, base_dir, files or {}
+        if not self._files:
+            self._native = _supercoil.Scene(text, base_dir)
+            return
+        # arrays are files while the scene is read; what else it names has an absolute path
+        with tempfile.TemporaryDirectory() as folder:
+            self._write_files(Path(folder))
+            try:
+                self._native = _supercoil.Scene(text, Path(folder))
+            except InputError as error:
+                raise InputError(str(error).replace(folder + os.sep, "")) from None
+
+    def _write_files(self, folder: Path) -> None:
+        for name, content in self._files.items():
+            (folder / name).write_bytes(content)
 
     @classmethod
     def from_toml(cls, source: str | os.PathLike[str]) -> Scene:
@@ -235,8 +290,31 @@ class Scene:
         )
 
     def to_toml(self) -> str:
-        """The scene as the text of a scene file, as it was read or made."""
+        """The scene as the text of a scene file, as it was read or made. Arrays are named in it as the files that
+        :meth:`save` writes."""
         return self._text
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a scene file, and beside it the files of the arrays in it: what ``supercoil run`` reads."""
+        path = Path(path)
+        path.write_text(self._text, encoding="utf-8")
+        self._write_files(path.parent)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Names of the units: ``{"length": "nm", "force": "pN"}``; L and F where none are given."""
+        length, force = self._native.units()
+        return {"length": length, "force": force}
+
+    @property
+    def notices(self) -> list[str]:
+        """What to know of the scene: a start that is not at rest in its link or its base-pair steps."""
+        return self._native.remarks()[0]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is probably not meant: a mesh too coarse, a radius in another unit."""
+        return self._native.remarks()[1]
 
     @property
     def title(self) -> str:
@@ -254,30 +332,45 @@ class Scene:
         progress: bool = False,
         callback: Callable[[State], object] | None = None,
         threads: int | None = None,
+        keep: Literal["last", "all"] | int = "last",
     ) -> Result:
         """Runs all stages.
 
         ``callback`` sees the start and every accepted state, and stops the run by returning False; its exceptions and
-        Ctrl-C end the run and pass through. ``progress`` prints a line a step to the error stream. ``threads`` do not
-        change the result; by default all are used. Other Python threads go on meanwhile.
+        Ctrl-C end the run and pass through. ``progress`` shows how far the run is on the error stream: one line that is
+        written over on a terminal, else a line a step. ``threads`` do not change the result; by default all are used. Other
+        Python threads go on meanwhile. ``keep``: which states :attr:`Result.states` has, the last one only, all of them, or
+        every so many steps (the start and the last always).
+
+        In a process that was forked after a run (``multiprocessing`` with "fork") a run uses one thread unless it is given
+        more.
 
         Raises :class:`InputError` and :class:`SolveError`; a run that does not converge has a status in its result.
         """
         _check_threads(threads)
+        every = {"last": None, "all": 1}.get(keep, keep) if isinstance(keep, str) else keep
+        if isinstance(every, str) or (every is not None and (isinstance(every, bool) or every < 1)):
+            raise InputError(f"keep = {keep!r}: must be 'last', 'all' or a number of steps of at least 1")
+        states: list[State] = []
+        bar = _Bar(self._native.num_steps()) if progress else None
 
         def seen(native: _supercoil.State) -> object:
             state = State(native)
-            if progress:
-                step = state.observation
-                print(
-                    f"step {step['step']}: stage {step['stage'] + 1} at {100 * step['fraction']:.0f} %, "
-                    f"energy {step['energies']['total']:.6g}, {step['num_sites']} contact sites",
-                    file=sys.stderr,
-                )
+            step = int(state.observation["step"])
+            if every is not None and step % every == 0:
+                states.append(state)
+            if bar is not None:
+                bar.show(state)
             return None if callback is None else callback(state)
 
-        watch = seen if progress or callback is not None else None
-        return Result(self, *self._native.run(watch, threads))
+        watch = seen if progress or callback is not None or every is not None else None
+        result = Result(self, *self._native.run(watch, threads))
+        if bar is not None:
+            bar.close()
+        if states and states[-1].observation["step"] == result.state.observation["step"]:
+            states.pop()
+        result.states = [*states, result.state]
+        return result
 
     def solver(self, threads: int | None = None) -> Solver:
         """The solver, to be driven by hand; the stages of the scene are not run."""
@@ -285,17 +378,51 @@ class Scene:
         return Solver(self, threads)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _scene_of, (self._text, self._base_dir)
+        return _scene_of, (self._text, self._base_dir, self._files)
 
     def __repr__(self) -> str:
         names = ", ".join(rod["name"] for rod in self.rods)
         return f"<Scene {self.title!r}: {names}>"
 
 
-def _scene_of(text: str, base_dir: Path) -> Scene:
+def _scene_of(text: str, base_dir: Path, files: dict[str, bytes]) -> Scene:
     scene = Scene.__new__(Scene)
-    scene._read(text, base_dir)
+    scene._read(text, base_dir, files)
     return scene
+
+
+class _Bar:
+    """How far a run is, on the error stream."""
+
+    def __init__(self, steps: int) -> None:
+        self.steps, self.on_terminal = steps, sys.stderr.isatty()
+
+    def show(self, state: State) -> None:
+        step = state.observation
+        told = (
+            f"step {step['step']}: stage {step['stage'] + 1} at {100 * step['fraction']:.0f} %, "
+            f"energy {step['energies']['total']:.6g}, {step['num_sites']} contact sites"
+        )
+        if not self.on_terminal:
+            print(told, file=sys.stderr)
+            return
+        done = min(step["step"] / self.steps, 1.0) if self.steps else 1.0
+        bar = "#" * round(20 * done)
+        print(f"\r{100 * done:3.0f} % [{bar:<20}] {told}\033[K", end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        if self.on_terminal:
+            print(file=sys.stderr)
+
+
+class Step(dict[str, Any]):
+    """The report of one accepted step: its entries (as in ``summary.json``) are attributes, too: ``step.energies``."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"a step has no {name!r}, but {', '.join(self)}") from None
 
 
 class Result:
@@ -307,8 +434,10 @@ class Result:
         self.scene = scene
         #: The last accepted state.
         self.state = State(state)
-        #: Reports of all accepted steps, the start first, as in ``summary.json``.
-        self.steps: list[dict[str, Any]] = json.loads(steps)
+        #: The states that were kept, in order; the last one is ``state``.
+        self.states: list[State] = [self.state]
+        #: Reports of all accepted steps, the start first, as in ``summary.json``: dicts whose entries are attributes, too.
+        self.steps: list[Step] = [Step(step) for step in json.loads(steps)]
         #: "converged", "stopped", or why the run went no further ("bent as tightly as it is thick" where a rod's
         #: thickness is the reason); "overlap" if it arrived with tubes inside each other
         #: where contact does not resist it.
@@ -333,11 +462,99 @@ class Result:
         missing = {name: [np.nan if value is None else value for value in values] for name, values in columns}
         return {name: np.array(values) for name, values in missing.items()}
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column of :attr:`table`, for example "pN nm"; "" of plain numbers and texts."""
+        return {name: unit for name, unit, _ in self.scene._native.columns()}
+
+    @property
+    def meanings(self) -> dict[str, str]:
+        """Meaning of each column of :attr:`table`."""
+        return {name: meaning for name, _, meaning in self.scene._native.columns()}
+
     def to_pandas(self) -> Any:
-        """The table as a ``pandas.DataFrame``; needs pandas."""
+        """The table as a ``pandas.DataFrame``, its units in ``frame.attrs["units"]``; needs pandas."""
         import pandas
 
-        return pandas.DataFrame(self.table)
+        frame = pandas.DataFrame(self.table)
+        frame.attrs["units"] = self.units
+        return frame
+
+    def to_polars(self) -> Any:
+        """The table as a ``polars.DataFrame``; needs polars. Units: :attr:`units`."""
+        import polars
+
+        return polars.DataFrame(dict(self.table))
+
+    def export(
+        self,
+        *,
+        oxdna: Path_ | None = None,
+        xyz: Path_ | None = None,
+        vect: Path_ | None = None,
+        pdb: Path_ | None = None,
+        par: Path_ | None = None,
+        ref_frames: Path_ | None = None,
+        npy: Path_ | None = None,
+        glb: Path_ | None = None,
+        vtk: Path_ | None = None,
+        directory: Path_ | None = None,
+        rod: str | None = None,
+        base_pairs: int | None = None,
+        sequence: str | None = None,
+        color: Literal["strand", "pressure", "curvature", "twist_rate"] = "strand",
+    ) -> None:
+        """Writes the last state into files, each argument a path.
+
+        Of base pairs (units nm): ``oxdna`` (the name of NAME.top and NAME.dat), ``xyz`` and ``vect`` [nm], ``pdb`` (atoms P of
+        both strands) [Å], ``par`` and ``ref_frames`` as 3DNA has them, ``npy`` (n, 4, 3) [nm]. ``rod``: which, where there are
+        several. ``sequence``: its letters, where the rod has none; ``base_pairs``: how many, where neither tells.
+
+        ``glb``: binary glTF, and ``directory``: all files that ``supercoil run`` writes, of the states kept (``keep="all"``);
+        ``vtk``: a ``.vtp`` file of the last state. ``color``: by what rods are coloured in ``glb``.
+
+        Raises :class:`InputError` for other units than nm, a rod that is not there, a number of letters that does not fit,
+        files that cannot be written.
+        """
+        given = {"oxdna": oxdna, "xyz": xyz, "vect": vect, "pdb": pdb, "par": par, "ref_frames": ref_frames, "npy": npy}
+        formats = {name: path for name, path in given.items() if path is not None}
+        if not formats and glb is None and vtk is None and directory is None:
+            raise InputError(f"export: names no file: give one of {', '.join([*given, 'glb', 'vtk', 'directory'])}")
+        if formats:
+            _supercoil.export(self.scene._native, self.state._native, rod, base_pairs, sequence, formats)
+        if directory is not None:
+            self._write_run(Path(directory), for_page=False)
+        if glb is None and vtk is None:
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            self._write_run(Path(folder))
+            if glb is not None:
+                _supercoil.write_glb(Path(folder), glb, color)
+            if vtk is not None:
+                last = max(Path(folder).glob("step_*.vtp"))
+                Path(vtk).write_bytes(last.read_bytes())
+
+    def _write_run(self, folder: Path, for_page: bool = True) -> None:
+        """The files of a run with the states that were kept: those of the scene's outputs, or those of a page."""
+        states = [state._native for state in self.states]
+        outcome = (self.converged, self.status, self.seconds)
+        _supercoil.write_files(self.scene._native, states, folder, *outcome, for_page)
+
+    def page(self) -> str:
+        """The page of ``supercoil view`` as text (HTML): the states that were kept, to turn and to step through."""
+        with tempfile.TemporaryDirectory() as folder:
+            self._write_run(Path(folder))
+            return (Path(folder) / "view.html").read_text(encoding="utf-8")
+
+    def view(self, path: Path_ | None = None, open_browser: bool = True) -> Path:
+        """Writes :meth:`page` into a file and shows it in the browser; returns the file (a temporary one without ``path``)."""
+        if path is None:
+            path = Path(tempfile.mkdtemp(prefix="supercoil-")) / "view.html"
+        file = Path(path).absolute()
+        file.write_text(self.page(), encoding="utf-8")
+        if open_browser:
+            webbrowser.open(file.as_uri())
+        return file
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes scene, last state and reports into a file for :meth:`load`."""
@@ -352,32 +569,54 @@ class Result:
         return result
 
     def __reduce__(self) -> tuple[Any, ...]:
-        state = self.state._native.to_bytes()
-        return _result_of, (self.scene, state, self._steps, self.status, self.failure, self.seconds)
+        states = [state._native.to_bytes() for state in self.states]
+        return _result_of, (self.scene, states, self._steps, self.status, self.failure, self.seconds)
 
-    def plot(self, x: str, y: str, ax: Any = None) -> Any:
-        """Draws two columns of :attr:`table` against each other; returns the matplotlib axes. Needs matplotlib."""
+    def plot(self, x: str, y: str | Sequence[str], ax: Any = None) -> Any:
+        """Draws columns of :attr:`table` against another, axes with their units; returns the matplotlib axes. Needs
+        matplotlib.
+
+        Raises :class:`InputError` for columns that are not there.
+        """
+        names, table, units = [y] if isinstance(y, str) else list(y), self.table, self.units
+        for name in (x, *names):
+            if name not in table:
+                raise InputError(f"plot: there is no column {name!r}; there are {', '.join(table)}")
         if ax is None:
             import matplotlib.pyplot
 
             ax = matplotlib.pyplot.figure().add_subplot()
-        ax.plot(self.table[x], self.table[y], marker=".")
-        ax.set_xlabel(x)
-        ax.set_ylabel(y)
+        for name in names:
+            ax.plot(table[x], table[name], marker=".", label=name)
+        if len(names) > 1:
+            ax.legend()
+
+        def label(name: str) -> str:
+            return f"{name} [{units[name]}]" if units.get(name) else name
+
+        ax.set_xlabel(label(x))
+        ax.set_ylabel(label(names[0]) if len(names) == 1 else units.get(names[0], ""))
         return ax
 
     def _repr_png_(self) -> bytes:
         return self.state._repr_png_()
 
     def _repr_html_(self) -> str:
-        return f"<p>{html.escape(repr(self))}</p>{self.state._repr_html_()}"
+        page = html.escape(self.page())
+        frame = f'<iframe srcdoc="{page}" style="width: 100%; height: 480px; border: 0"></iframe>'
+        return f"<p>{html.escape(repr(self))}</p>{frame}{self.state._energies_html()}"
 
     def __repr__(self) -> str:
         return f"<Result: {self.status} after {len(self.steps) - 1} steps, {self.seconds:.2f} s>"
 
 
-def _result_of(scene: Scene, state: bytes, steps: str, status: str, failure: str | None, seconds: float) -> Result:
-    return Result(scene, _supercoil.State.from_bytes(state), steps, status, failure, seconds)
+def _result_of(
+    scene: Scene, states: list[bytes], steps: str, status: str, failure: str | None, seconds: float
+) -> Result:
+    kept = [_supercoil.State.from_bytes(state) for state in states]
+    result = Result(scene, kept[-1], steps, status, failure, seconds)
+    result.states = [*map(State, kept[:-1]), result.state]
+    return result
 
 
 @dataclass(frozen=True)
@@ -424,6 +663,14 @@ class EquilibriumPath:
     points: list[PathPoint]
 
 
+def _stage_text(stage: Stage) -> str:
+    """The text of a stage, checked; its argument names are those of the call."""
+    plain = Inputs().plain(stage)
+    rule = schema()["$defs"]["RampText"]
+    check(plain["ramp"], rule, "")
+    return tomli_w.dumps({"stages": [plain]})
+
+
 class Solver:
     """Equilibria one after the other, each from the one before."""
 
@@ -445,6 +692,10 @@ class Solver:
         pose: Table | list[Table] | None = None,
         sigma: float | Table | list[Table] | None = None,
         link: float | Table | list[Table] | None = None,
+        plane: float | Table | list[Table] | None = None,
+        section: Table | list[Table] | None = None,
+        length: float | Table | list[Table] | None = None,
+        natural: Table | list[Table] | None = None,
     ) -> StepReport:
         """Moves all that is given to its target in one step, without cut-back; targets as in :class:`Stage`.
 
@@ -459,8 +710,12 @@ class Solver:
             pose=pose,
             sigma=sigma,
             link=link,
+            plane=plane,
+            section=section,
+            length=length,
+            natural=natural,
         )
-        return StepReport(*self._native.step_to(tomli_w.dumps({"stages": [stage._table()]})))
+        return StepReport(*self._native.step_to(_stage_text(stage)))
 
     def follow(
         self,
@@ -482,7 +737,7 @@ class Solver:
         stage = Stage(
             excess_link=excess_link, rotation=rotation, displacement=displacement, load=load, pressure=pressure
         )
-        text = tomli_w.dumps({"stages": [stage._table()]})
+        text = _stage_text(stage)
         end, points = self._native.follow(text, (step, max_step), max_points)
         return EquilibriumPath(end, [PathPoint(kind, value, unstable, State(state)) for kind, value, unstable, state in points])
 

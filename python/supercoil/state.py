@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _supercoil
+from .errors import InputError
 
 if TYPE_CHECKING:
     import os
@@ -124,10 +125,36 @@ class State:
 
     def _link_number(self, name: str) -> float:
         links = self.observation["links"]
+        ends = self.observation["ends"]
+        if not links and len(ends) == 1:
+            # of an open rod whose end tangents are not parallel there is neither link nor writhe
+            return float("nan") if ends[0][name] is None else float(ends[0][name])
         if len(links) != 1:
             closed = [self.rod_names[link["rod"]] for link in links]
-            raise AttributeError(f"{name}: must be of exactly one closed rod, found {closed}: see state.links")
+            raise AttributeError(f"{name}: must be of exactly one closed rod, found {closed}: see state.links, state.ends")
         return float(links[0][name])
+
+    @property
+    def ends(self) -> list[dict[str, Any]]:
+        """Of every open rod: ``start``, ``end`` [L], ``twist``, ``excess_twist``, ``link``, ``writhe`` [turns]; link and
+        writhe are None where the end tangents are not parallel."""
+        return list(self.observation["ends"])
+
+    def end_moments(self, rod: str | None = None) -> dict[str, NDArray[Any]]:
+        """Moments [F·L], in the global axes, that the supports exert at the ends of an open rod: ``start``, ``end`` (3,);
+        zero at an end that is free to turn."""
+        index = 0 if rod is None and len(self.rod_names) == 1 else self._rod_index(rod)
+        first, end = self.node_ranges[index]
+        moments = {"start": np.zeros(3), "end": np.zeros(3)}
+        for reaction in self.reactions:
+            if reaction["rod"] == index and reaction["node"] in (0, end - first - 1):
+                moments["start" if reaction["node"] == 0 else "end"] += np.array(reaction["moment"])
+        return moments
+
+    def _rod_index(self, rod: str | None) -> int:
+        if rod not in self.rod_names:
+            raise InputError(f"rod = {rod!r}: must be one of {', '.join(map(repr, self.rod_names))}")
+        return self.rod_names.index(rod)
 
     @property
     def links(self) -> list[dict[str, float]]:
@@ -136,17 +163,18 @@ class State:
 
     @property
     def link(self) -> float:
-        """Link of the one closed rod, turns; of several see :attr:`links`."""
+        """Link of the one rod, turns; of several see :attr:`links`. Of an open one the link of the rod extended by straight
+        lines, NaN where its end tangents are not parallel."""
         return self._link_number("link")
 
     @property
     def twist(self) -> float:
-        """Twist of the one closed rod, turns."""
+        """Twist of the one rod, turns."""
         return self._link_number("twist")
 
     @property
     def writhe(self) -> float:
-        """Writhe of the one closed rod, turns."""
+        """Writhe of the one rod, turns; of an open one as :attr:`link`."""
         return self._link_number("writhe")
 
     @property
@@ -186,13 +214,14 @@ class State:
             self.save_picture(path, 600, 450)
             return path.read_bytes()
 
+    def _energies_html(self) -> str:
+        energies = "".join(f"<tr><td>{kind}</td><td>{value:.6g}</td></tr>" for kind, value in self.energies.items())
+        return f"<table><tr><th>energy</th><th>F·L</th></tr>{energies}</table>"
+
     def _repr_html_(self) -> str:
         picture = base64.b64encode(self._repr_png_()).decode()
-        energies = "".join(f"<tr><td>{kind}</td><td>{value:.6g}</td></tr>" for kind, value in self.energies.items())
-        return (
-            f'<p>{html.escape(repr(self))}</p><img src="data:image/png;base64,{picture}"/>'
-            f"<table><tr><th>energy</th><th>F·L</th></tr>{energies}</table>"
-        )
+        image = f'<img src="data:image/png;base64,{picture}"/>'
+        return f"<p>{html.escape(repr(self))}</p>{image}{self._energies_html()}"
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the centrelines, axes to scale; returns the matplotlib axes. Needs matplotlib."""

@@ -5,6 +5,7 @@ import os
 import pickle
 import signal
 import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -192,9 +193,14 @@ def test_a_picture_is_a_png_of_the_size_asked_for(result: Result, tmp_path: Path
 
 def test_results_show_themselves_in_notebooks(result: Result) -> None:
     shown = result._repr_html_()
-    assert "data:image/png;base64," in shown and "&lt;Result: converged" in shown and "<td>twisting</td>" in shown
+    assert "<iframe srcdoc=" in shown and "&lt;Result: converged" in shown and "<td>twisting</td>" in shown
+    assert "data:image/png;base64," in result.state._repr_html_()
     axes = result.plot("excess_link", "writhe")
-    assert list(axes.lines[0].get_ydata()) == list(result.table["writhe"]) and axes.get_ylabel() == "writhe"
+    assert list(axes.lines[0].get_ydata()) == list(result.table["writhe"]) and axes.get_ylabel() == "writhe [turns]"
+    both = result.plot("excess_link", ["writhe", "excess_twist"])
+    assert [line.get_label() for line in both.lines] == ["writhe", "excess_twist"]
+    with pytest.raises(supercoil.InputError, match="there is no column 'wirthe'; there are step, "):
+        result.plot("excess_link", "wirthe")
     line = result.state.plot().lines[0]
     closed = np.vstack([result.state.positions, result.state.positions[:1]])
     assert np.array_equal(np.array(line.get_data_3d()).T, closed)
@@ -235,3 +241,93 @@ def test_curves_without_link_or_writhe_are_refused() -> None:
     through = circle[:, [0, 2, 1]] + [1.0, 0.0, 0.0]
     assert abs(supercoil.contact.link(circle, through)) == pytest.approx(1.0, abs=1e-12)
     assert supercoil.contact.link(circle, np.repeat(through, 2, axis=0) + [3.0, 0.0, 0.0]) == pytest.approx(0.0)
+def in_child(_: int) -> bytes:
+    """The bits of a run in a forked process."""
+    return ring().run().state.positions.tobytes()
+
+
+def test_forked_processes_run() -> None:
+    """Symptom: a run in a process forked after a run never ended. Mechanism: the copy has no threads of the pool.
+
+    In a process of its own, because a hang is to fail rather than to stop the tests.
+    """
+    text = (
+        "import multiprocessing, sys; sys.path.insert(0, sys.argv[1])\n"
+        "from test_run import in_child, ring\n"
+        "here = ring().run().state.positions.tobytes()\n"
+        "with multiprocessing.get_context('fork').Pool(2) as pool:\n"
+        "    assert pool.map(in_child, range(2)) == [here, here]\n"
+    )
+    subprocess.run([sys.executable, "-P", "-c", text, str(Path(__file__).parent)], check=True, timeout=120)
+
+
+def test_states_are_kept_as_asked() -> None:
+    every = ring().run(keep="all")
+    assert [state.observation["step"] for state in every.states] == list(range(len(every.steps)))
+    assert np.array_equal(every.states[-1].positions, every.state.positions)
+    third = ring().run(keep=3)
+    assert [state.observation["step"] for state in third.states] == [0, 3, 4]
+    assert len(ring(0.5, 2).run().states) == 1
+    assert len(pickle.loads(pickle.dumps(third)).states) == 3
+    for bad in ("some", 0, True):
+        with pytest.raises(supercoil.InputError, match="keep = .*: must be 'last', 'all' or a number of steps"):
+            ring().run(keep=bad)  # type: ignore[arg-type]
+
+
+def test_steps_have_names_and_columns_units(result: Result) -> None:
+    assert result.steps[-1].energies == result.steps[-1]["energies"] == result.state.energies
+    with pytest.raises(AttributeError, match="a step has no 'energy', but stage, step"):
+        _ = result.steps[0].energy
+    assert set(result.units) == set(result.table) == set(result.meanings)
+    assert result.units["writhe"] == "turns" and result.units["total_energy"] == "F L"
+    frame = pytest.importorskip("pandas") and result.to_pandas()
+    assert frame.attrs["units"]["writhe"] == "turns"
+    polars = pytest.importorskip("polars")
+    assert isinstance(result.to_polars(), polars.DataFrame)
+
+
+def test_results_become_files(tmp_path: Path) -> None:
+    letters = "ACGTTGCAAG" * 9
+    length = 90 * 0.34
+    rod = Rod(
+        closed=True,
+        shape={"kind": "circle", "length": length},
+        sequence={"letters": letters, "steps": "ideal"},
+        section={"contact_radius": 0.5},
+        link=9,
+    )
+    result = Scene(rod).run(keep="all")
+    files = {name: tmp_path / f"m.{name}" for name in ("xyz", "vect", "pdb", "par", "ref_frames", "npy", "glb", "vtk")}
+    result.export(**files, oxdna=tmp_path / "m", directory=tmp_path / "run")  # type: ignore[arg-type]
+    frames = np.load(files["npy"])
+    assert frames.shape == (90, 4, 3)
+    assert np.allclose(frames[::3, 0], result.state.positions[::3], atol=1e-9)
+    names = [line.split()[0] for line in files["par"].read_text().splitlines()[3:]]
+    pairs = {"A": "A-T", "C": "C-G", "G": "G-C", "T": "T-A"}
+    assert names == [pairs[base] for base in letters + letters[0]]
+    atoms = [line for line in files["pdb"].read_text().splitlines() if line.startswith("ATOM")]
+    assert [atom[17:20] for atom in atoms[:4]] == [" DA", " DC", " DG", " DT"] and len(atoms) == 180
+    assert (tmp_path / "m.top").read_text().startswith("180 2\n") and files["glb"].read_bytes()[:4] == b"glTF"
+    assert files["vtk"].read_bytes()[:5] == b"<?xml" and (tmp_path / "run" / "view.html").exists()
+    with pytest.raises(supercoil.InputError, match="export: names no file: give one of oxdna, xyz"):
+        result.export()
+    with pytest.raises(supercoil.InputError, match="sequence: has 4 bases"):
+        result.export(par=tmp_path / "x.par", sequence="ACGT")
+    with pytest.raises(supercoil.InputError, match="units.length = \"L\": must be \"nm\""):
+        ring(0.5, 1).run().export(par=tmp_path / "x.par")
+
+
+def test_results_have_a_page(result: Result, tmp_path: Path) -> None:
+    file = result.view(tmp_path / "ring.html", open_browser=False)
+    assert file.read_text().lstrip().lower().startswith("<!doctype html>")
+
+
+def test_the_command_line_comes_along(tmp_path: Path) -> None:
+    (tmp_path / "ring.toml").write_text(ring(0.5, 1).to_toml())
+    program = [sys.executable, "-m", "supercoil"]
+    told = subprocess.run([*program, "check", "ring.toml"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert told.returncode == 0 and "nothing to object" in told.stdout
+    told = subprocess.run([*program, "run", "none.toml"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert told.returncode == 2 and "none.toml" in told.stderr
+    told = subprocess.run([*program, "--version"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert told.stdout.strip() == f"supercoil {supercoil.__version__}"

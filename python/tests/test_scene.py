@@ -1,12 +1,16 @@
 """Scenes: made of objects, read from text and files, refused with key and value; the solver by hand; contact alone."""
 
+import dataclasses
+import inspect
 import pickle
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import supercoil
 from supercoil import InputError, LineLoad, Load, Plane, Rod, Scene, Stage, SupercoilError, Support, contact
+from supercoil._inputs import schema
 
 ROOT = Path(__file__).parents[2]
 SECTION = {"bending": 1.0, "twisting": 1.5, "stretching": 1e6, "shearing": 1e6, "contact_radius": 0.0}
@@ -72,6 +76,17 @@ def test_minicircle_has_the_numbers_of_dna() -> None:
         (lambda: cantilever(stages=Stage(displacement={"at": 900, "to": [0, 0, 0]})), "900"),
         (lambda: cantilever().run(threads=0), "threads = 0: must be at least 1"),
         (lambda: cantilever().solver().step_to(excess_link=1.0), "excess_link"),
+        (lambda: cantilever().solver().step_to(rotation={"at": "end", "turn": 1}), "rotation.turn = 1: there is no such key"),
+        (lambda: Scene(Rod(shape=LINE, section={"bendin": 1.0})), r"rods\[0\].section.bendin = 1.0: .*meant: bending\?"),
+        (lambda: Scene(Rod(shape=LINE, section=SECTION, elements=2.5)), r"rods\[0\].elements = 2.5: must be an int"),  # type: ignore[arg-type]
+        (lambda: Scene(Rod(shape=LINE, section=SECTION, order=7)), r"rods\[0\].order = 7: must be at least 1 and at most 3"),
+        (lambda: Scene(Rod(shape={"kind": "lime"})), r"rods\[0\].shape.kind = 'lime': must be one of 'line'"),
+        (lambda: Scene(Rod(section=SECTION)), "Rod: needs exactly one of shape, points, frames, found none"),
+        (lambda: Scene(Rod(points=np.zeros((5, 2)), section=SECTION)), r"shape.file: has shape \(5, 2\)"),
+        (lambda: Scene(Rod(points=np.array([[0, 0, 0], [1, np.nan, 0]]), section=SECTION)), r"shape.file\[1, 1\] = nan"),
+        (lambda: cantilever(fidelity="best"), "fidelity = 'best': must be one of 'draft', 'balanced', 'reference'"),
+        (lambda: cantilever(temperature=-3.0), "temperature = -3.0: must be greater than 0 K"),
+        (lambda: Scene(Rod(shape=LINE, section=SECTION), supports=[Support(at="middle")]), r"supports\[0\].at = 'middle'"),
         (lambda: contact.detect([contact.Curve(points=[[0, 0]], radius=1.0)]), r"curves\[0\].points: has 2 columns"),
         (lambda: contact.detect([contact.Curve(points=np.eye(3), radius=-1.0)]), "-1"),
     ],
@@ -103,8 +118,11 @@ def test_the_solver_goes_by_hand() -> None:
 def test_link_numbers_want_one_closed_rod() -> None:
     state = cantilever().solver().state
     assert state.links == []
+    # of one open rod: that of the rod extended by straight lines
+    assert state.link == pytest.approx(0.0, abs=1e-12) and state.twist == pytest.approx(0.0, abs=1e-12)
+    two = Scene([Rod(name=name, shape=LINE, section=SECTION, elements=2) for name in "ab"]).solver().state
     with pytest.raises(AttributeError, match="link: must be of exactly one closed rod"):
-        _ = state.link
+        _ = two.link
 
 
 def test_contact_of_a_ring_and_a_rod() -> None:
@@ -151,3 +169,122 @@ def test_states_become_polydata() -> None:
     assert mesh.n_points == 12 + 7 and mesh.n_lines == 2
     assert mesh.lines.tolist() == [13, *range(12), 0, 7, *range(12, 19)]
     assert np.array_equal(mesh.point_data["d3"], state.frames[:, 2])
+
+
+KEYS = {
+    Rod: ("RodText", {"points", "frames"}),
+    Support: ("SupportText", set()),
+    Load: ("LoadText", set()),
+    LineLoad: ("LineLoadText", set()),
+    Plane: ("PlaneText", set()),
+}
+
+
+@pytest.mark.parametrize("kind", KEYS)
+def test_classes_have_all_keys(kind: type) -> None:
+    """The keys are those of scene files, whose schema the library makes from the types that read them."""
+    name, more = KEYS[kind]
+    names = {field.name for field in dataclasses.fields(kind)}
+    assert names - more == set(schema()["$defs"][name]["properties"])
+
+
+def test_scenes_and_stages_have_all_keys() -> None:
+    parameters = set(inspect.signature(Scene.__init__).parameters) - {"self"}
+    assert parameters == set(schema()["properties"])
+    stage, ramp = (set(schema()["$defs"][name]["properties"]) for name in ("StageText", "RampText"))
+    assert {field.name for field in dataclasses.fields(Stage)} == ramp | (stage - {"ramp"})
+    solver = set(inspect.signature(supercoil.Solver.step_to).parameters) - {"self"}
+    assert solver == ramp
+
+
+def test_supports_come_and_go() -> None:
+    """A cantilever whose end is held from the first stage on, carried, then let go: it springs back."""
+    end = Support(at="end", position=True)
+    scene = cantilever(
+        stages=[
+            Stage(hold=end, displacement={"at": "end", "to": [0, 0.1, 0]}, steps=2),
+            Stage(release=end),
+        ]
+    )
+    result = scene.run(keep="all")
+    ends = [state.positions[-1, 1] for state in result.states]
+    assert max(ends) == pytest.approx(0.1) and ends[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_natural_curvature_and_length_are_ramped() -> None:
+    stages = [Stage(natural={"curvature": [0.5, 0.0]}, steps=2), Stage(length=1.1)]
+    state = cantilever(stages=stages).run().state
+    # an arc of curvature 1/2 and length 1.1
+    assert np.linalg.norm(state.positions[-1]) == pytest.approx(2 * 2 * np.sin(1.1 / 4), rel=1e-6)
+    assert state.twist == pytest.approx(0.0, abs=1e-12)
+
+
+def test_arrays_stand_for_files(tmp_path: Path) -> None:
+    t = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    points = np.stack([np.cos(t), np.sin(t), 0 * t], axis=1)
+    rod = Rod(closed=True, points=points, section=SECTION, elements=12, natural={"table": {"s": [0, 6.2831], "kappa1": [0.5, 0.5]}})
+    with pytest.raises(InputError, match="natural: ends at s = 6.2831, but the rod is 6.28"):
+        Scene(rod)
+    scene = Scene(Rod(closed=True, points=points, section=SECTION, elements=12))
+    assert scene.rods[0]["length"] == pytest.approx(2 * np.pi, rel=1e-5)
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.rods == scene.rods
+    scene.save(tmp_path / "ring.toml")
+    assert Scene.from_toml(tmp_path / "ring.toml").rods == scene.rods
+    frames = np.zeros((43, 4, 3))
+    frames[:, 0, 2] = 0.34 * np.arange(43)
+    frames[:, 1:] = np.eye(3)
+    pairs = Scene(Rod(frames=frames, dna={"base_pairs": 42}, elements=14, natural={"curvature": [0, 0], "twist": 0.0}))
+    assert pairs.rods[0]["num_nodes"] == 43 and pairs.units == {"length": "nm", "force": "pN"}
+    steps = {
+        "step": range(1, 8),
+        **{name: np.zeros(7) for name in ("tilt", "shift", "slide")},
+        "roll": np.linspace(0, 6, 7),
+        "twist": np.full(7, 34.0),
+        "rise": np.full(7, 3.4),
+        **{f"{name}_{name}": np.full(7, 0.05) for name in ("tilt", "roll", "twist")},
+        **{f"{name}_{name}": np.full(7, 20.0) for name in ("shift", "slide", "rise")},
+    }
+    pandas = pytest.importorskip("pandas")
+    for table in (steps, pandas.DataFrame(steps)):
+        own = Rod(
+            shape={"kind": "line", "length": 7 * 0.34},
+            sequence={"letters": "ACGTACGT", "steps": table},
+            section={"contact_radius": 0.0},
+        )
+        result = Scene(own, supports=[Support(at="start", position=True, rotation=True)]).run()
+        result.export(par=tmp_path / "own.par")
+        rows = [[float(cell) for cell in line.split()[1:]] for line in (tmp_path / "own.par").read_text().splitlines()[3:]]
+        assert np.array(rows)[1:, 10] == pytest.approx(np.linspace(0, 6, 7), abs=1e-5)
+
+
+def test_a_sequence_may_be_a_string() -> None:
+    rod = Rod(shape={"kind": "line", "length": 20 * 0.34}, sequence={"letters": "random:21:5", "steps": "ideal"}, section={"contact_radius": 0.0})
+    scene = Scene(rod)
+    assert scene.rods[0]["num_nodes"] == 22 and scene.units["force"] == "pN"
+    with pytest.raises(InputError, match="sequence counts in nm and pN, but units are m and N"):
+        Scene(rod, units={"length": "m", "force": "N"})
+    with pytest.raises(InputError, match="ends at s = .*, but the rod is 6.8 long"):
+        Scene(Rod(shape={"kind": "line", "length": 6.8}, sequence="ACGTACGTACGTACGTACGTA", section={"contact_radius": 0.0}))
+
+
+def test_ends_of_open_rods_have_moments() -> None:
+    ends = [Support(at=at, position=True, rotation=True) for at in ("start", "end")]
+    solver = Scene(Rod(shape=LINE, section=SECTION, elements=8), supports=ends).solver()
+    solver.step_to(rotation={"at": "end", "axis": [1, 0, 0], "turns": 0.25})
+    state = solver.state
+    moments = state.end_moments()
+    assert moments["end"][0] == pytest.approx(1.5 * 2 * np.pi * 0.25)
+    assert moments["start"][0] == pytest.approx(-moments["end"][0])
+    assert state.twist == pytest.approx(0.25) and state.link == pytest.approx(0.25) and state.ends[0]["rod"] == 0
+    with pytest.raises(InputError, match="rod = 'none': must be one of 'rod'"):
+        state.end_moments("none")
+
+
+def test_help_tells_shapes_units_and_errors() -> None:
+    for thing in (Rod, Stage, Scene.run, supercoil.Result.export, supercoil.State.end_moments):
+        text = inspect.getdoc(thing)
+        assert text and ("[" in text or "Raises" in text), thing
+    for name in supercoil.__all__:
+        thing = getattr(supercoil, name)
+        assert name == "__version__" or inspect.getdoc(thing), name

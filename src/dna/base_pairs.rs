@@ -1,6 +1,7 @@
 //! Base pairs of a molecule, and their file formats: oxDNA, XYZ, VECT, PDB, frames as NumPy arrays, 3DNA's frames and
 //! step parameters.
 
+mod at_rest;
 mod frames;
 pub(super) mod oxdna;
 mod points;
@@ -9,11 +10,15 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use crate::dna::HELICAL_REPEAT;
+use crate::dna::pose::parameters;
+use crate::dna::sequence::Sequence;
 use crate::error::InputError;
 use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange;
 use crate::math::{Quat, Vec3};
 use crate::text::read_regular_bytes;
+
+pub use at_rest::{AtRest, StepDeviation};
 
 /// oxDNA's unit of length, nm.
 const OXDNA_LENGTH: f64 = 0.8518;
@@ -32,6 +37,8 @@ pub struct BasePairs {
     pub frames: Vec<Quat>,
     /// Whether the first pair follows the last.
     pub closed: bool,
+    /// The bases, where they are known: files name them.
+    pub sequence: Option<Sequence>,
 }
 
 /// The nodes of a rod as its elements interpolate them.
@@ -79,6 +86,17 @@ impl Nodes<'_> {
         (position, Quat::new_normalize(nalgebra::Quaternion::from(sum)))
     }
 
+    /// Refuses a number of nodes that does not fit the order.
+    fn check(&self) -> Result<(), InputError> {
+        let segments = self.num_segments();
+        let whole = (1..=3).contains(&self.order) && segments > 0 && segments.is_multiple_of(self.order);
+        if whole && self.frames.len() == self.positions.len() {
+            return Ok(());
+        }
+        let allowed = "a multiple of the order (plus 1 if open), with as many frames";
+        Err(InputError::Count { field: "nodes".to_owned(), value: self.positions.len(), allowed })
+    }
+
     /// Twist of the frames along the rod, turns.
     fn twist(&self) -> f64 {
         let turn = |k: usize| (self.node(k).1.inverse() * self.node(k + 1).1).scaled_axis().z;
@@ -101,12 +119,7 @@ impl BasePairs {
             let field = "number of base pairs".to_owned();
             return Err(InputError::Count { field, value: count, allowed: "at least 2" });
         }
-        let segments = nodes.num_segments();
-        let whole = (1..=3).contains(&nodes.order) && segments > 0 && segments.is_multiple_of(nodes.order);
-        if !whole || nodes.frames.len() != nodes.positions.len() {
-            let allowed = "a multiple of the order (plus 1 if open), with as many frames";
-            return Err(InputError::Count { field: "nodes".to_owned(), value: nodes.positions.len(), allowed });
-        }
+        nodes.check()?;
         let steps = if nodes.closed.is_some() { count } else { count - 1 };
         let natural = steps as f64 / HELICAL_REPEAT;
         let added = match nodes.closed {
@@ -120,7 +133,38 @@ impl BasePairs {
             (position, frame * spin(TAU * added * (k as f64 / steps as f64)))
         };
         let (positions, frames) = (0..count).map(pair).unzip();
-        Ok(Self { positions, frames, closed: nodes.closed.is_some() })
+        Ok(Self { positions, frames, closed: nodes.closed.is_some(), sequence: None })
+    }
+
+    /// The same with its bases.
+    ///
+    /// # Errors
+    /// [`InputError::Inconsistent`] for another number of bases than of pairs.
+    pub fn with_sequence(self, sequence: Sequence) -> Result<Self, InputError> {
+        let count = self.positions.len();
+        if sequence.num_bases() != count {
+            let reason = format!("has {} bases, but there are {count} base pairs", sequence.num_bases());
+            return Err(InputError::inconsistent("sequence", reason));
+        }
+        Ok(Self { sequence: Some(sequence), ..self })
+    }
+
+    /// Tilt, roll, twist (degrees), shift, slide, rise (Å) from every base pair to the next, of a closed molecule also from
+    /// the last to the first.
+    #[must_use]
+    pub fn steps(&self) -> Vec<[f64; 6]> {
+        let count = self.positions.len();
+        let step = |k: usize| {
+            let (next, back) = ((k + 1) % count, self.frames[k].inverse());
+            parameters(&(back * self.frames[next]), &(back * (self.positions[next] - self.positions[k])))
+        };
+        (0..if self.closed { count } else { count.saturating_sub(1) }).map(step).collect()
+    }
+
+    /// Letters of pair k: of the strand of the sequence and of its complement; `None` where bases are not known.
+    fn bases(&self, k: usize) -> Option<[char; 2]> {
+        let base = self.sequence.as_ref()?.letter(k)?;
+        Some([base, complement(base)])
     }
 
     /// Centres of the nucleotides of the strand of the sequence and of its complement, nm, in the order of the pairs.
@@ -170,6 +214,16 @@ impl BasePairs {
     pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), InputError> {
         let refuse = |e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
         std::fs::write(path, content).map_err(refuse)
+    }
+}
+
+/// The base that pairs with another.
+fn complement(base: char) -> char {
+    match base {
+        'A' => 'T',
+        'C' => 'G',
+        'G' => 'C',
+        _ => 'A',
     }
 }
 

@@ -21,53 +21,13 @@ use crate::dna::pose::strains_between;
 use crate::dna::sequence::Helix;
 use crate::error::InputError;
 use crate::math::quadrature::gauss;
-use crate::math::quaternion::spin;
-use crate::math::{Mat3, Quat, Vec3};
+use crate::rod::rest::RestPose;
 use crate::rod::{Along, NaturalStrains, Stiffness};
 
 /// Points a step for mean compliances. Frames turn by a tenth of a turn in a step: the mean is right to 1e-8.
 const POINTS: usize = 3;
 /// Most that a block may be bent, or twisted beyond the mean, rad: constant strains lead the shorter way round.
 const MOST_TURNED: f64 = 0.9 * PI;
-
-/// A place on a rod at rest.
-#[derive(Clone, Copy)]
-struct RestPose {
-    position: Vec3,
-    frame: Quat,
-}
-
-impl RestPose {
-    const START: Self = Self {
-        position: Vec3::new(0.0, 0.0, 0.0),
-        frame: Quat::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
-    };
-
-    /// A way `length` \[nm\] further along constant strains.
-    fn along(&self, strains: &NaturalStrains, length: f64) -> Self {
-        let (gamma, kappa) = (strains.fixed_rows::<3>(0), strains.fixed_rows::<3>(3).into_owned());
-        let (rotation, cross) = (kappa * length, (kappa * length).cross_matrix());
-        let angle = rotation.norm();
-        // ∫ exp(t κ×) dt
-        let [first, second] = if angle < 1e-4 {
-            [0.5, 1.0 / 6.0]
-        } else {
-            [(1.0 - angle.cos()) / angle.powi(2), (angle - angle.sin()) / angle.powi(3)]
-        };
-        let way = (Mat3::identity() + cross * first + cross * cross * second) * gamma * length;
-        Self { position: self.position + self.frame * way, frame: self.frame * Quat::from_scaled_axis(rotation) }
-    }
-
-    /// Rotation and displacement of another place as seen from here.
-    fn to(&self, other: &Self) -> (Quat, Vec3) {
-        (self.frame.inverse() * other.frame, self.frame.inverse() * (other.position - self.position))
-    }
-
-    /// The same with its frame turned about d3.
-    fn turned(&self, angle: f64) -> Self {
-        Self { frame: self.frame * spin(angle), ..*self }
-    }
-}
 
 impl Helix {
     /// The same molecule in blocks of so many steps, or one fewer or more so that they share the molecule evenly: natural
@@ -132,7 +92,7 @@ impl Helix {
             stiffness: Along::pieces(ends, stiffness)?,
             turns: turns + turns_of_axis,
             turns_left_out: turns,
-            ..*self
+            ..self.clone()
         })
     }
 
@@ -172,6 +132,7 @@ impl Helix {
 mod tests {
     use super::*;
     use crate::dna::sequence::{Sequence, Steps};
+    use crate::math::Vec3;
     use nalgebra::Vector6;
 
     const LETTERS: &str = "GCTTATAACGGATCCATTGCAGTCAGGTACCAATTCGCAAATTTGGCTTAACGATCGATCCGGTATACGTAAAAATTTGCGC";

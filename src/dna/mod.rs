@@ -15,7 +15,10 @@ use crate::error::InputError;
 /// Boltzmann's constant, pN·nm/K.
 pub const BOLTZMANN: f64 = 0.013_806_49;
 
-/// Thermal energy kT at 298 K, pN·nm.
+/// Temperature of the constants, K.
+pub const TEMPERATURE: f64 = 298.0;
+
+/// Thermal energy kT at [`TEMPERATURE`], pN·nm.
 pub const THERMAL_ENERGY: f64 = 4.114;
 
 /// Bending persistence length, nm (Hagerman 1988; Bustamante et al. 1994: 50 ± 3 at moderate salt).

@@ -11,7 +11,7 @@
 //! step parameters are approximated by h times those of the strains. The two agree to first order in the angles of a
 //! step; a bend of constant direction in space, as in a ring, costs the same energy in both.
 //!
-//! One node per base pair suffices. Finer meshes resolve the displacements of base-pair centres by shift and slide,
+//! A node a base pair suffices; base pairs between nodes are placed by [`AtRest`](crate::dna::base_pairs::AtRest). Finer meshes resolve the displacements of base-pair centres by shift and slide,
 //! which are sharper than the strand is thick: with contact such a mesh overlaps itself and does not converge.
 
 use std::path::Path;
@@ -67,9 +67,17 @@ impl Step {
     }
 }
 
-/// A table of the sixteen steps.
+/// Base-pair steps: a table of the sixteen kinds, or the steps of one molecule in their order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Steps([[Step; 4]; 4]);
+pub struct Steps(StepList);
+
+#[derive(Debug, Clone, PartialEq)]
+enum StepList {
+    /// By the bases of both pairs.
+    ByBases(Box<[[Step; 4]; 4]>),
+    /// From the first pair on.
+    InOrder(Vec<Step>),
+}
 
 impl Steps {
     /// "IdealDNA", the same for all sequences: straight and isotropic; twist 34.2857°, rise 3.4 Å, .0427 kT/deg² for
@@ -78,7 +86,7 @@ impl Steps {
     pub fn ideal() -> Self {
         let constants = [0.0427, 0.0427, 0.0597, 20.0, 20.0, 20.0];
         let stiffness = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { constants[i] } else { 0.0 }));
-        Self([[Step { mean: [0.0, 0.0, 34.2857, 0.0, 0.0, 3.4], stiffness }; 4]; 4])
+        Self(StepList::ByBases(Box::new([[Step { mean: [0.0, 0.0, 34.2857, 0.0, 0.0, 3.4], stiffness }; 4]; 4])))
     }
 
     /// Steps in crystals of B-DNA with proteins: Olson, Gorin, Lu, Hock & Zhurkin (1998), PNAS 95:11163. The force
@@ -94,10 +102,14 @@ impl Steps {
     /// force constants, each named by two of these: `roll_roll`, `roll_twist` … Missing force constants are 0. A
     /// missing step is taken from the complementary strand (`TT` from `AA`).
     ///
+    /// Where the column `step` has numbers 1, 2, … the table is one molecule's own, a line a step in its order: parameters that
+    /// depend on more than two bases, as those of cgNA+ do, computed elsewhere. Of a model whose steps are coupled with each
+    /// other give the 6×6 of each step with the others free (the inverse of its block of the covariance): couplings are lost.
+    ///
     /// # Errors
     /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for columns that are
-    /// unknown or missing, letters other than A, C, G, T, duplicate or missing steps, force constants that are not
-    /// positive definite.
+    /// unknown or missing, letters other than A, C, G, T, duplicate or missing steps, numbers out of order, force constants
+    /// that are not positive definite.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::named(&path.display().to_string(), &read_regular(path)?)
     }
@@ -115,11 +127,10 @@ impl Steps {
         }
         let entry = |name: &str| name.split_once('_').and_then(|(a, b)| Some((index(a)?, index(b)?)));
         let constants = table.columns(&PARAMETERS, entry, "or two of them such as roll_twist")?;
-        let mut found = [[None; 4]; 4];
+        let (mut found, mut in_order) = ([[None; 4]; 4], Vec::new());
+        let is_numbered = table.words.first().is_some_and(|word| word.parse::<usize>().is_ok());
         for ((line, row), word) in table.rows.iter().zip(&table.words) {
             let refuse = |reason: String| format!("line {line}: step {word}: {reason}");
-            let bases: Vec<usize> = word.chars().filter_map(base).collect();
-            let [a, b] = bases[..] else { return Err(refuse("must be two of the letters A, C, G, T".to_owned())) };
             let mut step = Step { mean: means.map(|column| row[column.unwrap_or_default()]), stiffness: [[0.0; 6]; 6] };
             for &(column, (i, j)) in &constants {
                 (step.stiffness[i][j], step.stiffness[j][i]) = (row[column], row[column]);
@@ -127,25 +138,58 @@ impl Steps {
             InputError::positive("rise", step.mean[5]).map_err(|error| refuse(error.to_string()))?;
             let matrix = Stiffness::from_fn(|i, j| step.stiffness[i][j]);
             check_stiffness("force constants", &matrix).map_err(|error| refuse(error.to_string()))?;
+            if is_numbered {
+                in_order.push(step);
+                if *word != in_order.len().to_string() {
+                    return Err(refuse(format!("must be {}: numbers count the steps", in_order.len())));
+                }
+                continue;
+            }
+            let bases: Vec<usize> = word.chars().filter_map(base).collect();
+            let [a, b] = bases[..] else { return Err(refuse("must be two of the letters A, C, G, T".to_owned())) };
             if found[a][b].replace(step).is_some() {
                 return Err(refuse("is there twice".to_owned()));
             }
+        }
+        if is_numbered {
+            return Ok(Self(StepList::InOrder(in_order)));
         }
         let of = |a: usize, b: usize| {
             let other = || found[3 - b][3 - a].map(|step: Step| step.reversed());
             found[a][b].or_else(other).ok_or_else(|| format!("there is no step {}{}", BASES[a], BASES[b]))
         };
-        let mut steps = Self::ideal();
-        for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
-            steps.0[a][b] = of(a, b)?;
+        let mut steps = Vec::new();
+        for a in 0..4 {
+            steps.push([of(a, 0)?, of(a, 1)?, of(a, 2)?, of(a, 3)?]);
         }
-        Ok(steps)
+        Ok(Self(StepList::ByBases(Box::new([steps[0], steps[1], steps[2], steps[3]]))))
     }
 }
 
 /// Index of a base among [`BASES`]; complements are mirrored.
 pub(super) fn base(letter: char) -> Option<usize> {
     BASES.iter().position(|known| letter.eq_ignore_ascii_case(known))
+}
+
+/// Whether a character of a sequence stands for no base: white space, a gap of an alignment.
+fn is_skipped(letter: char) -> bool {
+    letter.is_whitespace() || matches!(letter, '-' | '.')
+}
+
+/// Most bases that are made up, more than any chromosome of a bacterium.
+const MOST_BASES: usize = 100_000_000;
+
+/// splitmix64 (Steele, Lea & Flood 2014): the same numbers on every machine and in every version.
+#[derive(Debug, Clone)]
+pub(crate) struct SplitMix(pub u64);
+
+impl SplitMix {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
 }
 
 /// A sequence of bases, of one strand from 5′ to 3′.
@@ -167,13 +211,20 @@ pub struct Helix {
     pub num_steps: usize,
     /// Turns of the double helix that the frames leave out, a whole number: 0 unless [in blocks](Helix::in_blocks).
     pub turns_left_out: f64,
+    /// The bases.
+    pub sequence: Sequence,
+    /// Natural strains of the single steps, one constant piece each; those of `natural` unless in blocks.
+    pub steps: Along<NaturalStrains>,
 }
 
 impl Sequence {
-    /// A sequence from letters; white space is ignored, upper and lower case are equal.
+    /// A sequence from letters; white space and gaps (`-`, `.`) are ignored, upper and lower case are equal. `random:336:7`
+    /// are 336 bases drawn with the seed 7, each as likely as the others, the same on every machine; `poly:AT:336` are 336
+    /// bases of the repeated unit `AT`.
     ///
     /// # Errors
-    /// [`InputError::Name`] for other letters, with their position; [`InputError::Count`] for fewer than two bases.
+    /// [`InputError::Name`] for other letters, with their position, and for other words with a colon; [`InputError::Count`]
+    /// for fewer than two bases.
     ///
     /// ```
     /// use supercoil::dna::sequence::{Sequence, Steps};
@@ -182,8 +233,11 @@ impl Sequence {
     /// # Ok::<(), supercoil::InputError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, InputError> {
+        if text.contains(':') {
+            return Self::made(text);
+        }
         let mut bases = Vec::new();
-        for letter in text.chars().filter(|c| !c.is_whitespace()) {
+        for letter in text.chars().filter(|c| !is_skipped(*c)) {
             let Some(base) = base(letter) else {
                 let field = format!("sequence, base {}", bases.len() + 1);
                 let allowed = "A, C, G or T".to_owned();
@@ -198,7 +252,30 @@ impl Sequence {
         Ok(Self(bases))
     }
 
-    /// Reads a FASTA file of one sequence (lines that begin with `>` or `;` are its name or comments), or the topology of
+    /// `random:NUMBER:SEED` or `poly:UNIT:NUMBER`.
+    fn made(text: &str) -> Result<Self, InputError> {
+        let refuse = || InputError::Name {
+            field: "sequence.letters".to_owned(),
+            name: text.to_owned(),
+            allowed: "A, C, G, T, random:NUMBER:SEED or poly:UNIT:NUMBER, with 2 to 100 million bases".to_owned(),
+        };
+        let words: Vec<&str> = text.trim().split(':').map(str::trim).collect();
+        let count = |word: &str| word.parse().ok().filter(|count| (2..=MOST_BASES).contains(count)).ok_or_else(refuse);
+        match words[..] {
+            ["random", number, seed] => {
+                let mut stream = SplitMix(seed.parse().map_err(|_| refuse())?);
+                Ok(Self((0..count(number)?).map(|_| (stream.bits() >> 62) as u8).collect()))
+            }
+            ["poly", unit, number] => {
+                let unit: Option<Vec<u8>> = unit.chars().map(|letter| base(letter).map(|base| base as u8)).collect();
+                let unit = unit.filter(|unit| !unit.is_empty()).ok_or_else(refuse)?;
+                Ok(Self(unit.iter().copied().cycle().take(count(number)?).collect()))
+            }
+            _ => Err(refuse()),
+        }
+    }
+
+    /// Reads a FASTA file of one sequence (gaps are left out; lines that begin with `>` or `;` are its name or comments), or the topology of
     /// two complementary strands that oxDNA has (its first line begins with a number): the first strand.
     ///
     /// # Errors
@@ -220,7 +297,7 @@ impl Sequence {
             if line.starts_with(['>', ';']) {
                 continue;
             }
-            if let Some(letter) = line.chars().find(|c| !c.is_whitespace() && base(*c).is_none()) {
+            if let Some(letter) = line.chars().find(|c| !is_skipped(*c) && base(*c).is_none()) {
                 return Err(refuse(format!("line {number}: \"{letter}\" is no base: A, C, G or T expected")));
             }
             letters.push_str(line);
@@ -240,11 +317,19 @@ impl Sequence {
         self.0.iter().map(|&base| BASES[usize::from(base)]).collect()
     }
 
+    /// The letter of base k, upper case.
+    pub(super) fn letter(&self, k: usize) -> Option<char> {
+        self.0.get(k).map(|&base| BASES[usize::from(base)])
+    }
+
     /// The steps between consecutive base pairs, in a closed molecule also from the last to the first.
     fn steps<'a>(&'a self, steps: &'a Steps, closed: bool) -> impl Iterator<Item = &'a Step> {
         let count = self.0.len();
         let number = if closed { count } else { count - 1 };
-        (0..number).map(move |k| &steps.0[usize::from(self.0[k])][usize::from(self.0[(k + 1) % count])])
+        (0..number).filter_map(move |k| match &steps.0 {
+            StepList::ByBases(all) => Some(&all[usize::from(self.0[k])][usize::from(self.0[(k + 1) % count])]),
+            StepList::InOrder(all) => all.get(k),
+        })
     }
 
     /// The molecule as a rod, one constant piece a step.
@@ -260,7 +345,14 @@ impl Sequence {
     /// # Errors
     /// Proteins beyond the last base pair.
     pub(crate) fn helix_with(&self, steps: &Steps, closed: bool, proteins: &Bound) -> Result<Helix, InputError> {
-        let count = self.steps(steps, closed).count();
+        let count = self.0.len() - usize::from(!closed);
+        if let StepList::InOrder(given) = &steps.0
+            && given.len() != count
+        {
+            let (bases, kind) = (self.0.len(), if closed { "closed" } else { "open" });
+            let reason = format!("has {} steps, but a {kind} molecule of {bases} base pairs has {count}", given.len());
+            return Err(InputError::inconsistent("sequence.steps", reason));
+        }
         let rise: f64 = self.steps(steps, closed).map(|step| step.mean[5]).sum();
         let length = rise * ANGSTROM;
         let spacing = length / count as f64;
@@ -270,7 +362,9 @@ impl Sequence {
         proteins.hold((&mut natural, &mut stiffness), spacing, self.0.len())?;
         let turns = natural.iter().map(|strains| strains[5]).sum::<f64>() * spacing / std::f64::consts::TAU;
         let (natural, stiffness) = (Along::pieces(ends.clone(), natural)?, Along::pieces(ends, stiffness)?);
-        Ok(Helix { natural, stiffness, length, turns, num_steps: count, turns_left_out: 0.0 })
+        let steps = natural.clone();
+        let sequence = self.clone();
+        Ok(Helix { natural, stiffness, length, turns, num_steps: count, turns_left_out: 0.0, sequence, steps })
     }
 }
 

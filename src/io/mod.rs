@@ -21,7 +21,7 @@ pub mod picture;
 #[cfg(feature = "runs")]
 pub mod plot_run;
 #[cfg(feature = "runs")]
-pub(crate) mod record;
+pub mod record;
 #[cfg(feature = "runs")]
 mod replace;
 #[cfg(feature = "runs")]

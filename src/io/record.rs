@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::dna::base_pairs::{AtRest, BasePairs};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
@@ -23,7 +24,7 @@ use super::picture::DrawnPlane;
 use super::table::{Columns, Named, write_lines, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
-pub(super) use files::{VIEW, check_finished, read_summary, step_of};
+pub(super) use files::{BASE_PAIRS, VIEW, check_finished, read_summary, step_of};
 use still::Still;
 
 /// Geometry and nodal fields of one rod in one state.
@@ -188,6 +189,7 @@ pub struct RecordState {
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
+/// | `base_pairs.csv` | of rods with a sequence: the bases, their places on the rod and the steps between them at rest, for [`export`](super::export) |
 /// | `table_columns.csv`, `final_state_columns.csv`, `sites_columns.csv`, `lines_columns.csv` | name, unit and meaning of the columns of each table |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
@@ -203,6 +205,7 @@ pub struct Record {
     units: Units,
     /// Temperature, K, and kT at it, pN·nm, where units are nm and pN.
     thermal: Option<(f64, f64)>,
+    base_pairs: Vec<Option<AtRest>>,
     output: OutputChoice,
     choice: PictureChoice,
     planar: bool,
@@ -245,6 +248,7 @@ impl Record {
             threads: scene.solver.threads.unwrap_or_else(all_threads),
             units: scene.units.clone(),
             thermal: scene.thermal(),
+            base_pairs: scene.base_pairs.clone(),
             output: scene.output.clone(),
             choice: scene.picture.clone(),
             planar: scene.model.planar,
@@ -362,6 +366,7 @@ impl Record {
         let names: Vec<String> = self.rods.iter().map(|rod| rod.name.clone()).collect();
         self.columns.write(&self.dir.join(files::TABLE), &self.steps)?;
         self.write_summary(converged, status, seconds)?;
+        self.write_base_pairs()?;
         let Some(last) = self.last.take() else { return Ok(()) };
         write_state(&self.dir.join(files::FINAL_STATE), &self.rod_states(&last), &self.units)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
@@ -386,6 +391,15 @@ impl Record {
         }
         self.last = Some(last);
         Ok(())
+    }
+
+    fn write_base_pairs(&self) -> Result<(), InputError> {
+        let rods = self.base_pairs.iter().enumerate();
+        let rods: Vec<_> = rods.filter_map(|(rod, pairs)| Some((rod, pairs.as_ref()?))).collect();
+        if rods.is_empty() {
+            return Ok(());
+        }
+        BasePairs::write(&self.dir.join(files::BASE_PAIRS), AtRest::table(rods.into_iter()))
     }
 
     fn write_summary(&self, converged: bool, status: &str, seconds: f64) -> Result<(), InputError> {

@@ -6,9 +6,12 @@
 //! caller.
 //!
 //! Threads are those of the caller's rayon pool, or of a [`Pool`]. Without the feature `parallel` there is one thread,
-//! the caller's.
+//! the caller's. So it is in a process that was forked after threads had been used: they are not in the copy, and work given
+//! to them would wait for ever (Python's `multiprocessing` forks). A [`Pool`] made there has threads of its own.
 
 use std::ops::Range;
+#[cfg(feature = "parallel")]
+use std::sync::atomic::AtomicU32;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -63,8 +66,27 @@ pub(crate) fn in_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + S
 fn enter(pool: Option<&Pool>, work: &mut (dyn FnMut() + Send)) {
     match pool {
         Some(pool) => pool.threads.install(work),
-        None if rayon::current_thread_index().is_none() => rayon::scope(|_| work()),
-        None => work(),
+        None if is_inside_pool() || is_forked() => work(),
+        None => rayon::scope(|_| work()),
+    }
+}
+
+#[cfg(feature = "parallel")]
+fn is_inside_pool() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+/// The process that first used the common threads; 0: none yet.
+#[cfg(feature = "parallel")]
+static OWNER: AtomicU32 = AtomicU32::new(0);
+
+/// Whether this process is a copy of one that had used the common threads, which the copy has not.
+#[cfg(feature = "parallel")]
+fn is_forked() -> bool {
+    let here = std::process::id();
+    match OWNER.compare_exchange(0, here, Ordering::Relaxed, Ordering::Relaxed) {
+        Ok(_) => false,
+        Err(owner) => owner != here,
     }
 }
 
@@ -76,7 +98,7 @@ fn enter(_pool: Option<&Pool>, work: &mut (dyn FnMut() + Send)) {
 /// Whether only one thread is available.
 pub(crate) fn is_serial() -> bool {
     #[cfg(feature = "parallel")]
-    return rayon::current_num_threads() == 1;
+    return (!is_inside_pool() && is_forked()) || rayon::current_num_threads() == 1;
     #[cfg(not(feature = "parallel"))]
     return true;
 }

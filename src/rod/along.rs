@@ -20,7 +20,8 @@ const TOL_LENGTH: f64 = 1e-6;
 ///
 /// Elements use values at their integration points. Constant pieces are averaged over each point's share of its
 /// element, a part as long as the point's weight: no piece is missed, and the integral along the rod is exact. Points
-/// and functions are evaluated at the integration points.
+/// and functions are evaluated at the integration points. Natural strains that jump inside an element are those that its
+/// interpolation has on the stress-free rod, see [`Natural::Varying`](crate::rod::Natural).
 ///
 /// ```
 /// use supercoil::rod::Along;
@@ -154,6 +155,30 @@ impl<T: Averaged> Along<T> {
         out.map(|value| value.or(out[0]).unwrap_or_else(|| self.at(start)))
     }
 
+    /// Whether constant pieces of different values meet between two arc lengths. A joint within rounding of an end is none.
+    pub(crate) fn jumps_between(&self, from: f64, to: f64) -> bool {
+        let Kind::Pieces(ends, values) = &*self.0 else { return false };
+        let margin = TOL_JOINT * (to - from);
+        let (first, last) = (piece(ends, from + margin), piece(ends, to - margin));
+        values[first..=last].windows(2).any(|pair| pair[0] != pair[1])
+    }
+
+    /// The constant pieces from one arc length to another: their values and lengths; `None` if it is not made of pieces.
+    pub(crate) fn pieces_between(&self, from: f64, to: f64) -> Option<Vec<(T, f64)>> {
+        let (ends, values): (&[f64], &[T]) = match &*self.0 {
+            Kind::Pieces(ends, values) => (ends, values),
+            Kind::Constant(value) => return Some(vec![(*value, to - from)]),
+            Kind::Points(..) | Kind::Function(_) => return None,
+        };
+        let (first, last) = (piece(ends, from), piece(ends, to));
+        let part = |k: usize| {
+            let begin = if k == first { from } else { ends[k - 1] };
+            let end = if k == last { to } else { ends[k] };
+            (values[k], end - begin)
+        };
+        Some((first..=last).map(part).collect())
+    }
+
     /// Mean over a rod of length `length`. The mean of a function is that of samples, accurate enough for scales.
     pub(crate) fn mean(&self, length: f64) -> T {
         match &*self.0 {
@@ -198,6 +223,9 @@ impl<T: Averaged> Along<T> {
         }
     }
 }
+
+/// Distance of a joint of pieces from the end of an element, over its length, that is rounding of arc lengths.
+const TOL_JOINT: f64 = 1e-9;
 
 /// Samples of a function for its mean, because the mean serves for scales only.
 const SAMPLES: u32 = 1000;

@@ -8,6 +8,7 @@ mod link;
 mod natural;
 mod number;
 mod refine;
+pub(crate) mod rest;
 #[allow(clippy::module_inception)] // the rod itself
 mod rod;
 mod section;

@@ -2,12 +2,13 @@
 
 mod advice;
 mod build;
+mod by_base_pairs;
 #[cfg(feature = "sweeps")]
 mod canonical;
-mod dna;
 mod frames;
 mod gravity;
 mod help;
+mod knots;
 mod memory;
 mod mesh;
 mod planes;
@@ -27,6 +28,8 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::dna;
+use crate::dna::base_pairs::AtRest;
 use crate::error::InputError;
 
 use super::model::{Model, Stage};
@@ -83,6 +86,8 @@ pub struct Scene {
     pub temperature: Option<f64>,
     /// Link of the relaxed molecule, turns, for each rod that is DNA.
     pub relaxed_links: Vec<Option<f64>>,
+    /// Base pairs at rest, for each rod that has a sequence.
+    pub base_pairs: Vec<Option<AtRest>>,
     /// Preset for settings that the file does not give.
     pub fidelity: Option<Fidelity>,
     /// The problem.
@@ -305,13 +310,14 @@ impl Default for OutputChoice {
 }
 
 impl Scene {
-    /// Default temperature for energies in kT, K.
-    pub(crate) const DEFAULT_TEMPERATURE: f64 = 300.0;
-
-    /// Temperature, K, and its thermal energy kT, pN·nm; `None` if units are not nm and pN.
+    /// Temperature, K, and its thermal energy kT, pN·nm: that of the constants of DNA ([`dna::TEMPERATURE`]) unless the scene
+    /// has another; `None` if units are not nm and pN.
+    ///
+    /// [`dna::TEMPERATURE`]: crate::dna::TEMPERATURE
     pub fn thermal(&self) -> Option<(f64, f64)> {
-        let temperature = self.temperature.unwrap_or(Self::DEFAULT_TEMPERATURE);
-        self.units.are_molecular().then_some((temperature, temperature * crate::dna::BOLTZMANN))
+        let of_constants = (dna::TEMPERATURE, dna::THERMAL_ENERGY);
+        let thermal = self.temperature.map_or(of_constants, |kelvin| (kelvin, kelvin * dna::BOLTZMANN));
+        self.units.are_molecular().then_some(thermal)
     }
 
     /// Reads a scene file; files named in it are found relative to it.
@@ -378,16 +384,19 @@ impl Scene {
         check_words(&text)?;
         check_choices(&text.solver, &text.output)?;
         text.picture.check()?;
-        let units = dna::units(&text)?;
-        let model = build::model(&text, base_dir)?;
+        let units = by_base_pairs::units(&text)?;
+        let (model, base_pairs) = build::model(&text, base_dir)?;
         let charged = text.contact.electrostatics.is_some();
-        let relaxed = |rod: &text::RodText| rod.dna.as_ref().map(|text| dna::Dna::new(text, charged)).transpose();
+        let relaxed =
+            |rod: &text::RodText| rod.dna.as_ref().map(|text| by_base_pairs::Dna::new(text, charged)).transpose();
         let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;
         let follow = build::follow(&text.stages, &model, &stages)?;
-        let notices =
-            text.rods.iter().zip(&model.rods).filter_map(|(text, rod)| advice::start_link(text, rod)).collect();
+        let links = text.rods.iter().zip(&model.rods).filter_map(|(text, rod)| advice::start_link(text, rod));
+        let steps =
+            model.rods.iter().zip(&base_pairs).filter_map(|(rod, pairs)| advice::start_steps(rod, pairs.as_ref()?));
+        let notices = links.chain(steps).collect();
         let SceneText { title, temperature, fidelity, mut solver, output, picture, .. } = text;
         solver.tol_increment = solver.tol_increment.or(fidelity.map(Fidelity::tol_increment));
         Ok(Self {
@@ -395,6 +404,7 @@ impl Scene {
             units,
             temperature,
             relaxed_links,
+            base_pairs,
             fidelity,
             model,
             stages,

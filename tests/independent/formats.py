@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What `supercoil export` writes, read by programs that share nothing with it: mdna, topoly, oxDNA's analysis tools.
+"""What `supercoil export` writes, read by programs that share nothing with it: mdna, topoly, oxDNA's analysis tools,
+biopython, MDAnalysis.
 
     python3 tests/independent/formats.py [--supercoil PROGRAM]
 
@@ -18,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = ROOT / "target" / "independent"
-PACKAGES = ["mdna==0.2.0", "topoly==1.2.1", "oxDNA-analysis-tools==2.0.5"]
+PACKAGES = ["mdna==0.2.0", "topoly==1.2.1", "oxDNA-analysis-tools==2.0.5", "biopython==1.85", "MDAnalysis>=2.7"]
 PAIRS = 336
 
 MINICIRCLE = """
@@ -78,7 +79,7 @@ def run(program, name, scene, pairs):
     random.seed(1)
     (folder / "bases.fasta").write_text(">bases\n" + "".join(random.choice("ACGT") for _ in range(pairs)) + "\n")
     subprocess.run([program, "run", folder / "scene.toml", "--force", "--quiet", "--out", folder / "run"], check=True)
-    files = ["--oxdna", "m", "--npy", "m.npy", "--xyz", "m.xyz", "--pdb", "m.pdb"]
+    files = ["--oxdna", "m", "--npy", "m.npy", "--xyz", "m.xyz", "--pdb", "m.pdb", "--par", "m.par"]
     subprocess.run([program, "export", "run", "--sequence", "bases.fasta", *files], check=True, cwd=folder)
     return folder, json.loads((folder / "run" / "summary.json").read_text())
 
@@ -110,6 +111,48 @@ def oxdna(folder):
     sys.exit("FAIL oxDNA's reader died ten times")
 
 
+def strands(folder, bases):
+    """Both strands of the PDB file, by readers of structures; the steps of the ring, chained by hand."""
+    import MDAnalysis
+    import numpy as np
+    from Bio.PDB import PDBParser
+
+    complement = {"A": "T", "C": "G", "G": "C", "T": "A"}
+    expected = [list(bases), [complement[base] for base in reversed(bases)]]
+    model = PDBParser(QUIET=True).get_structure("m", folder / "m.pdb")[0]
+    check("biopython: chains", [chain.id for chain in model], ["A", "B"])
+    names = [[residue.get_resname().strip()[1:] for residue in chain] for chain in model]
+    check("biopython: bases of both strands", names == expected, True)
+    atoms = MDAnalysis.Universe(str(folder / "m.pdb")).select_atoms("name P")
+    check("MDAnalysis: atoms P", len(atoms), 2 * len(bases))
+    check("MDAnalysis: all are of nucleic acid", len(atoms.select_atoms("nucleic")), 2 * len(bases))
+    a, b = atoms.positions[: len(bases)], atoms.positions[len(bases) :][::-1]
+    check("MDAnalysis: partners are as far apart as in B-DNA, Å", round(float(np.linalg.norm(a - b, axis=1).mean()), 1), 19.0, 0.3)
+
+    rows = [line.split() for line in (folder / "m.par").read_text().splitlines()[3:]]
+    names = [row[0] for row in rows]
+    ring = bases + bases[0]
+    check("par: bases, the first pair once more", names == [f"{base}-{complement[base]}" for base in ring], True)
+    turn, place = np.eye(3), np.zeros(3)
+    for shift, slide, rise, tilt, roll, twist in [[float(cell) for cell in row[7:13]] for row in rows[1:]]:
+        # El Hassan and Calladine (1995): half the twist, the bend about the hinge, half the twist
+        about = lambda axis, angle: rotation(np.eye(3)[axis], np.radians(angle))
+        bend, phase = np.hypot(tilt, roll), np.degrees(np.arctan2(tilt, roll))
+        middle = about(2, twist / 2 - phase) @ about(1, bend / 2) @ about(2, phase)
+        place = place + turn @ middle @ np.array([shift, slide, rise])
+        turn = turn @ about(2, twist / 2 - phase) @ about(1, bend) @ about(2, twist / 2 + phase)
+    check("par: the steps lead round the ring, Å", round(float(np.linalg.norm(place)), 4), 0.0, 1e-3)
+    check("par: and turn into the first frame", round(float(np.abs(turn - np.eye(3)).max()), 6), 0.0, 1e-4)
+
+
+def rotation(axis, angle):
+    """The rotation about a unit axis (Rodrigues)."""
+    import numpy as np
+
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
 def main(program):
     import warnings
 
@@ -133,6 +176,8 @@ def main(program):
     check("mdna: twist", round(float(twist), 5), round(32 + last["excess_link"] - last["writhe"], 5), 5e-3)
     chained = mdna.load(frames=frames, sequence=bases, circular=True).get_traj()
     check("mdna: atoms are built on the frames", chained.n_residues, 2 * PAIRS)
+
+    strands(folder, bases)
 
     conf = oxdna(folder)
     check("oxDNA tools: strands", int(conf["strands"]), 2)

@@ -41,11 +41,12 @@ fn the_lac_repressor_closes_a_loop() {
     assert!(gap > 3.0, "{gap}");
 }
 
-/// Two links of the wild-type loop in one pose; the sweep has five poses.
+/// Two links of the wild-type loop in one pose; the sweep has five poses. On three and six times the elements they cost 39.36,
+/// 39.35 and 21.10, 21.11 kT.
 #[test]
 fn the_operators_of_lac_close_to_loops_by_a_table_of_poses() {
     let sweep = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sweeps/lac_loop.toml");
-    for (turns, energy) in [("0", 39.15), ("1", 21.34)] {
+    for (turns, energy) in [("0", 39.49), ("1", 21.15)] {
         let scene = Scene::read_with(&sweep, &[format!("stages.1.ramp.pose.extra_turns={turns}")]).unwrap();
         let (choices, mut last) = (options(&scene), None);
         let solution = solve::run(scene.model, &scene.stages, &choices, &mut |progress| {

@@ -147,3 +147,67 @@ fn a_helical_anisotropic_ring_comes_to_rest() {
     });
     assert_eq!(run.unwrap().status, Status::Converged);
 }
+
+/// Measured points: the rise follows from their length where it is asked for; points too rough for the rod's thickness are
+/// refused with a smoothing length that makes a rod of them, and does.
+#[test]
+fn measured_points_are_fitted_and_smoothed() {
+    use std::fmt::Write as _;
+    let (mut plain, mut rough) = ("x,y,z\n".to_owned(), "x,y,z\n".to_owned());
+    for k in 0..120 {
+        let angle = std::f64::consts::TAU * f64::from(k) / 120.0;
+        // 400 base pairs of 0.36 nm; scatter of half a nanometre
+        let radius = 400.0 * 0.36 / std::f64::consts::TAU;
+        let off = 0.5 * (f64::from(k) * 2.3).sin();
+        writeln!(plain, "{},{},0", radius * angle.cos(), radius * angle.sin()).unwrap();
+        writeln!(rough, "{},{},{off}", (radius + off) * angle.cos(), (radius - off) * angle.sin()).unwrap();
+    }
+    let folder = folder("measured", &[("plain.csv", &plain), ("rough.csv", &rough)]);
+    let scene = |shape: &str, dna: &str| {
+        let text = format!("[[rods]]\nclosed = true\nshape = {{ {shape} }}\ndna = {{ {dna} }}\nelements = 96\n");
+        Scene::from_toml(&text, &folder).map_err(|error| error.to_string())
+    };
+    let points = "kind = \"points\", file = \"plain.csv\"";
+    let refused = scene(points, "base_pairs = 400").unwrap_err();
+    assert!(refused.contains("agree within 1 %") && refused.contains("fit = \"rise\""), "{refused}");
+    let fitted = scene(&format!("{points}, fit = \"rise\""), "base_pairs = 400").unwrap();
+    assert!((fitted.model.rods[0].length / (400.0 * 0.36) - 1.0).abs() < 1e-3);
+    let refused = scene(&format!("{points}, fit = \"rise\""), "base_pairs = 400, rise = 0.36").unwrap_err();
+    assert!(refused.contains("shape.fit: takes the rise from the points"), "{refused}");
+    let rough = "kind = \"points\", file = \"rough.csv\", fit = \"rise\"";
+    let refused = scene(rough, "base_pairs = 400").unwrap_err();
+    assert!(refused.contains("thicker than its own curvature"), "{refused}");
+    let (_, rest) = refused.split_once("points with smooth = ").unwrap();
+    let length = rest.split(' ').next().unwrap();
+    assert!(scene(&format!("{rough}, smooth = {length}"), "base_pairs = 400").is_ok(), "{length}");
+}
+
+/// Knots by name and by braid word: the length asked for, closed rods only; the two curves of a link at one scale.
+#[test]
+fn knots_are_given_by_name_or_braid() {
+    let read = |shape: &str| {
+        let text = format!(
+            "[[rods]]\nclosed = CLOSED\nshape = {{ kind = \"knot\", {shape} }}\nsection = {{ {PLAIN} contact_radius = 0.01 }}\nelements = 60\n"
+        );
+        let text = text.replace("CLOSED", if shape.contains("open") { "false" } else { "true" }).replace(", open", "");
+        Scene::from_toml(&text.replace("900.0 ", "900.0, "), Path::new("")).map_err(|error| error.to_string())
+    };
+    for shape in ["name = \"7_4\"", "braid = [1, 1, 2, -1, 2, 2, 3, -2, 3]"] {
+        let rod = &read(&format!("{shape}, length = 100")).unwrap().model.rods[0];
+        assert!((rod.length / 100.0 - 1.0).abs() < 1e-6, "{shape}: {}", rod.length);
+    }
+    let pair =
+        [0, 1].map(|k| read(&format!("braid = [1, 1], component = {k}, distance = 2")).unwrap().model.rods.remove(0));
+    assert!((pair[0].length / pair[1].length - 1.0).abs() < 1e-6, "{} {}", pair[0].length, pair[1].length);
+    for (shape, reason) in [
+        ("name = \"3_2\", length = 9", "shape.name = \"3_2\": must be a prime knot"),
+        ("length = 9", "shape: a knot is given by its name or by a braid"),
+        ("name = \"3_1\"", "shape.length: missing"),
+        ("name = \"3_1\", length = 9, distance = 1", "shape.distance: follows from the length"),
+        ("name = \"3_1\", length = 9, open", "shape: a knot is closed: set closed = true"),
+        ("braid = [1, 1], length = 9", "closes to 2 curves: a link"),
+    ] {
+        let refused = read(shape).map(|_| ()).unwrap_err();
+        assert!(refused.contains(reason), "{shape}: {refused}");
+    }
+}

@@ -133,8 +133,9 @@ fn leaves(strands: &Strands) -> Vec<u32> {
 /// Boxes of all nodes from those of the leaves, by as many threads as there are.
 fn fit(bvh: &mut Bvh, workspace: &mut BvhWorkspace) {
     #[cfg(feature = "parallel")]
-    bvh.refit_parallel(workspace);
-    #[cfg(not(feature = "parallel"))]
+    if !parallel::is_serial() {
+        return bvh.refit_parallel(workspace);
+    }
     bvh.refit(workspace);
 }
 

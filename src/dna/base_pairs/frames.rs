@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::BasePairs;
-use crate::dna::pose::{parameters, pose};
+use crate::dna::pose::pose;
 use crate::math::quaternion::rotation_of;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::text::finite;
@@ -62,7 +62,8 @@ impl BasePairs {
     pub fn ref_frames(&self) -> String {
         let mut text = format!("{:>5} base-pairs\n", self.positions.len());
         for (k, (r, q)) in self.positions.iter().zip(&self.frames).enumerate() {
-            let _ = writeln!(text, "... {:>5} base pair", k + 1);
+            let name = self.name(k);
+            let _ = writeln!(text, "... {:>5} {name}", k + 1);
             let rows = [
                 (r * ANGSTROMS, "origin"),
                 (q * Vec3::x(), "x-axis"),
@@ -106,18 +107,19 @@ impl BasePairs {
         Ok(pairs)
     }
 
-    /// Step parameters as 3DNA has them in `bp_step.par`: degrees and Å. The pose of the first pair is lost; so is the
-    /// step from the last to the first of a closed molecule, which follows from the others.
+    /// Step parameters as 3DNA has them in `bp_step.par`: degrees and Å. A line has the step that leads to its pair. A closed
+    /// molecule ends with its first pair once more: the step from the last pair back to it. The pose of the first pair is
+    /// lost.
     #[must_use]
     pub fn par(&self) -> String {
-        let mut text = format!(
-            "{:>5} # base-pairs\n    0 # ***local base-pair & step parameters***\n#       ",
-            self.positions.len()
-        );
+        let (count, steps) = (self.positions.len(), self.steps());
+        let lines = if self.closed { count + 1 } else { count };
+        let mut text = format!("{lines:>5} # base-pairs\n    0 # ***local base-pair & step parameters***\n#       ");
         PAIR.iter().chain(&STEP).for_each(|name| text.push_str(&format!("{name:>19}")));
-        for k in 0..self.positions.len() {
-            let [tilt, roll, twist, shift, slide, rise] = if k == 0 { [0.0; 6] } else { self.step(k - 1) };
-            text.push_str("\nN-N     ");
+        for k in 0..lines {
+            let [tilt, roll, twist, shift, slide, rise] = if k == 0 { [0.0; 6] } else { steps[k - 1] };
+            let name = self.name(k % count);
+            let _ = write!(text, "\n{name:<8}");
             [0.0; 6].iter().chain(&[shift, slide, rise, tilt, roll, twist]).for_each(|x| {
                 let _ = write!(text, "{x:>19.12}");
             });
@@ -126,10 +128,10 @@ impl BasePairs {
         text
     }
 
-    /// Tilt, roll, twist (degrees), shift, slide, rise (Å) from a base pair to the next.
-    fn step(&self, k: usize) -> [f64; 6] {
-        let (turn, shift) = (self.frames[k].inverse() * self.frames[k + 1], self.positions[k + 1] - self.positions[k]);
-        parameters(&turn, &(self.frames[k].inverse() * shift))
+    /// Name of a pair as 3DNA has it, for example `A-T`; `N-N` where bases are not known.
+    fn name(&self, k: usize) -> String {
+        let [base, other] = self.bases(k).unwrap_or(['N', 'N']);
+        format!("{base}-{other}")
     }
 
     /// Base pairs of step parameters, the first at the origin with the global axes. The header names the columns.
@@ -166,10 +168,23 @@ impl BasePairs {
             pairs.positions.push(position);
             pairs.frames.push(turned);
         }
+        if closed && pairs.comes_round() {
+            pairs.positions.pop();
+            pairs.frames.pop();
+        }
         if pairs.positions.len() < 2 {
             return Err("holds less than two base pairs".to_owned());
         }
         Ok(pairs)
+    }
+}
+
+impl BasePairs {
+    /// Whether the last pair is the first once more: much nearer to it than to the one before.
+    fn comes_round(&self) -> bool {
+        let r = &self.positions;
+        let [first, .., before, last] = &r[..] else { return false };
+        (last - first).norm() < 0.1 * (last - before).norm()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::frames::frame;
-use super::{BOX, BasePairs, OXDNA_LENGTH, OXDNA_OFFSET};
+use super::{BOX, BasePairs, OXDNA_LENGTH, OXDNA_OFFSET, complement};
 use crate::dna::sequence::{Sequence, base};
 use crate::error::InputError;
 use crate::math::Vec3;
@@ -145,13 +145,4 @@ pub(crate) fn read_strand(text: &str) -> Result<String, String> {
     }
     let letters = read.iter().map(|(_, letter)| *letter);
     Ok(if by_strand { letters.collect() } else { letters.rev().collect() })
-}
-
-fn complement(base: char) -> char {
-    match base {
-        'A' => 'T',
-        'C' => 'G',
-        'G' => 'C',
-        _ => 'A',
-    }
 }

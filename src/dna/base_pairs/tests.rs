@@ -55,7 +55,7 @@ fn oxdna_conventions() {
     let pairs = BasePairs {
         positions: (0..5).map(|k| Vec3::z() * (0.34 * f64::from(k))).collect(),
         frames: vec![Quat::identity(); 5],
-        closed: false,
+        ..BasePairs::default()
     };
     let topology = pairs.oxdna_topology(&sequence).unwrap();
     let lines: Vec<&str> = topology.lines().collect();
@@ -142,8 +142,47 @@ fn axes_as_points() {
     let vect = pairs.vect();
     assert!(vect.starts_with("VECT\n1 40 0\n-40\n0\n") && vect.lines().count() == 44);
     let pdb = pairs.pdb().unwrap();
-    assert_eq!(pdb.lines().filter(|line| line.starts_with("ATOM")).count(), 40);
-    assert!(pdb.contains("\nCONECT   40    1\nEND"), "{pdb}");
+    assert_eq!(pdb.lines().filter(|line| line.starts_with("ATOM")).count(), 80);
+    assert!(pdb.contains("\nCONECT   40    1\nCONECT   80   41\nEND"), "{pdb}");
     let far = BasePairs { positions: vec![Vec3::x() * 1000.0; 40], ..pairs };
-    assert_eq!(far.pdb().unwrap_err(), "base pair 1: 1000 nm from the origin, PDB ends at 999.9");
+    let refused = far.pdb().unwrap_err();
+    assert!(refused.starts_with("base pair 1: 1000") && refused.ends_with("PDB ends at 999.9"), "{refused}");
+}
+
+/// Bases are named in every format that has a place for them. Strands are listed from their own 5' ends.
+#[test]
+fn bases_are_named() {
+    let letters: String = "ACGTTGCAAG".repeat(4);
+    let pairs = ring(0.0, 40).with_sequence(Sequence::parse(&letters).unwrap()).unwrap();
+    let par = pairs.par();
+    let names: Vec<&str> = par.lines().skip(3).map(|line| line.split_whitespace().next().unwrap()).collect();
+    assert_eq!(names[..4], ["A-T", "C-G", "G-C", "T-A"]);
+    assert!(pairs.ref_frames().contains("...     2 C-G\n"));
+    let pdb = pairs.pdb().unwrap();
+    let atoms: Vec<&str> = pdb.lines().filter(|line| line.starts_with("ATOM")).collect();
+    assert_eq!([&atoms[0][17..26], &atoms[1][17..26]], [" DA A   1", " DC A   2"]);
+    // the complement of the last, of the one before, of the first
+    assert_eq!([&atoms[40][17..26], &atoms[41][17..26], &atoms[79][17..26]], [" DC B  41", " DT B  42", " DT B  80"]);
+    let refused = ring(0.0, 40).with_sequence(Sequence::parse("ACGT").unwrap()).unwrap_err().to_string();
+    assert_eq!(refused, "sequence: has 4 bases, but there are 40 base pairs");
+}
+
+/// The steps of a ring lead round it, back to the first pair: as many as pairs, in the file, too.
+#[test]
+fn the_steps_of_a_ring_close_it() {
+    let pairs = ring(-1.0, 120);
+    let steps = pairs.steps();
+    assert_eq!(steps.len(), 120);
+    let (mut turn, mut place) = (Quat::identity(), Vec3::zeros());
+    for step in &steps {
+        let (next, shift) = crate::dna::pose::pose(step);
+        place += turn * shift;
+        turn *= next;
+    }
+    assert!(place.norm() < 1e-9 && turn.angle() < 1e-7, "{place} {turn}");
+    let par = pairs.par();
+    assert!(par.starts_with("  121 # base-pairs") && par.lines().count() == 3 + 121);
+    let last: Vec<f64> = par.lines().last().unwrap().split_whitespace().skip(7).map(|x| x.parse().unwrap()).collect();
+    let [tilt, roll, twist, shift, slide, rise] = steps[119];
+    assert!(last.iter().zip([shift, slide, rise, tilt, roll, twist]).all(|(a, b)| (a - b).abs() < 1e-9), "{last:?}");
 }

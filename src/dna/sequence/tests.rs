@@ -1,5 +1,13 @@
 use super::*;
 
+/// The sixteen steps of a table.
+fn table(steps: &Steps) -> [[Step; 4]; 4] {
+    match &steps.0 {
+        StepList::ByBases(all) => **all,
+        StepList::InOrder(_) => panic!("steps in order"),
+    }
+}
+
 /// Strains that a rod is at rest with lead exactly from base pair to base pair, whatever the step.
 #[test]
 fn the_rod_at_rest_passes_through_the_base_pairs() {
@@ -32,7 +40,7 @@ fn a_step_read_along_the_other_strand_is_the_same_step() {
     let steps = Steps::protein_dna_1998().unwrap();
     let dyad = Quat::from_axis_angle(&Vec3::x_axis(), std::f64::consts::PI);
     for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
-        let ((turn, shift), (back, shift_back)) = (steps.0[a][b].pose(), steps.0[3 - b][3 - a].pose());
+        let ((turn, shift), (back, shift_back)) = (table(&steps)[a][b].pose(), table(&steps)[3 - b][3 - a].pose());
         assert!((dyad * turn.inverse() * dyad.inverse()).angle_to(&back) < 1e-12, "{a} {b}");
         assert!((dyad * (turn.inverse() * -shift) - shift_back).norm() < 1e-12, "{a} {b}");
     }
@@ -56,7 +64,7 @@ fn the_table_of_1998() {
     let steps = Steps::protein_dna_1998().unwrap();
     let of = |word: &str| {
         let bases: Vec<usize> = word.chars().filter_map(base).collect();
-        steps.0[bases[0]][bases[1]]
+        table(&steps)[bases[0]][bases[1]]
     };
     assert_eq!(of("CG").mean, [0.0, 5.4, 36.1, 0.0, 0.41, 3.39]);
     assert_eq!(of("TT").mean, [1.4, 0.7, 35.1, 0.03, -0.08, 3.27]);
@@ -126,4 +134,61 @@ fn bad_tables_are_refused() {
         let found = Steps::parse(&text).unwrap_err();
         assert!(found.starts_with(&reason), "{found}");
     }
+}
+
+/// Drawn and repeated sequences: as many bases as asked for, the same for a seed, all four bases alike often.
+#[test]
+fn sequences_are_made_from_words() {
+    let drawn = Sequence::parse("random:4000:7").unwrap();
+    assert_eq!(drawn, Sequence::parse(" random : 4000 : 7 ").unwrap());
+    assert_ne!(drawn, Sequence::parse("random:4000:8").unwrap());
+    let letters = drawn.letters();
+    for base in BASES {
+        let count = letters.chars().filter(|letter| *letter == base).count();
+        // five standard deviations
+        assert!((count as f64 - 1000.0).abs() < 5.0 * 27.4, "{base}: {count}");
+    }
+    // written down once: machines and versions agree
+    assert_eq!(Sequence::parse("random:12:1").unwrap().letters(), FIRST);
+    assert_eq!(Sequence::parse("poly:AAT:8").unwrap().letters(), "AATAATAA");
+    for word in ["random:1:7", "random:10", "random:10:x", "poly::8", "poly:AX:8", "many:8:1", "random:100000001:1"] {
+        let refused = Sequence::parse(word).unwrap_err().to_string();
+        assert!(
+            refused.starts_with(&format!("sequence.letters = \"{word}\": must be A, C, G, T, random:")),
+            "{refused}"
+        );
+    }
+}
+
+/// Twelve bases of seed 1.
+const FIRST: &str = "GGTCCTTGCTCG";
+
+#[test]
+fn gaps_and_lower_case_are_read() {
+    assert_eq!(Sequence::parse("ac-gt..a\nC").unwrap().letters(), "ACGTAC");
+    let dir = std::env::temp_dir().join("supercoil_gaps");
+    std::fs::create_dir_all(&dir).unwrap();
+    std::fs::write(dir.join("a.fasta"), ">aligned\nac--GT\n..ta\n").unwrap();
+    assert_eq!(Sequence::read(&dir.join("a.fasta")).unwrap().letters(), "ACGTTA");
+    std::fs::write(dir.join("a.fasta"), ">aligned\nacN-GT\n").unwrap();
+    let refused = Sequence::read(&dir.join("a.fasta")).unwrap_err().to_string();
+    assert!(refused.contains("line 2: \"N\" is no base"), "{refused}");
+}
+
+/// A table of steps in their order gives each its own parameters.
+#[test]
+fn steps_in_order() {
+    let row = |k: usize| format!("{k},0,{k},34,0,0,3.4,0.04,0.04,0.06,20,20,20");
+    let head =
+        "step,tilt,roll,twist,shift,slide,rise,tilt_tilt,roll_roll,twist_twist,shift_shift,slide_slide,rise_rise";
+    let text = |rows: &[usize]| format!("{head}\n{}\n", rows.iter().map(|&k| row(k)).collect::<Vec<_>>().join("\n"));
+    let steps = Steps::parse(&text(&[1, 2, 3])).unwrap();
+    let sequence = Sequence::parse("AAAA").unwrap();
+    let rolls: Vec<f64> = sequence.steps(&steps, false).map(|step| step.mean[1]).collect();
+    assert_eq!(rolls, [1.0, 2.0, 3.0]);
+    assert!(sequence.helix(&steps, false).is_ok());
+    let refused = sequence.helix(&steps, true).unwrap_err().to_string();
+    assert_eq!(refused, "sequence.steps: has 3 steps, but a closed molecule of 4 base pairs has 4");
+    let refused = Steps::parse(&text(&[1, 3])).unwrap_err();
+    assert_eq!(refused, "line 3: step 3: must be 2: numbers count the steps");
 }

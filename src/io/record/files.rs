@@ -14,6 +14,7 @@ pub(super) const TABLE: &str = "table.csv";
 pub(super) const FINAL_STATE: &str = "final_state.csv";
 pub(super) const SITES: &str = "sites.csv";
 pub(super) const LINES: &str = "lines.csv";
+pub(in crate::io) const BASE_PAIRS: &str = "base_pairs.csv";
 pub(in crate::io) const SUMMARY: &str = "summary.json";
 pub(super) const PICTURE: &str = "picture.png";
 pub(super) const FILM_STRIP: &str = "filmstrip.png";
@@ -21,8 +22,8 @@ pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 
 /// All files except those of single steps and those that explain columns.
-const ALL: [&str; 11] =
-    [COLLECTION, TABLE, FINAL_STATE, SITES, LINES, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
+const ALL: [&str; 12] =
+    [COLLECTION, TABLE, FINAL_STATE, SITES, LINES, BASE_PAIRS, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
 /// Tables whose columns are explained in files of their own.
 const EXPLAINED: [&str; 4] = [TABLE, FINAL_STATE, SITES, LINES];
 const STEP: [&str; 2] = ["step_", ".vtp"];

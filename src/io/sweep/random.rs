@@ -2,21 +2,20 @@
 
 use twox_hash::XxHash3_128;
 
-/// A stream of numbers: splitmix64 (Steele, Lea & Flood 2014), the same on every machine and in every version.
+use crate::dna::sequence::SplitMix;
+
+/// A stream of numbers, the same on every machine and in every version.
 #[derive(Debug, Clone)]
-pub(super) struct DrawStream(u64);
+pub(super) struct DrawStream(SplitMix);
 
 impl DrawStream {
     /// The stream of draw `index` of a key.
     pub fn of(seed: u64, key: &str, index: usize) -> Self {
-        Self(XxHash3_128::oneshot(format!("{seed} {key} {index}").as_bytes()) as u64)
+        Self(SplitMix(XxHash3_128::oneshot(format!("{seed} {key} {index}").as_bytes()) as u64))
     }
 
     fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        self.0.bits()
     }
 
     /// Uniform in [0, 1), with 53 bits.

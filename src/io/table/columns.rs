@@ -265,6 +265,11 @@ impl Columns {
         self.all.iter().map(|of| of.column.name.as_str()).collect()
     }
 
+    /// Names, units and meanings of the columns.
+    pub fn explained(&self) -> impl Iterator<Item = &ExplainedColumn> {
+        self.all.iter().map(|of| &of.column)
+    }
+
     /// Cells of one step.
     pub fn cells(&self, step: &Observation) -> Vec<Cell> {
         self.all.iter().map(|of| (of.value)(step)).collect()

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::dna::base_pairs::{AtRest, Nodes};
 use crate::rod::Rod;
 use crate::scene::{Ramp, Scene};
 
@@ -24,6 +25,9 @@ const ITERATIONS_A_STEP: f64 = 20.0;
 const SECONDS_A_NODE: f64 = 25e-6;
 const MIB: f64 = (1u64 << 20) as f64;
 
+/// Deviations of steps at the start, degrees and Å, from which on they are told: those that files of steps round to.
+const FAR_DEGREES: f64 = 0.05;
+const FAR_ANGSTROMS: f64 = 0.005;
 /// Start link, turns, above which a curve is told not to begin relaxed.
 const WORTH_TELLING: f64 = 1e-3;
 
@@ -41,6 +45,21 @@ pub(super) fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
     })
 }
 
+/// Says how far the steps of base pairs are from those at rest where the rod starts.
+pub(super) fn start_steps(rod: &Rod, at_rest: &AtRest) -> Option<String> {
+    let (positions, frames) = (&rod.positions, &rod.frames);
+    let closed = rod.closed.then_some(rod.start_link());
+    let nodes = Nodes { positions, frames, order: rod.order, closed, turns_left_out: rod.turns_left_out };
+    let off = at_rest.deviation(&at_rest.along(&nodes).ok()?);
+    let far = off.degrees > FAR_DEGREES || off.angstroms > FAR_ANGSTROMS;
+    far.then(|| {
+        format!(
+            "rod \"{}\" starts with base-pair steps that are up to {off} from those at rest, which its sequence has",
+            rod.name
+        )
+    })
+}
+
 impl Scene {
     /// Warnings: a radius probably in another unit than the length, link that the mesh cannot resolve, too much natural
     /// twist from node to node, excess link that is probably the whole link.
@@ -48,7 +67,11 @@ impl Scene {
         let rods = self.model.rods.iter().enumerate();
         rods.flat_map(|(index, rod)| {
             let [least, most] = self.links(index, rod);
-            [thin(rod), natural(rod), link(rod, least.abs().max(most.abs())), is_link(rod, least), is_link(rod, most)]
+            let by_nature = match self.base_pairs.get(index) {
+                Some(Some(at_rest)) if rod.turns_left_out == 0.0 => steps(rod, at_rest),
+                _ => natural(rod),
+            };
+            [thin(rod), by_nature, link(rod, least.abs().max(most.abs())), is_link(rod, least), is_link(rod, most)]
         })
         .flatten()
         .fold(Vec::new(), |mut all, warning| {
@@ -136,6 +159,18 @@ fn natural(rod: &Rod) -> Option<String> {
             rod.name,
             360.0 * turns,
             360.0 * MOST_NATURAL
+        )
+    })
+}
+
+/// A sequence wants a node a base pair. Its natural twist needs no other mesh: elements take the steps at rest exactly.
+fn steps(rod: &Rod, at_rest: &AtRest) -> Option<String> {
+    let (steps, segments) = (at_rest.steps.len(), rod.num_segments());
+    (segments < steps).then(|| {
+        format!(
+            "rod \"{}\" has {segments} segments between nodes for {steps} steps of base pairs: {} elements have a node a base pair",
+            rod.name,
+            steps.div_ceil(rod.order)
         )
     })
 }

@@ -3,17 +3,18 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::dna::base_pairs::AtRest;
 use crate::dna::bound::Bound;
 use crate::dna::sequence::{Helix, Sequence, Steps};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
-use crate::rod::{Along, Binding, Natural, Rod, RodMesh, RodNumber, Section, Stiffness};
-use crate::scene::read_natural;
+use crate::rod::{Along, Binding, Natural, Rod, RodMesh, RodNumber, Section, Shape, Stiffness};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use crate::scene::{read_natural, smooth_points};
 
 use super::FollowChoice;
-use super::dna::{Dna, electrostatics};
+use super::by_base_pairs::{Dna, electrostatics};
 use super::mesh::Unmeshed;
 use super::section::{GivenSection, section};
 use super::shapes::{Wound, shape};
@@ -49,11 +50,14 @@ pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
     Ok(())
 }
 
-pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputError> {
-    let mut rods: Vec<Rod> = Vec::new();
+/// The problem, and base pairs at rest of the rods that have a sequence.
+pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<(Model, Vec<Option<AtRest>>), InputError> {
+    let (mut rods, mut base_pairs): (Vec<Rod>, Vec<_>) = Default::default();
     for rod_text in &text.rods {
         let nodes = rods.iter().map(Rod::num_nodes).sum();
-        rods.push(rod(text, rod_text, base_dir, nodes)?);
+        let (rod, pairs) = rod(text, rod_text, base_dir, nodes)?;
+        rods.push(rod);
+        base_pairs.push(pairs);
     }
     let contact = contact(&text.contact, text.fidelity, &rods)?;
     if contact.law.is_on() {
@@ -89,7 +93,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<Model, InputErr
     }
     model.load = gravity::start_factor(text);
     model.planes = planes::planes(&text.planes)?;
-    model.check().map(|()| model)
+    model.check().map(|()| (model, base_pairs))
 }
 
 fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support>, InputError> {
@@ -256,14 +260,15 @@ fn numbers(field: &str, text: &RampText, rods: &[Rod]) -> Result<Vec<Ramp>, Inpu
     Ok(ramps)
 }
 
-/// A rod of a scene; the rods before it have `nodes` nodes.
-fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<Rod, InputError> {
+/// A rod of a scene, and its base pairs at rest if it has a sequence; the rods before it have `nodes` nodes.
+fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Result<(Rod, Option<AtRest>), InputError> {
     let path = format!("rods.{}", text.name);
     let contact = !matches!(scene.contact.law, LawText::None);
     let inside = |error| within(&path, error);
     let charged = scene.contact.electrostatics.is_some();
     let dna = text.dna.as_ref().map(|text| Dna::new(text, charged)).transpose().map_err(inside)?;
     let helix = text.sequence.as_ref().map(|given| helix(given, text.closed, base_dir)).transpose().map_err(inside)?;
+    let molecule = helix.clone();
     let helix_length = helix.as_ref().map(|helix| helix.length);
     let by_sequence = helix.as_ref().map(|helix| helix.stiffness.clone());
     let turns_left_out = helix.as_ref().map_or(0.0, |helix| helix.turns_left_out);
@@ -276,7 +281,8 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
         Some(binding) => binding.natural(),
         None => natural(&path, text, helix, base_dir)?,
     };
-    let given = GivenRod { scene, text, base_dir, nodes_before: nodes, dna: dna.as_ref(), excess_link };
+    let pieces = molecule.as_ref().map(|helix| helix.num_steps.div_ceil(text.block().unwrap_or(1)));
+    let given = GivenRod { scene, text, base_dir, nodes_before: nodes, dna: dna.as_ref(), excess_link, pieces };
     let mut rod = match &text.shape {
         ShapeText::State { file, rod } => {
             given.check_memory(text.elements)?;
@@ -298,13 +304,21 @@ fn rod(scene: &SceneText, text: &RodText, base_dir: &Path, nodes: usize) -> Resu
     rod.turns_left_out = turns_left_out;
     rod.binding = binding;
     rod = with_link(&path, text, excess_link, rod)?;
-    if let Some(dna) = &dna {
-        dna.check_length(rod.length).map_err(inside)?;
+    let fitted = matches!(text.shape, ShapeText::Points { fit: Some(_), .. });
+    match (&text.dna, &dna) {
+        (Some(given), _) if fitted && given.rise.is_none() => {}
+        _ if fitted => {
+            let reason = "takes the rise from the points: the rod needs dna, and that no rise";
+            return Err(InputError::inconsistent(format!("{path}.shape.fit"), reason));
+        }
+        (_, Some(dna)) => dna.check_length(rod.length).map_err(inside)?,
+        (_, None) => {}
     }
     if text.roll != 0.0 {
         roll(&mut rod, text);
     }
-    Ok(rod)
+    let base_pairs = molecule.and_then(|helix| AtRest::new(&helix, rod.closed, rod.order, rod.num_segments()));
+    Ok((rod, base_pairs))
 }
 
 /// Shape, section and counts from which a rod is meshed.
@@ -316,6 +330,8 @@ struct GivenRod<'a> {
     nodes_before: usize,
     dna: Option<&'a Dna>,
     excess_link: Option<f64>,
+    /// Steps of a sequence, or blocks of them.
+    pieces: Option<usize>,
 }
 
 impl GivenRod<'_> {
@@ -336,25 +352,59 @@ impl GivenRod<'_> {
         let length = self.dna.map(|dna| dna.length);
         let wound = Wound { section: &section, excess_link: self.excess_link, closed: text.closed, length };
         let shape = shape(&text.shape, self.base_dir, &wound).map_err(|error| within(&path, error))?;
-        let unmeshed =
-            Unmeshed { scene, rod: text, shape: &shape, section: &section, natural: &natural, dna: self.dna };
+        let unmeshed = Unmeshed {
+            scene,
+            rod: text,
+            shape: &shape,
+            section: &section,
+            natural: &natural,
+            dna: self.dna,
+            pieces: self.pieces,
+        };
         let elements = elements(&path, &unmeshed)?;
         self.check_memory(Some(elements)).map_err(|error| by_fidelity(error, scene, text))?;
         let mesh = RodMesh { closed: text.closed, num_elements: elements, order: text.order };
-        Rod::new(&text.name, &shape, mesh, section, natural)
+        let rod = Rod::new(&text.name, &shape, mesh, section, natural.clone());
+        rod.map_err(|error| {
+            let fits = |shape: &Shape| Rod::new(&text.name, shape, mesh, section, natural.clone()).is_ok();
+            by_smoothing(error, &shape, text.closed, fits)
+        })
     }
 }
 
-/// Number of elements: as given, or as many as the fidelity asks for.
+/// Number of elements: as given, as many as the fidelity asks for, or a node a base pair.
 fn elements(path: &str, rod: &Unmeshed) -> Result<usize, InputError> {
-    match (rod.rod.elements, rod.scene.fidelity) {
-        (Some(elements), _) => Ok(elements),
-        (None, Some(fidelity)) => rod.elements(fidelity).map_err(|error| within(path, error)),
-        (None, None) => {
+    match (rod.rod.elements, rod.scene.fidelity, rod.by_sequence()) {
+        (Some(elements), ..) | (None, None, Some(elements)) => Ok(elements),
+        (None, Some(fidelity), _) => rod.elements(fidelity).map_err(|error| within(path, error)),
+        (None, None, None) => {
             let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
             Err(InputError::inconsistent(format!("{path}.elements"), reason))
         }
     }
+}
+
+/// Says of points that make no rod how far they must be smoothed to make one, if that helps.
+fn by_smoothing(error: InputError, shape: &Shape, closed: bool, fits: impl Fn(&Shape) -> bool) -> InputError {
+    let (Shape::Points(points), InputError::Inconsistent { field, reason }) = (shape, &error) else { return error };
+    let way: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    let mean = way / points.len().max(1) as f64;
+    let lengths = SMOOTHING.iter().map(|factor| rounded(factor * mean));
+    let smooth = |length: &f64| smooth_points(points, closed, *length).is_ok_and(|points| fits(&Shape::Points(points)));
+    match lengths.into_iter().find(smooth) {
+        Some(length) => {
+            InputError::inconsistent(field.clone(), format!("{reason}; points with smooth = {length} make a rod"))
+        }
+        None => error,
+    }
+}
+
+/// Smoothing lengths that are tried, in mean distances of points, up to where smoothing ends.
+const SMOOTHING: [f64; 9] = [0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0, 80.0];
+
+/// A number to two digits.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or(x)
 }
 
 /// Says of too many elements that the fidelity asks for them, if it does.

@@ -7,7 +7,7 @@ use crate::math::Vec3;
 use crate::rod::{Axis, Natural, Section, Shape};
 use crate::scene::Fidelity;
 
-use super::dna::Dna;
+use super::by_base_pairs::Dna;
 use super::gravity;
 use super::text::{LawText, RampText, RodText, SceneText};
 use super::values::{List, RodNames};
@@ -25,6 +25,8 @@ pub(super) struct Unmeshed<'a> {
     pub section: &'a Section,
     pub natural: &'a Natural,
     pub dna: Option<&'a Dna>,
+    /// Pieces of a sequence: steps, or blocks of them.
+    pub pieces: Option<usize>,
 }
 
 impl Unmeshed<'_> {
@@ -33,7 +35,13 @@ impl Unmeshed<'_> {
         let (length, turns) = self.turns()?;
         let touches = !matches!(self.scene.contact.law, LawText::None);
         let cubic = fidelity.elements(length, turns, if touches { self.section.contact_radius } else { 0.0 });
-        Ok(cubic.saturating_mul(Fidelity::ORDER).div_ceil(self.rod.order.max(1)))
+        let elements = cubic.saturating_mul(Fidelity::ORDER).div_ceil(self.rod.order.max(1));
+        Ok(elements.max(self.by_sequence().unwrap_or(0)))
+    }
+
+    /// Number of elements for a node a base pair, or a node a block of them; `None` without a sequence.
+    pub(super) fn by_sequence(&self) -> Option<usize> {
+        self.pieces.map(|pieces| pieces.div_ceil(self.rod.order.max(1)))
     }
 
     /// Length of a rod \[L\] and an estimate of its turns of bending and twist in the scene.

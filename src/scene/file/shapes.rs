@@ -9,6 +9,7 @@ use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::{Import, read_points_with, smooth_points};
 
+use super::knots;
 use super::text::ShapeText;
 use super::values::List;
 
@@ -55,6 +56,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
         ShapeText::State { .. } | ShapeText::Frames { .. } => {
             return Err(InputError::inconsistent("shape", "a state is nodes with frames, no curve"));
         }
+        ShapeText::Knot { .. } => Shape::Points(knot(text, wound)?),
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
             let (length, phase) = (wound.length(length)?, TAU * phase);
@@ -62,6 +64,35 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             TorusKnot { length, windings, aspect, phase, center, normal }.into()
         }
     })
+}
+
+/// Points of a knot, scaled so that the curve through them has the length, or strands the distance, that is asked for.
+fn knot(text: &ShapeText, wound: &Wound) -> Result<Vec<Vec3>, InputError> {
+    let ShapeText::Knot { name, braid, component, length, distance, center } = text else {
+        return Err(InputError::inconsistent("shape", "is no knot"));
+    };
+    if !wound.closed {
+        return Err(InputError::inconsistent("shape", "a knot is closed: set closed = true"));
+    }
+    let word = match (name, braid) {
+        (Some(name), None) => knots::named(name)?,
+        (None, Some(word)) => word.clone(),
+        _ => return Err(InputError::inconsistent("shape", "a knot is given by its name or by a braid, one of them")),
+    };
+    let points = knots::closed_braid(&word, *component)?;
+    let scale = match (length, distance) {
+        (Some(_), Some(_)) => {
+            return Err(InputError::inconsistent("shape.distance", "follows from the length: give one of them"));
+        }
+        (None, Some(distance)) => InputError::positive("shape.distance", *distance).map(|()| *distance)?,
+        _ => {
+            let length = wound.length(*length)?;
+            InputError::positive("shape.length", length)?;
+            length / Shape::Points(points.clone()).place(true, 2 * points.len())?.length
+        }
+    };
+    let center: Vec3 = (*center).into();
+    Ok(points.into_iter().map(|point| center + point * scale).collect())
 }
 
 fn circumference(length: Option<f64>, radius: Option<f64>, wound: &Wound) -> Result<f64, InputError> {
@@ -75,7 +106,7 @@ fn circumference(length: Option<f64>, radius: Option<f64>, wound: &Wound) -> Res
 
 /// Points of a file, smoothed if asked for.
 fn points(text: &ShapeText, base_dir: &Path, closed: bool) -> Result<Vec<Vec3>, InputError> {
-    let ShapeText::Points { file, columns, frame, chain, every, scale, smooth } = text else {
+    let ShapeText::Points { file, columns, frame, chain, every, scale, smooth, .. } = text else {
         return Err(InputError::inconsistent("shape", "is no list of points"));
     };
     let refuse = |_| InputError::inconsistent("shape.columns", "takes three names: of the columns of x, y and z");

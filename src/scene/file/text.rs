@@ -32,13 +32,14 @@ pub(super) struct SceneText {
     pub title: String,
     /// Names of the units, for reports; nothing is converted.
     #[serde(default, deserialize_with = "table")]
-    #[schemars(extend("x-allowed" = "one line", "x-default" = "`L`, `F`; nm, pN with `dna`"))]
+    #[schemars(extend("x-allowed" = "one line", "x-default" = "`L`, `F`; nm, pN with `dna` or `sequence`"))]
     pub units: Units,
     /// Whether all rods lie in a plane of constant z, and stay there.
     #[serde(default)]
     pub planar: bool,
-    /// Temperature at which energies are also given in kT, where units are nm and pN.
-    #[schemars(extend("x-unit" = "K", "exclusiveMinimum" = 0, "x-allowed" = "units nm and pN", "x-default" = "300"))]
+    /// Temperature at which energies are also given in kT, where units are nm and pN. Stiffnesses of `dna` and `sequence` are
+    /// those at 298 K, where kT is 4.114 pN nm.
+    #[schemars(extend("x-unit" = "K", "exclusiveMinimum" = 0, "x-allowed" = "units nm and pN", "x-default" = "298"))]
     pub temperature: Option<f64>,
     /// Accuracy preset: sets elements, contact law and tolerances that are not given.
     pub fidelity: Option<Fidelity>,

@@ -48,15 +48,19 @@ pub(super) fn vect(text: &str) -> Result<Vec<Vec<Vec3>>, String> {
     sizes.iter().map(|size| (0..size.unsigned_abs()).map(|_| point()).collect()).collect()
 }
 
-/// Phosphorus atoms of a chain of a PDB file, model by model. Columns as the format fixes them: name 13–16, chain 22, x, y,
+/// Phosphorus atoms of a chain of a PDB file, model by model; of the two strands of a double helix, without a chain, the points
+/// midway between partners. Columns as the format fixes them: name 13–16, chain 22, x, y,
 /// z in 31–54.
 pub(super) fn pdb(text: &str, chain: Option<&str>) -> Result<Vec<Vec<Vec3>>, String> {
     let mut models: Vec<Vec<Vec3>> = vec![Vec::new()];
     let mut chains: Vec<&str> = Vec::new();
+    // points of each model by chain, in the order of `chains`
+    let mut by_chain: Vec<Vec<Vec<Vec3>>> = vec![Vec::new()];
     for (number, line) in (1..).zip(text.lines()) {
         let column = |from: usize, to: usize| line.get(from - 1..to).unwrap_or_default().trim();
         if column(1, 6) == "ENDMDL" {
             models.push(Vec::new());
+            by_chain.push(Vec::new());
         }
         if !matches!(column(1, 6), "ATOM" | "HETATM") || column(13, 16) != "P" {
             continue;
@@ -74,8 +78,19 @@ pub(super) fn pdb(text: &str, chain: Option<&str>) -> Result<Vec<Vec<Vec3>>, Str
         if let Some(model) = models.last_mut() {
             model.push(point);
         }
+        if let (Some(model), Some(chain)) = (by_chain.last_mut(), chains.iter().position(|chain| *chain == here)) {
+            model.resize_with(model.len().max(chain + 1), Vec::new);
+            model[chain].push(point);
+        }
     }
     models.retain(|model| !model.is_empty());
+    by_chain.retain(|model| !model.is_empty());
+    if chain.is_none()
+        && let Some(axes) = by_chain.iter().map(|chains| axis(chains)).collect::<Option<Vec<_>>>()
+        && !axes.is_empty()
+    {
+        return Ok(axes);
+    }
     match chain {
         _ if chains.is_empty() => Err("holds no atoms P".to_owned()),
         None if chains.len() > 1 => Err(format!("has chains {}: say which by chain", chains.join(", "))),
@@ -83,6 +98,17 @@ pub(super) fn pdb(text: &str, chain: Option<&str>) -> Result<Vec<Vec<Vec3>>, Str
         _ => Ok(models),
     }
 }
+
+/// Points midway between the two strands of a double helix, each listed from its 5' end; `None` of other chains.
+fn axis(chains: &[Vec<Vec3>]) -> Option<Vec<Vec3>> {
+    let [read, other] = chains else { return None };
+    let partners = || read.iter().zip(other.iter().rev());
+    let face = |(a, b): (&Vec3, &Vec3)| (a - b).norm() <= WIDEST_PAIR;
+    (read.len() == other.len() && partners().all(face)).then(|| partners().map(|(a, b)| (a + b) * 0.5).collect())
+}
+
+/// Largest distance of the atoms P of a base pair, Å: 19 in B-DNA.
+const WIDEST_PAIR: f64 = 25.0;
 
 #[cfg(test)]
 mod tests {

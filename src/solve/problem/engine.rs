@@ -92,7 +92,7 @@ impl Reference {
     /// Of the same elements, by natural strains that vary along their rod.
     pub(crate) fn varying(&self, rod: &Rod, along: &Along<NaturalStrains>) -> Self {
         let first = if let Self::PerElement(first, _) = self { *first } else { 0 };
-        Self::PerElement(first, (0..rod.num_elements).map(|e| rod.on_element(along, e).map(Into::into)).collect())
+        Self::PerElement(first, (0..rod.num_elements).map(|e| rod.natural_on_element(along, e)).collect())
     }
 
     pub(crate) fn of(&self, element: usize) -> [Strain; 3] {

@@ -11,6 +11,7 @@ use crate::solve::problem::engine::Engine;
 
 /// Fields at the nodes of one rod.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NodalFields {
     /// Curvature √(K1² + K2²) of the present shape, natural curvature included \[1/L\].
     pub curvature: Vec<f64>,

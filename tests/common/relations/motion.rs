@@ -389,5 +389,6 @@ fn unit_of(which: RodNumber, f: f64) -> f64 {
         | RodNumber::Shearing2 => f,
         RodNumber::Bending1 | RodNumber::Bending2 | RodNumber::Twisting => f.powi(3),
         RodNumber::Curvature1 | RodNumber::Curvature2 | RodNumber::Twist => f.recip(),
+        RodNumber::Binding => 1.0,
     }
 }

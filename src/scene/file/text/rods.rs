@@ -51,7 +51,7 @@ pub(in super::super) struct RodText {
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-allowed" = "`natural` of a table, `sequence.proteins`"))]
     pub binding: f64,
     /// Number of elements.
-    #[schemars(extend("minimum" = 1, "x-default" = "by `fidelity`; those of a `state`"))]
+    #[schemars(extend("minimum" = 1, "x-default" = "by `fidelity`; a node a base pair of a `sequence`; those of a `state`"))]
     pub elements: Option<usize>,
     /// Order of the elements.
     #[serde(default = "default_order")]
@@ -81,6 +81,13 @@ pub(in super::super) struct RodText {
     /// Twist at the start beyond the natural one, spread evenly; the frame at s = 0 stays.
     #[schemars(extend("x-unit" = "turns", "x-allowed" = "open rods", "x-default" = "0"))]
     pub twist: Option<f64>,
+}
+
+impl RodText {
+    /// Steps of a block of the sequence.
+    pub fn block(&self) -> Option<usize> {
+        self.sequence.as_ref().and_then(|sequence| sequence.block)
+    }
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -165,11 +172,11 @@ pub(in super::super) struct SequenceText {
     #[schemars(extend("x-allowed" = "FASTA or oxDNA's topology", "x-default" = "needed without `letters`"))]
     pub fasta: Option<PathBuf>,
     /// The base sequence itself, in place of `fasta`.
-    #[schemars(extend("x-allowed" = "A, C, G, T"))]
+    #[schemars(extend("x-allowed" = "A, C, G, T; `random:336:7` (336 bases, seed 7); `poly:AT:336`"))]
     pub letters: Option<String>,
     /// Means and stiffness of the base-pair steps, see `dna::sequence` in the library; a step from base pair to base
     /// pair, of closed rods also back to the first.
-    #[schemars(extend("x-allowed" = "`ideal`, `protein-dna-1998`, or a CSV file"))]
+    #[schemars(extend("x-allowed" = "`ideal`, `protein-dna-1998`, or a CSV file: of the sixteen steps, or of all steps in order"))]
     pub steps: String,
     /// Pieces that proteins hold: `hold` (frozen, steps, block), `from`, `to` (base pairs from 1), `tilt`, `roll`,
     /// `twist`, `shift`, `slide`, `rise`, see `dna::bound` in the library.

@@ -31,6 +31,14 @@ fn axis_z() -> List<f64, 3> {
     List([0.0, 0.0, 1.0])
 }
 
+/// What measured points determine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in super::super) enum Fit {
+    /// The length of a base pair.
+    Rise,
+}
+
 #[derive(Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub(in super::super) enum ShapeText {
@@ -134,6 +142,10 @@ pub(in super::super) enum ShapeText {
         /// end points of open ones where they are.
         #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at most 100 mean distances of points"))]
         smooth: Option<f64>,
+        /// What follows from the length of the points, where they are a measured molecule: `rise`, the length of a base pair of
+        /// `dna`, instead of an error where the two differ by more than 1 %.
+        #[schemars(extend("x-allowed" = "with `dna` without `rise`", "x-default" = "nothing"))]
+        fit: Option<Fit>,
     },
     /// Base pairs with their frames, in nm. Those of a rod that is straight at rest and has no `sequence` leave out the
     /// turns of the double helix.
@@ -175,6 +187,28 @@ pub(in super::super) enum ShapeText {
         /// Open shape along which it is coiled up.
         #[schemars(extend("x-default" = "straight"))]
         axis: Option<Box<ShapeText>>,
+    },
+    /// A knot by its name or its braid word, as a closed braid about an axis.
+    Knot {
+        /// Prime knot in Rolfsen's numbering, with three to eight crossings.
+        #[schemars(extend("x-allowed" = "`3_1` to `8_21`", "x-default" = "needed without `braid`"))]
+        name: Option<String>,
+        /// Braid word, in place of `name`: ±k exchanges strands k and k + 1, right-handed where positive.
+        #[schemars(extend("x-value" = "list such as [1, -2, 1, -2]", "x-allowed" = "whole numbers, not 0"))]
+        braid: Option<Vec<i32>>,
+        /// Which curve, of a braid that closes to several: each is a rod, all with one `distance`.
+        #[schemars(extend("minimum" = 0, "x-default" = "the only one"))]
+        component: Option<usize>,
+        /// Length of the rod.
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-default" = "from `dna`, or by `distance`"))]
+        length: Option<f64>,
+        /// Distance between neighbouring strands, in place of `length`.
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0))]
+        distance: Option<f64>,
+        /// Centre.
+        #[serde(default)]
+        #[schemars(extend("x-unit" = "L"))]
+        center: List<f64, 3>,
     },
     /// A torus knot.
     TorusKnot {

@@ -6,7 +6,7 @@ use crate::error::InputError;
 use crate::rod::Section;
 use crate::scene::{Electrostatics, Units};
 
-use super::text::{DnaText, ElectrostaticsText, SceneText};
+use super::text::{DnaText, ElectrostaticsText, RodText, SceneText};
 
 /// Default salt concentration, mmol/l: physiological.
 const SALT: f64 = 150.0;
@@ -55,7 +55,8 @@ impl Dna {
             return Ok(());
         }
         let reason = format!(
-            "are {:.3} nm long, but the shape is {length:.3} nm long: they are to agree within 1 %",
+            "are {:.3} nm long, but the shape is {length:.3} nm long: they are to agree within 1 % (of measured points, fit = \"rise\" in the \
+             shape takes the rise from them)",
             self.length
         );
         Err(InputError::inconsistent("dna.base_pairs", &reason))
@@ -105,9 +106,18 @@ fn diameter(text: &DnaText, charged: bool) -> Result<f64, InputError> {
     }
 }
 
-/// The units of a scene; nm and pN if it has DNA.
+/// The units of a scene; nm and pN if it has DNA, by its length or by its sequence.
 pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
-    let dna = text.rods.iter().any(|rod| rod.dna.is_some());
+    let key = |rod: &RodText| match (&rod.dna, &rod.sequence) {
+        (Some(_), _) => Some("dna"),
+        (None, Some(_)) => Some("sequence"),
+        (None, None) => None,
+    };
+    let key = text.rods.iter().find_map(key);
+    if let Some(temperature) = text.temperature {
+        InputError::positive("temperature", temperature)?;
+    }
+    let dna = key.is_some();
     if dna && text.units == Units::default() {
         return Ok(Units { length: "nm".to_owned(), force: "pN".to_owned() });
     }
@@ -116,18 +126,15 @@ pub(super) fn units(text: &SceneText) -> Result<Units, InputError> {
         let reason = format!("{what} counts in nm and pN, but units are {length} and {force}: leave units out");
         InputError::inconsistent(field.to_owned(), &reason)
     };
-    if dna && !text.units.are_molecular() {
-        return Err(needs("rods.dna", "dna"));
+    if let Some(key) = key.filter(|_| !text.units.are_molecular()) {
+        return Err(needs(&format!("rods.{key}"), key));
     }
     if text.contact.electrostatics.is_some_and(|charges| charges.salt.is_some()) && !text.units.are_molecular() && !dna
     {
         return Err(needs("contact.electrostatics.salt_mM", "salt"));
     }
-    if let Some(temperature) = text.temperature {
-        InputError::positive("temperature", temperature)?;
-        if !text.units.are_molecular() {
-            return Err(needs("temperature", "kT"));
-        }
+    if text.temperature.is_some() && !text.units.are_molecular() {
+        return Err(needs("temperature", "kT"));
     }
     Ok(text.units.clone())
 }

@@ -1,0 +1,40 @@
+"""Files that build packages elsewhere: they are read, name what is here, and agree with the package."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def read(path: str) -> dict[Any, Any]:
+    """A file of YAML."""
+    yaml = pytest.importorskip("yaml")
+    found = yaml.safe_load((ROOT / path).read_text())
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.mark.parametrize("name", ["tests", "wheels", "docs"])
+def test_workflows_are_valid(name: str) -> None:
+    flow = read(f".github/workflows/{name}.yml")
+    # YAML 1.1 takes "on" for true
+    assert {"name", "jobs"} <= set(flow) and (True in flow or "on" in flow)
+    for job in flow["jobs"].values():
+        assert "runs-on" in job and set(job.get("needs", []) if isinstance(job.get("needs"), list) else []) <= set(flow["jobs"])
+        for step in job["steps"]:
+            assert ("uses" in step) != ("run" in step), step
+            assert "@" in step.get("uses", "@"), step
+            folder = step.get("working-directory") or step.get("with", {}).get("working-directory")
+            assert folder is None or (ROOT / folder).is_dir()
+
+
+def test_the_recipe_agrees_with_the_package() -> None:
+    project = (ROOT / "python" / "pyproject.toml").read_text()
+    recipe = read("python/conda/recipe.yaml")
+    assert f'version = "{recipe["context"]["version"]}"' in project
+    for requirement in recipe["requirements"]["run"][1:]:
+        assert f'"{requirement.replace(" ", "")}"' in project
+    assert all((ROOT / name).exists() for name in recipe["about"]["license_file"][:2])
+    assert f'supercoil = "{recipe["build"]["python"]["entry_points"][0].split(" = ")[1]}"' in project

@@ -1,0 +1,205 @@
+//! Knots by name: closed braids.
+//!
+//! Braid words of the prime knots of up to eight crossings, in Rolfsen's numbering, as tables of knots have them (Jones 1987,
+//! Ann. Math. 126:335; KnotInfo). A letter ±k exchanges strands k and k + 1; positive letters are right-handed crossings. Which of
+//! two mirror images a name means is not agreed upon: these are those of the words here.
+
+use std::f64::consts::TAU;
+
+use crate::error::InputError;
+use crate::math::Vec3;
+
+/// Name and braid word.
+const KNOTS: [(&str, &[i32]); 35] = [
+    ("3_1", &[1, 1, 1]),
+    ("4_1", &[1, -2, 1, -2]),
+    ("5_1", &[1, 1, 1, 1, 1]),
+    ("5_2", &[1, 1, 1, 2, -1, 2]),
+    ("6_1", &[1, 1, 2, -1, -3, 2, -3]),
+    ("6_2", &[1, 1, 1, -2, 1, -2]),
+    ("6_3", &[1, 1, -2, 1, -2, -2]),
+    ("7_1", &[1, 1, 1, 1, 1, 1, 1]),
+    ("7_2", &[1, 1, 1, 2, -1, 2, 3, -2, 3]),
+    ("7_3", &[1, 1, 1, 1, 1, 2, -1, 2]),
+    ("7_4", &[1, 1, 2, -1, 2, 2, 3, -2, 3]),
+    ("7_5", &[1, 1, 1, 1, 2, -1, 2, 2]),
+    ("7_6", &[1, 1, -2, 1, 3, -2, 3]),
+    ("7_7", &[-1, 2, -1, 2, -3, 2, -3]),
+    ("8_1", &[1, 1, 2, -1, 2, 3, -2, -4, 3, -4]),
+    ("8_2", &[1, 1, 1, 1, 1, -2, 1, -2]),
+    ("8_3", &[1, 1, 2, -1, -3, 2, -3, -4, 3, -4]),
+    ("8_4", &[-1, -1, -1, 2, -1, 2, 3, -2, 3]),
+    ("8_5", &[1, 1, 1, -2, 1, 1, 1, -2]),
+    ("8_6", &[1, 1, 1, 1, 2, -1, -3, 2, -3]),
+    ("8_7", &[-1, -1, -1, -1, 2, -1, 2, 2]),
+    ("8_8", &[-1, -1, -1, -2, 1, 3, -2, 3, 3]),
+    ("8_9", &[1, 1, 1, -2, 1, -2, -2, -2]),
+    ("8_10", &[-1, -1, -1, 2, -1, -1, 2, 2]),
+    ("8_11", &[1, 1, 2, -1, 2, 2, -3, 2, -3]),
+    ("8_12", &[1, -2, 1, 3, -2, -4, 3, -4]),
+    ("8_13", &[1, 1, -2, 1, -2, -2, -3, 2, -3]),
+    ("8_14", &[1, 1, 1, 2, -1, 2, -3, 2, -3]),
+    ("8_15", &[1, 1, -2, 1, 3, 2, 2, 2, 3]),
+    ("8_16", &[-1, -1, 2, -1, -1, 2, -1, 2]),
+    ("8_17", &[1, 1, -2, 1, -2, 1, -2, -2]),
+    ("8_18", &[1, -2, 1, -2, 1, -2, 1, -2]),
+    ("8_19", &[1, 1, 1, 2, 1, 1, 1, 2]),
+    ("8_20", &[1, 1, 1, -2, -1, -1, -1, -2]),
+    ("8_21", &[1, 1, 1, 2, -1, -1, 2, 2]),
+];
+
+/// Points on a strand from one crossing to the next.
+const POINTS: usize = 16;
+/// Way from one crossing to the next along the middle of the braid, in distances of strands: at twice the distance strands
+/// cross at about half a right angle.
+const PITCH: f64 = 2.5;
+/// Smallest radius of the inmost strand, in distances of strands: it bends gently, and leaves the middle free.
+const INMOST: f64 = 2.0;
+
+/// The braid word of a knot.
+///
+/// # Errors
+/// [`InputError::Name`] for a name that is not in the table.
+pub(super) fn named(name: &str) -> Result<Vec<i32>, InputError> {
+    let found = KNOTS.iter().find(|(known, _)| *known == name);
+    found.map(|(_, word)| word.to_vec()).ok_or_else(|| InputError::Name {
+        field: "shape.name".to_owned(),
+        name: name.to_owned(),
+        allowed: "a prime knot of three to eight crossings in Rolfsen's numbering, as \"7_4\" (or give a braid)"
+            .to_owned(),
+    })
+}
+
+/// A component of the closed braid of a word, around the z-axis; neighbouring strands are 1 apart, as crossing ones are.
+///
+/// # Errors
+/// [`InputError::Inconsistent`] for an empty word or a letter 0; several components and none chosen;
+/// [`InputError::Count`] for a component that is not there.
+pub(super) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec<Vec3>, InputError> {
+    if word.is_empty() || word.len() > MOST_LETTERS || word.iter().any(|k| *k == 0 || k.unsigned_abs() > MOST_STRANDS) {
+        let reason = "is a list of whole numbers such as [1, -2, 1, -2]: ±k exchanges strands k and k + 1; at most 1000 letters, \
+                      and 1 to 100";
+        return Err(InputError::inconsistent("shape.braid", reason));
+    }
+    let strands = word.iter().map(|k| k.unsigned_abs() as usize).max().unwrap_or(0) + 1;
+    let components = components(word, strands);
+    let chosen = match (component, components.len()) {
+        (None, 1) => 0,
+        (None, several) => {
+            let reason =
+                format!("closes to {several} curves: a link. Give each a rod, with component = 0 to {}", several - 1);
+            return Err(InputError::inconsistent("shape.braid", reason));
+        }
+        (Some(chosen), count) if chosen < count => chosen,
+        (Some(chosen), _) => {
+            let allowed = "less than the number of curves that the braid closes to";
+            return Err(InputError::Count { field: "shape.component".to_owned(), value: chosen, allowed });
+        }
+    };
+    let middle = 0.5 * (strands - 1) as f64;
+    let radius = (PITCH * word.len() as f64 / TAU).max(INMOST + middle);
+    let mut points = Vec::new();
+    for &first in &components[chosen] {
+        let mut place = first;
+        for (slot, &letter) in word.iter().enumerate() {
+            let (next, rises) = exchange(place, letter);
+            for k in 0..POINTS {
+                let part = k as f64 / POINTS as f64;
+                let (sin, cos) = (TAU * (slot as f64 + part) / word.len() as f64).sin_cos();
+                // from place to place, level at both ends; half a distance up or down where strands cross
+                let blend = 0.5 * (1.0 - (0.5 * TAU * part).cos());
+                let out = radius - middle + place as f64 + (next as f64 - place as f64) * blend;
+                let height = 0.5 * rises * (0.5 * TAU * part).sin().powi(2);
+                points.push(Vec3::new(out * cos, out * sin, height));
+            }
+            place = next;
+        }
+    }
+    Ok(points)
+}
+
+/// Limits of words: more make no rod that can be run.
+const MOST_LETTERS: usize = 1000;
+const MOST_STRANDS: u32 = 100;
+
+/// Where a letter takes a strand, and whether the strand goes over (1), under (−1) or straight on (0) there. With the braid
+/// counterclockwise about z and places outward, a crossing is right-handed where the strand that goes outward is above.
+fn exchange(place: usize, letter: i32) -> (usize, f64) {
+    let (inner, sign) = (letter.unsigned_abs() as usize - 1, f64::from(letter.signum()));
+    match place {
+        _ if place == inner => (inner + 1, sign),
+        _ if place == inner + 1 => (inner, -sign),
+        _ => (place, 0.0),
+    }
+}
+
+/// The curves of a closed braid: the places at which each begins its rounds.
+fn components(word: &[i32], strands: usize) -> Vec<Vec<usize>> {
+    let around = |first: usize| word.iter().fold(first, |place, &letter| exchange(place, letter).0);
+    let (mut all, mut seen): (Vec<Vec<usize>>, _) = (Vec::new(), vec![false; strands]);
+    for first in 0..strands {
+        let mut rounds = Vec::new();
+        let mut place = first;
+        while !seen[place] {
+            seen[place] = true;
+            rounds.push(place);
+            place = around(place);
+        }
+        if !rounds.is_empty() {
+            all.push(rounds);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::link::{alexander, linking_number};
+
+    /// Determinants of the knots above, from tables of knots.
+    const DETERMINANTS: [u32; 35] = [
+        3, 5, 5, 7, 9, 11, 13, 7, 11, 13, 15, 17, 19, 21, 13, 17, 17, 19, 21, 23, 23, 25, 25, 27, 27, 29, 29, 31, 33,
+        35, 37, 45, 3, 9, 15,
+    ];
+
+    #[test]
+    fn knots_have_their_determinants() {
+        for ((name, word), determinant) in KNOTS.iter().zip(DETERMINANTS) {
+            let points = closed_braid(&named(name).unwrap(), None).unwrap();
+            let found = alexander(&points).unwrap();
+            assert!((found.determinant - f64::from(determinant)).abs() < 1e-6, "{name} {word:?}: {found:?}");
+        }
+        assert!(named("9_1").unwrap_err().to_string().starts_with("shape.name = \"9_1\": must be a prime knot"));
+    }
+
+    /// Strands stay a distance apart, also where they cross.
+    #[test]
+    fn strands_do_not_touch() {
+        for (name, word) in KNOTS {
+            let points = closed_braid(word, None).unwrap();
+            let count = points.len();
+            let apart = |i: usize, j: usize| (j - i).min(count - (j - i)) > 2 * POINTS / 3;
+            let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))).filter(|&(i, j)| apart(i, j));
+            let least = pairs.map(|(i, j)| (points[i] - points[j]).norm()).fold(f64::INFINITY, f64::min);
+            assert!(least > 0.8, "{name}: {least}");
+        }
+    }
+
+    /// Two strands that cross twice are a link of one turn, right-handed crossings a positive one.
+    #[test]
+    fn links_have_components() {
+        for (word, link) in [([1, 1], 1.0), ([-1, -1], -1.0)] {
+            let curves = [0, 1].map(|k| closed_braid(&word, Some(k)).unwrap());
+            assert!((linking_number(&curves[0], &curves[1]) - link).abs() < 1e-9, "{word:?}");
+        }
+        let refused = closed_braid(&[1, 1], None).unwrap_err().to_string();
+        assert!(refused.starts_with("shape.braid: closes to 2 curves: a link."), "{refused}");
+        assert!(
+            closed_braid(&[1, 1], Some(2)).unwrap_err().to_string().starts_with("shape.component = 2: must be less")
+        );
+        for word in [&[][..], &[1, 0], &[101]] {
+            assert!(closed_braid(word, None).unwrap_err().to_string().starts_with("shape.braid: is a list of whole"));
+        }
+    }
+}
