@@ -316,7 +316,8 @@ impl Scene {
     /// [`dna::TEMPERATURE`]: crate::dna::TEMPERATURE
     pub fn thermal(&self) -> Option<(f64, f64)> {
         let of_constants = (dna::TEMPERATURE, dna::THERMAL_ENERGY);
-        let thermal = self.temperature.map_or(of_constants, |kelvin| (kelvin, kelvin * dna::BOLTZMANN));
+        let other = self.temperature.filter(|kelvin| *kelvin != dna::TEMPERATURE);
+        let thermal = other.map_or(of_constants, |kelvin| (kelvin, kelvin * dna::BOLTZMANN));
         self.units.are_molecular().then_some(thermal)
     }
 

@@ -57,6 +57,10 @@ fn template(key: &Key) -> String {
                 ("arc", _) => "radius = 1.0, turns = 0.25, ",
                 ("helix", "radius") => "pitch = 1.0, turns = 2.0, ",
                 ("helix", _) => "radius = 1.0, pitch = 1.0, turns = 2.0, ",
+                ("knot", "length" | "distance") => "name = \"3_1\", ",
+                ("knot", "component") => "braid = [1, 1, 1], length = 60.0, ",
+                ("knot", "name" | "braid") => "length = 60.0, ",
+                ("knot", _) => "name = \"3_1\", length = 60.0, ",
                 ("torus_knot", "length") => "windings = [2, 3], ",
                 ("torus_knot", _) => "length = 6.0, windings = [2, 3], ",
                 ("plectoneme", "angle") => "length = 6.0, distance = 0.2, ",
@@ -67,7 +71,7 @@ fn template(key: &Key) -> String {
                 ("state", _) => &format!("file = \"{}\", ", state()),
                 (kind, name) => panic!("no scene for {name} of a {kind}"),
             };
-            let closed = ["circle", "points", "torus_knot", "plectoneme"].contains(&kind);
+            let closed = ["circle", "points", "knot", "torus_knot", "plectoneme"].contains(&kind);
             shape(&format!("{others}kind = \"{kind}\""), if closed { "closed = true\n" } else { "" })
         }
         ("rods.section", "contact_radius") => {
@@ -169,7 +173,9 @@ fn content(mut scene: Scene) -> String {
 }
 
 /// Defaults in words.
-const DEFAULTS_IN_WORDS: [&str; 30] = [
+const DEFAULTS_IN_WORDS: [&str; 32] = [
+    "needed without `braid`",
+    "from `dna`, or by `distance`",
     "none",
     "stays",
     "the only rod",
@@ -196,8 +202,8 @@ const DEFAULTS_IN_WORDS: [&str; 30] = [
     "`rod`, of an only rod",
     "`plane`, of an only plane",
     "the writhe of the shape",
-    "by `fidelity`; those of a `state`",
-    "`L`, `F`; nm, pN with `dna`",
+    "by `fidelity`; a node a base pair of a `sequence`; those of a `state`",
+    "`L`, `F`; nm, pN with `dna` or `sequence`",
     "1600 wide, as high as the rods need, up to 1200",
     "z, or y",
 ];

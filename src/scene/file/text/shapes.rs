@@ -144,7 +144,7 @@ pub(in super::super) enum ShapeText {
         smooth: Option<f64>,
         /// What follows from the length of the points, where they are a measured molecule: `rise`, the length of a base pair of
         /// `dna`, instead of an error where the two differ by more than 1 %.
-        #[schemars(extend("x-allowed" = "with `dna` without `rise`", "x-default" = "nothing"))]
+        #[schemars(extend("x-allowed" = "with `dna` without `rise`", "x-default" = "none"))]
         fit: Option<Fit>,
     },
     /// Base pairs with their frames, in nm. Those of a rod that is straight at rest and has no `sequence` leave out the
