@@ -14,7 +14,7 @@
 //! extent of a contact or body. The solver ends when contact forces change by less than 1e-6 of themselves, or ten times its
 //! tolerance of increments where that is more, in an iteration that contracts: what is left is a few times that.
 
-use super::strains::{Law, Shape, element_length, rule};
+use super::strains::{MaterialMatrix, PlacedRod, element_length, rule};
 use super::{Check, ContactForce, Subject, Worst, first_nodes, node_name};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
@@ -28,14 +28,14 @@ const CONVERGED: (f64, f64) = (1e-4, 100.0);
 const LAST_PLACES: f64 = 80.0;
 
 /// Force and moment on each node, and the sum of the sizes of what is summed \[F\].
-struct Forces {
+struct NodalForces {
     force: Vec<Vec3>,
     /// About the node.
     moment: Vec<Vec3>,
     size: Vec<f64>,
 }
 
-impl Forces {
+impl NodalForces {
     fn none(num_nodes: usize) -> Self {
         let zeros = vec![Vec3::zeros(); num_nodes];
         Self { force: zeros.clone(), moment: zeros, size: vec![0.0; num_nodes] }
@@ -51,11 +51,11 @@ impl Forces {
 pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     let Some(contact) = subject.contact else { return Vec::new() };
     let first = first_nodes(subject.model);
-    let mut outer = Forces::none(subject.state.positions.len());
+    let mut outer = NodalForces::none(subject.state.positions.len());
     add_loads(subject, &first, &mut outer);
     add_reactions(subject, &first, &mut outer);
     let charged = subject.model.electrostatics.is_some();
-    let mut all = Forces { force: outer.force.clone(), moment: outer.moment.clone(), size: outer.size.clone() };
+    let mut all = NodalForces { force: outer.force.clone(), moment: outer.moment.clone(), size: outer.size.clone() };
     subtract_inner(subject, &first, &mut all);
     let scale = Scale::of(subject, &all, contact);
     let of_nodes = (!charged).then(|| nodes(subject, (&first, contact), all, &scale));
@@ -70,7 +70,7 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(subject: &Subject, all: &Forces, contact: &[ContactForce]) -> Self {
+    fn of(subject: &Subject, all: &NodalForces, contact: &[ContactForce]) -> Self {
         let of_nodes = all.size.iter().copied().fold(0.0, f64::max);
         let force = contact.iter().map(|at| at.force.norm()).fold(of_nodes, f64::max);
         let rounding = subject.model.rods.iter().map(|rod| {
@@ -88,7 +88,7 @@ impl Scale {
 }
 
 /// Dead forces and moments, line loads ∫ N_a f ds and pressure ∫ N_a p ẑ × r′ ds.
-fn add_loads(subject: &Subject, first: &[usize], out: &mut Forces) {
+fn add_loads(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let (model, state) = (subject.model, subject.state);
     let factor = state.load_factor;
     for load in &model.loads {
@@ -105,7 +105,7 @@ fn add_loads(subject: &Subject, first: &[usize], out: &mut Forces) {
         let (force, moment) = along.iter().fold((Vec3::zeros(), Vec3::zeros()), |sum, load| {
             (sum.0 + load.force * factor, sum.1 + load.moment * factor)
         });
-        let shape = Shape::of(state, (k, rod), first[k]);
+        let shape = PlacedRod::of(state, (k, rod), first[k]);
         for element in 0..rod.num_elements {
             let nodes = shape.nodes(element);
             for (&xi, &w) in exact.points.iter().zip(exact.weights) {
@@ -121,7 +121,7 @@ fn add_loads(subject: &Subject, first: &[usize], out: &mut Forces) {
 }
 
 /// Reactions, once for nodes that are joined.
-fn add_reactions(subject: &Subject, first: &[usize], out: &mut Forces) {
+fn add_reactions(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let mut told: Vec<NodeRef> = Vec::new();
     for at in subject.reactions {
         if !told.contains(&at.node) {
@@ -133,9 +133,9 @@ fn add_reactions(subject: &Subject, first: &[usize], out: &mut Forces) {
 }
 
 /// Forces of the elements on their nodes: minus the derivative of their energy.
-fn subtract_inner(subject: &Subject, first: &[usize], out: &mut Forces) {
+fn subtract_inner(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     for (k, rod) in subject.model.rods.iter().enumerate() {
-        let (shape, law) = (Shape::of(subject.state, (k, rod), first[k]), Law::of(rod));
+        let (shape, law) = (PlacedRod::of(subject.state, (k, rod), first[k]), MaterialMatrix::of(rod));
         let rule = rule(rod);
         let of_element = |element: usize| {
             let nodes = shape.nodes(element);
@@ -240,7 +240,12 @@ impl Wrench {
 }
 
 /// Balance of nodes, or of the stretches of nodes that contacts act on.
-fn nodes(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), mut all: Forces, scale: &Scale) -> Check {
+fn nodes(
+    subject: &Subject,
+    (first, contact): (&[usize], &[ContactForce]),
+    mut all: NodalForces,
+    scale: &Scale,
+) -> Check {
     let (model, state) = (subject.model, subject.state);
     let stretches = Stretches::of(model, first, contact);
     give_to_one(model, first, &stretches, &mut all);
@@ -278,7 +283,7 @@ fn nodes(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), mut a
 }
 
 /// Of joined nodes all forces count for one, that which contact acts on, if there is one.
-fn give_to_one(model: &Model, first: &[usize], stretches: &Stretches, all: &mut Forces) {
+fn give_to_one(model: &Model, first: &[usize], stretches: &Stretches, all: &mut NodalForces) {
     for joint in &model.joints {
         let mut group: Vec<usize> =
             model.joined_nodes(joint.a).iter().map(|node| first[node.rod] + node.node).collect();
@@ -300,7 +305,12 @@ fn leave_out_held(model: &Model, (force, moment): (&mut Vec3, &mut Vec3)) {
 }
 
 /// Balance of each rod with those that are joined to it; of all together where charges repel each other.
-fn bodies(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), outer: &Forces, scale: &Scale) -> Check {
+fn bodies(
+    subject: &Subject,
+    (first, contact): (&[usize], &[ContactForce]),
+    outer: &NodalForces,
+    scale: &Scale,
+) -> Check {
     let (model, state) = (subject.model, subject.state);
     let body = |rod: usize| {
         if model.electrostatics.is_some() { 0 } else { model.joined_rods(rod).into_iter().min().unwrap_or(rod) }

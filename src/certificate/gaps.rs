@@ -16,7 +16,7 @@
 
 use std::collections::HashMap;
 
-use super::strains::{Shape, element_length};
+use super::strains::{PlacedRod, element_length};
 use super::{Check, Subject, first_nodes};
 use crate::math::shape_functions::lagrange;
 use crate::math::{Vec3, parallel};
@@ -111,7 +111,7 @@ impl Arc {
 }
 
 /// The arcs of one rod, in order, with the turning up to each.
-struct Strand {
+struct StrandArcs {
     first: usize,
     count: usize,
     closed: bool,
@@ -119,7 +119,7 @@ struct Strand {
     turning: Vec<f64>,
 }
 
-impl Strand {
+impl StrandArcs {
     /// Turning between two arcs, both included; on a closed rod the smaller of both ways.
     fn between(&self, a: usize, b: usize) -> f64 {
         let (low, high) = (a.min(b), a.max(b));
@@ -135,7 +135,7 @@ impl Strand {
 /// Arcs of all rods that take part in contact.
 struct Arcs {
     all: Vec<Arc>,
-    strands: Vec<Option<Strand>>,
+    strands: Vec<Option<StrandArcs>>,
 }
 
 impl Arcs {
@@ -148,7 +148,7 @@ impl Arcs {
                 continue;
             }
             let start = all.len();
-            let shape = Shape::of(state, (k, rod), first[k]);
+            let shape = PlacedRod::of(state, (k, rod), first[k]);
             let of_element = |element: usize| arcs_of(&shape, k, element);
             all.extend(parallel::map(rod.num_elements, parallel::CHEAP, &of_element).into_iter().flatten());
             let arcs = &mut all[start..];
@@ -188,7 +188,7 @@ impl Arcs {
                 arcs[at..to].iter_mut().for_each(|arc| arc.beside = most);
                 at = to;
             }
-            strands.push(Some(Strand { first: start, count, closed: rod.closed, turning }));
+            strands.push(Some(StrandArcs { first: start, count, closed: rod.closed, turning }));
         }
         Self { all, strands }
     }
@@ -259,7 +259,7 @@ impl Arcs {
 }
 
 /// The arcs of an element.
-fn arcs_of(shape: &Shape, rod: usize, element: usize) -> Vec<Arc> {
+fn arcs_of(shape: &PlacedRod, rod: usize, element: usize) -> Vec<Arc> {
     let (of, nodes) = (shape.rod, shape.nodes(element));
     let (order, length) = (of.order, element_length(of));
     let start = shape.positions[nodes.index[0]] + shape.remainders.get(nodes.index[0]).copied().unwrap_or_default();

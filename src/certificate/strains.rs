@@ -16,7 +16,7 @@ use crate::solve::State;
 
 /// Nodes of an element: positions relative to its first one \[L\], quaternions of one sign.
 #[derive(Debug, Clone)]
-pub(super) struct Nodes {
+pub(super) struct PlacedNodes {
     /// Indices along the rod.
     pub(super) index: [usize; 4],
     pub(super) r: [Vec3; 4],
@@ -25,7 +25,7 @@ pub(super) struct Nodes {
 
 /// An integration point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct StrainPoint {
     /// Weight times the element's length \[L\].
     pub(super) weight: f64,
     pub(super) n: [f64; 4],
@@ -38,7 +38,7 @@ pub(super) struct Point {
 
 /// Positions and frames of the nodes of one rod.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shape<'a> {
+pub(super) struct PlacedRod<'a> {
     pub(super) rod: &'a Rod,
     pub(super) positions: &'a [Vec3],
     /// Rounding errors of the positions; empty if there are none.
@@ -48,7 +48,7 @@ pub(super) struct Shape<'a> {
     pub(super) seam: f64,
 }
 
-impl<'a> Shape<'a> {
+impl<'a> PlacedRod<'a> {
     /// Of a rod whose first node is `first`, in a state.
     pub(super) fn of(state: &'a State, rod: (usize, &'a Rod), first: usize) -> Self {
         let nodes = first..first + rod.1.num_nodes();
@@ -61,7 +61,7 @@ impl<'a> Shape<'a> {
         }
     }
 
-    pub(super) fn nodes(&self, element: usize) -> Nodes {
+    pub(super) fn nodes(&self, element: usize) -> PlacedNodes {
         let (order, count) = (self.rod.order, self.positions.len());
         let index: [usize; 4] = std::array::from_fn(|a| (element * order + a.min(order)) % count);
         let lost = |k: usize| self.remainders.get(k).copied().unwrap_or_default();
@@ -77,7 +77,7 @@ impl<'a> Shape<'a> {
                 q[a] = -q[a];
             }
         }
-        Nodes { index, r, q }
+        PlacedNodes { index, r, q }
     }
 }
 
@@ -91,9 +91,9 @@ pub(super) fn element_length(rod: &Rod) -> f64 {
     rod.length / rod.num_elements as f64
 }
 
-impl Nodes {
+impl PlacedNodes {
     /// The element at ξ ∈ [0, 1] of its reference length \[L\].
-    pub(super) fn at(&self, order: usize, length: f64, xi: f64, weight: f64) -> Point {
+    pub(super) fn at(&self, order: usize, length: f64, xi: f64, weight: f64) -> StrainPoint {
         let (n, slopes) = lagrange(order, xi);
         let dn = slopes.map(|d| d / length);
         let (mut slope, mut z, mut dz) =
@@ -103,11 +103,11 @@ impl Nodes {
             z += self.q[a] * n[a];
             dz += self.q[a] * dn[a];
         }
-        Point { weight: weight * length, n, dn, slope, z, dz }
+        StrainPoint { weight: weight * length, n, dn, slope, z, dz }
     }
 }
 
-impl Point {
+impl StrainPoint {
     /// Γ and K.
     pub(super) fn strain(&self) -> [f64; 6] {
         let frame = self.frame();
@@ -135,13 +135,13 @@ impl Point {
 }
 
 /// Natural strains ε₀ and stiffness C of a rod at its integration points.
-pub(super) struct Law<'a> {
+pub(super) struct MaterialMatrix<'a> {
     rod: &'a Rod,
     /// Frames of the start, and the turn of its seam, of a rod that is stress-free as shaped.
     start: Option<(Vec<Quat>, f64)>,
 }
 
-impl<'a> Law<'a> {
+impl<'a> MaterialMatrix<'a> {
     pub(super) fn of(rod: &'a Rod) -> Self {
         let as_shaped = matches!(rod.natural, Natural::AsShaped);
         let start = as_shaped.then(|| {
@@ -179,7 +179,7 @@ impl<'a> Law<'a> {
             (Natural::Varying(along), _) => self.rod.on_element(along, element)[g].into(),
             (Natural::AsShaped, Some((frames, seam))) => {
                 let shape =
-                    Shape { rod: self.rod, positions: &self.rod.positions, remainders: &[], frames, seam: *seam };
+                    PlacedRod { rod: self.rod, positions: &self.rod.positions, remainders: &[], frames, seam: *seam };
                 shape
                     .nodes(element)
                     .at(self.rod.order, element_length(self.rod), rule(self.rod).points[g], 1.0)

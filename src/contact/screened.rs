@@ -20,8 +20,8 @@
 //! % of the electrostatic stiffening A λ²/4 of Odijk, Skolnick and Fixman is counted twice. The energy of points of one
 //! curve is that beyond the straight rod, so a straight rod has none.
 //!
-//! **Quadrature.** Three Gauss points on each piece of .75 contact distances, or two Debye lengths if that is less: the
-//! energy of strands that touch is known to 1e-4.
+//! **Quadrature.** Three Gauss points on each piece of 0.75 contact distances, or two Debye lengths if that is less
+//! (`scene::Electrostatics::piece`): the energy of strands that touch is known to 1e-4.
 
 use super::broad_phase::BroadPhase;
 use super::curve::CurveSet;
@@ -41,11 +41,6 @@ pub const RANGE: f64 = 10.0;
 /// Arc length, in Debye lengths, where the weight of points of one curve begins to rise from 0, because the measured bending
 /// stiffness contains the repulsion of nearer points. It reaches 1 at twice this.
 const NEIGHBOURS: f64 = 4.0;
-/// Length that three Gauss points resolve, in contact distances and in Debye lengths, because the energy of
-/// strands that touch is then known to 1e-4.
-const PIECE: [f64; 2] = [0.75, 2.0];
-/// Most pieces of a segment, because a pair of segments sums over nine times the square of them: 6 ms a pair at this number.
-pub(crate) const MOST_PIECES: f64 = 256.0;
 /// Movement of nodes, in Debye lengths, after which pairs are searched again, because a longer list costs more than a
 /// search.
 const MARGIN: f64 = 0.5;
@@ -77,11 +72,6 @@ impl PairEnergy {
 }
 
 impl Screened {
-    /// Length that three Gauss points resolve \[L\], where the smallest contact radius is `least_radius` \[L\].
-    pub(crate) fn piece(&self, least_radius: f64) -> f64 {
-        (PIECE[0] * 2.0 * least_radius).min(PIECE[1] * self.debye_length)
-    }
-
     /// The energy of points at a distance r > 0 \[L\], switched off at the end of the range.
     #[must_use]
     pub fn at(&self, r: f64) -> PairEnergy {
@@ -144,10 +134,9 @@ pub(crate) struct Repulsion {
 }
 
 impl Repulsion {
-    /// For a set whose segments have equal reference lengths along each curve.
-    pub(crate) fn new(law: Screened, set: &CurveSet) -> Self {
-        let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
-        let piece = law.piece(least);
+    /// For a set whose segments have equal reference lengths along each curve; three Gauss points on each piece of at most
+    /// the length `piece` \[L\].
+    pub(crate) fn new(law: Screened, set: &CurveSet, piece: f64) -> Self {
         let length = |curve: usize| set.lengths[set.curves[curve].first];
         let points = (0..set.curves.len()).map(|curve| points(length(curve), piece)).collect();
         let neighbours: Vec<[f64; 2]> = (0..set.curves.len())

@@ -40,7 +40,7 @@ pub(super) fn kept(
 }
 
 /// A deviation from what was prescribed or given.
-struct Change {
+struct TopologyChange {
     /// Turns; 1 for another knot.
     size: f64,
     /// Whether contact is in its way.
@@ -54,7 +54,7 @@ fn touches(progress: &Progress, rod: usize) -> bool {
     model.contact.law.is_on() && model.rods[rod].section.contact_radius > 0.0
 }
 
-fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &[Knot]) -> Vec<Change> {
+fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &[Knot]) -> Vec<TopologyChange> {
     let rods = &progress.engine.model().rods;
     let through = "strands have passed through each other";
     let mut all = Vec::new();
@@ -69,7 +69,7 @@ fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &
             off.abs()
         );
         let is_barred = touches(progress, of.rod);
-        all.push(Change { size: off.abs(), is_barred, text });
+        all.push(TopologyChange { size: off.abs(), is_barred, text });
     }
     let Some(given) = progress.given else { return all };
     let start = start(given);
@@ -80,7 +80,7 @@ fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &
         let text =
             format!("the linking number of \"{a}\" and \"{b}\" is {}, not {before} as given: {through}", of.link);
         let is_barred = pair.iter().all(|&rod| touches(progress, rod));
-        all.push(Change { size: (of.link - before).abs(), is_barred, text });
+        all.push(TopologyChange { size: (of.link - before).abs(), is_barred, text });
     }
     for of in knots {
         let Some((_, determinant, at_third, name)) = start.knots.iter().find(|(rod, ..)| *rod == of.rod) else {
@@ -91,7 +91,7 @@ fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &
         let how = if open { "a strand has passed over an end" } else { through };
         let text = format!("the knot of rod \"{rod}\" is {}, not {name} as given: {how}", of.name);
         let is_barred = !open && touches(progress, of.rod);
-        all.push(Change { size: f64::from(u8::from(!same)), is_barred, text });
+        all.push(TopologyChange { size: f64::from(u8::from(!same)), is_barred, text });
     }
     all
 }

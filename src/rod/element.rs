@@ -270,7 +270,7 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize> {
         body: &ElementProperties,
         nodes: &NodeValues<R, Z>,
         material: &impl MaterialLaw<S>,
-        given: &Given<S>,
+        given: &PointValues<S>,
         tangent: Option<&mut ElementTangent>,
     ) -> ElementOutput {
         let (table, length) = (body.table, body.length);
@@ -343,8 +343,8 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize> {
     }
 }
 
-/// Given values at the integration points of an element.
-struct Given<'a, const S: usize> {
+/// Values at the integration points of an element.
+struct PointValues<'a, const S: usize> {
     /// Raw strains of the natural state.
     reference: &'a [[f64; S]; 3],
     /// Stresses for the geometric part of the tangent; `None`: C ε(x).
@@ -412,12 +412,12 @@ pub fn evaluate(
     predicted: Option<&[Stress; 3]>,
     tangent: Option<&mut ElementTangent>,
 ) -> ElementOutput {
-    let given = Given { reference, predicted };
+    let given = PointValues { reference, predicted };
     match (body.flat(nodes), body.material) {
         (Some((plane, flat, material)), _) => {
             let reference = reference.map(|six| plane.part(&six));
             let predicted = predicted.map(|stress| stress.map(|six| plane.part(&six)));
-            let given = Given { reference: &reference, predicted: predicted.as_ref() };
+            let given = PointValues { reference: &reference, predicted: predicted.as_ref() };
             InPlane::evaluate(body, &flat, &material, &given, tangent)
         }
         (None, Material::Diagonal(material)) => Space::evaluate(body, nodes, material, &given, tangent),

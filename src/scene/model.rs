@@ -224,6 +224,18 @@ pub struct Electrostatics {
     pub debye_length: f64,
 }
 
+/// Length that three Gauss points resolve, in contact distances and in Debye lengths, because the energy of strands that
+/// touch is then known to 1e-4.
+const PIECE: [f64; 2] = [0.75, 2.0];
+
+impl Electrostatics {
+    /// Length of the pieces into which the sums over points divide segments, where the smallest contact radius is
+    /// `least_radius` \[L\].
+    pub(crate) fn piece(&self, least_radius: f64) -> f64 {
+        (PIECE[0] * 2.0 * least_radius).min(PIECE[1] * self.debye_length)
+    }
+}
+
 /// One quantity moved linearly from its present value to `to` during a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ramp {

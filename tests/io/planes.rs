@@ -56,11 +56,6 @@ fn planes_without_sense_are_refused() {
         ("contact_radius = 0.05", "contact_radius = 0.0", &["planes[0]", "contact_radius"]),
         ("planar = true", "planar = true\ncontact = { law = \"none\" }", &["planes[0]", "leave contact on"]),
         ("steps = 2", "steps = 2\nfollow = {}", &["stages[0].follow", "planes"]),
-        (
-            "closed = true\nshape = { kind = \"circle\", radius = 1.0 }",
-            "shape = { kind = \"line\", length = 1.0 }",
-            &["a plane may push it"],
-        ),
     ] {
         assert!(RING.contains(from), "{from}");
         let message = match Scene::from_toml(&RING.replacen(from, to, 1), Path::new("")) {

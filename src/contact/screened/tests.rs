@@ -32,9 +32,15 @@ fn ring(radius: f64, count: usize) -> CurveInput {
     ring
 }
 
+/// Length that three Gauss points resolve, as scenes have it.
+fn piece(set: &CurveSet) -> f64 {
+    let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
+    (1.5 * least).min(2.0 * LAW.debye_length)
+}
+
 fn terms(curves: Vec<CurveInput>) -> Vec<Term> {
     let set = CurveSet::new(curves).unwrap();
-    let mut repulsion = Repulsion::new(LAW, &set);
+    let mut repulsion = Repulsion::new(LAW, &set, piece(&set));
     repulsion.update(&set).unwrap();
     repulsion.terms(&set, repulsion.pairs(), true).into_iter().flatten().collect()
 }
@@ -125,7 +131,7 @@ fn a_straight_strand_does_not_feel_itself() {
 fn the_sum_is_that_over_all_points() {
     let curves = || vec![ring(11.0, 50), line(Vec3::new(0.0, 0.0, 2.5), Vec3::new(0.6, 0.64, 0.48), 40.0)];
     let set = CurveSet::new(curves()).unwrap();
-    let repulsion = Repulsion::new(LAW, &set);
+    let repulsion = Repulsion::new(LAW, &set, piece(&set));
     let mut sum = 0.0;
     for i in 0..set.len() {
         for j in 0..i {

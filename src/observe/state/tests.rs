@@ -53,14 +53,14 @@ fn scene() -> (Model, Vec<Stage>) {
 }
 
 /// A state at rest, with what is reported of it.
-struct AtRest {
+struct Resting {
     given: Given,
     state: State,
     model: Model,
     seen: Observation,
 }
 
-fn at_rest(model: Model, stages: &[Stage]) -> AtRest {
+fn at_rest(model: Model, stages: &[Stage]) -> Resting {
     let mut seen = Vec::new();
     let solution = solve::run(model, stages, &Options::default(), &mut |progress| {
         seen.push(observe(progress));
@@ -73,10 +73,10 @@ fn at_rest(model: Model, stages: &[Stage]) -> AtRest {
     }
     let engine = solution.solver.engine();
     let (state, model) = (engine.state().clone(), engine.model().clone());
-    AtRest { given: solution.given, state, model, seen: seen.pop().unwrap() }
+    Resting { given: solution.given, state, model, seen: seen.pop().unwrap() }
 }
 
-impl AtRest {
+impl Resting {
     /// Names of the checks that fail for a changed state and changed reports.
     fn failing(&self, change: impl FnOnce(&mut State, &mut Observation)) -> Vec<String> {
         let (mut state, mut seen) = (self.state.clone(), self.seen.clone());

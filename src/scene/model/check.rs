@@ -1,6 +1,5 @@
 //! Conditions for a model and its stages to be a well-posed problem.
 
-use crate::contact::screened::{MOST_PIECES, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
@@ -17,6 +16,9 @@ const MOST_ROUND: f64 = 1e5;
 /// are many; above it all pairs are within range.
 const LEAST_DEBYE: f64 = 0.01;
 const MOST_DEBYE: f64 = 100.0;
+/// Most pieces of a segment of charged rods, because a pair of segments sums over nine times the square of them: 6 ms a pair
+/// at this number.
+const MOST_PIECES: f64 = 256.0;
 /// Largest distance of joined nodes, over the length of the longer rod.
 const TOL_JOINT: f64 = 1e-9;
 
@@ -366,9 +368,8 @@ impl Model {
     /// Refuses charged rods whose nodes are so far apart, against the Debye length and the smallest contact radius, that the
     /// sum over points of a pair of segments would not end.
     fn check_pieces(&self, field: &str, rod: &Rod, spacing: f64, least_radius: f64) -> Result<(), InputError> {
-        let Some(Electrostatics { strength, debye_length }) = self.electrostatics else { return Ok(()) };
-        let piece = Screened { strength, debye_length }.piece(least_radius);
-        let pieces = (spacing / piece).ceil();
+        let Some(charges) = self.electrostatics else { return Ok(()) };
+        let (pieces, debye_length) = ((spacing / charges.piece(least_radius)).ceil(), charges.debye_length);
         if pieces <= MOST_PIECES {
             return Ok(());
         }

@@ -74,7 +74,10 @@ impl ContactSide {
         exclusion.leave_out(joint_surroundings(model, &touching));
         let planes: Vec<HalfSpace> = half_spaces(model, state).collect();
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
-        let repulsion = model.electrostatics.map(|charges| Repulsion::new(screened(charges), &set));
+        let repulsion = model.electrostatics.map(|charges| {
+            let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
+            Repulsion::new(screened(charges), &set, charges.piece(least))
+        });
         Ok(Some(Self {
             set,
             nodes,

@@ -17,7 +17,7 @@ use crate::scene::{ContactLaw, Model, NodeRef};
 use crate::solve::measures::SAME;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
-use crate::solve::problem::joints::Follower;
+use crate::solve::problem::follower::Follower;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
 

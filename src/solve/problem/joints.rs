@@ -4,40 +4,11 @@
 //! [`Engine::retract`] or taken by [`Engine::set_state`]. Both put the other nodes of a joint where its master is, and turn their
 //! frames with the master's, so that no increment can part them.
 
-use nalgebra::Unit;
-
 use crate::error::InputError;
-use crate::math::Quat;
 use crate::solve::measures::FINE;
 use crate::solve::problem::engine::Engine;
+use crate::solve::problem::follower::Follower;
 use crate::solve::problem::state::State;
-
-/// A joined node that is not the master.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Follower {
-    node: usize,
-    master: usize,
-    /// From the frame of the master to that of the node, as the joint was made.
-    turn: Quat,
-}
-
-impl Follower {
-    /// All of them, by the frames of the start and the master of each node.
-    pub(crate) fn all(frames: &[Quat], master: &[usize]) -> Vec<Self> {
-        let follower = |(node, &master): (usize, &usize)| {
-            let turn = Unit::new_normalize((frames[master].inverse() * frames[node]).into_inner());
-            (master != node).then_some(Self { node, master, turn })
-        };
-        master.iter().enumerate().filter_map(follower).collect()
-    }
-
-    /// Puts the node where its master is.
-    pub(crate) fn follow(&self, state: &mut State) {
-        state.positions[self.node] = state.positions[self.master];
-        state.remainders[self.node] = state.remainders[self.master];
-        state.frames[self.node] = Unit::new_normalize((state.frames[self.master] * self.turn).into_inner());
-    }
-}
 
 impl Engine {
     /// Moves every node by `t` times its six increments; joined nodes by those of their master.

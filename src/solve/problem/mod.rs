@@ -29,6 +29,7 @@ pub(in crate::solve) mod contact_tangents;
 pub(crate) mod engine;
 pub(in crate::solve) mod falling;
 pub(in crate::solve) mod fields;
+pub(in crate::solve) mod follower;
 mod joint_surroundings;
 pub(in crate::solve) mod joints;
 mod measured_tangents;

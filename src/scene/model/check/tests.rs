@@ -154,11 +154,11 @@ fn ramps_are_checked() {
     assert_eq!(text, "stages[0].steps = 1000000001: must be at most 1000000000");
 }
 
+/// What two pins leave free, a rotation about the line between them, costs nothing: one of them may be moved.
 #[test]
-fn moved_rods_must_be_held() {
+fn pinned_rods_may_be_moved() {
     let supports = vec![Support::pin(START), Support::pin(END)];
     let model = Model { rods: vec![beam()], supports, ..Default::default() };
     assert!(model.check().is_ok());
-    let text = model.check_stages(&[stage(Ramp::Displacement { node: END, to: -Vec3::x() })]).unwrap_err().to_string();
-    assert!(text.contains("stages[0].ramp.displacement moves it, but its supports leave it free"), "{text}");
+    assert!(model.check_stages(&[stage(Ramp::Displacement { node: END, to: -Vec3::x() })]).is_ok());
 }
