@@ -147,7 +147,9 @@ pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer
 /// Whether strands touch at a site, where the strongest carries a force: one that carries nothing and is open is only within
 /// the law's reach.
 fn touches(site: &SiteReport, strongest: f64) -> bool {
-    site.force > CARRIES * strongest || site.gap <= 0.0
+    // of a folded contact the parts may have opposite signs: none is left out that acts on the rods
+    let carried = site.force.abs().max(Vec3::from(site.force_on_a).norm());
+    carried > CARRIES * strongest || site.gap <= 0.0
 }
 
 /// The largest force of sites.

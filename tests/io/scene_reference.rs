@@ -35,10 +35,16 @@ fn template(key: &Key) -> String {
     let charged = "elements = 12\nclosed = true\nshape = { kind = \"circle\", length = 600.0 }";
     let charged = format!("[[rods]]\n{charged}\nsection = {{ {} }}\n", SECTION.replace("1e-5", "1.0"));
     let planar = || "planar = true\n".to_owned() + &ring();
+    let heavy = |rod: &str| "gravity = [0, 0, -1]\n".to_owned() + rod + "@\n" + &held();
+    let bound = || ring() + &format!("natural = {{ table = \"{}\" }}\n@\n", natural());
     match (key.table.as_str(), key.name.as_str()) {
         ("scene", "temperature") => "@\nunits = { length = \"nm\", force = \"pN\" }\n".to_owned() + &ring(),
         ("scene", "rods") | ("rods.shape", "kind") => String::new(),
+        ("scene", "gravity") => "@\n".to_owned() + &ring() + "mass = 1.0\n" + &held(),
         ("scene", _) => "@\n".to_owned() + &ring(),
+        ("rods", "density") => heavy(&section("young = 1.0, poisson = 0.3, circle = 0.1, ").replace('@', "")),
+        ("rods", "mass" | "weight") => heavy(&ring()),
+        ("rods", "binding") => bound(),
         ("rods", "elements") => ring().replace("elements = 12", "@"),
         ("rods", "closed") => line() + "@\n",
         ("rods", "twist") => line() + "@\n",
@@ -115,6 +121,7 @@ fn template(key: &Key) -> String {
             dna("base_pairs = 336, ").replace('@', "") + &format!("[contact]\nelectrostatics = {{ {salt}@ }}\n")
         }
         ("stages", _) => ring() + &ramp("excess_link = { to = 1.0 }") + "@\n",
+        ("stages.ramp", "binding") => bound().replace('@', "") + &ramp("@"),
         ("stages.ramp", _) => ring() + &ramp("@"),
         ("stages.ramp.rotation", "axis") => clamped() + &ramp("rotation = { at = \"end\", turns = 1.0, @ }"),
         ("stages.ramp.rotation", "turns") => {
@@ -149,11 +156,18 @@ fn state() -> String {
     path.to_str().unwrap().to_owned()
 }
 
+/// A natural state along a rod of length 6.
+fn natural() -> String {
+    let path = std::env::temp_dir().join(format!("supercoil_natural_{}.csv", std::process::id()));
+    std::fs::write(&path, "s,kappa1\n0,0.5\n6,0.5\n").unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
 fn scene(key: &Key, value: Option<&str>) -> Result<Scene, String> {
     let value = value.map(|value| match (key.table.as_str(), key.name.as_str()) {
         ("picture", "size") => format!("[{value}, {value}]"),
         ("stages.ramp.pose", "axis_angle") => format!("[0, 0, 1, {value}]"),
-        ("stages.ramp", "length") => format!("{{ to = {value} }}"),
+        ("stages.ramp", "length" | "binding") => format!("{{ to = {value} }}"),
         ("rods.section", "rectangle") => format!("[{value}, {value}]"),
         _ => value.to_owned(),
     });
@@ -173,7 +187,8 @@ fn content(mut scene: Scene) -> String {
 }
 
 /// Defaults in words.
-const DEFAULTS_IN_WORDS: [&str; 32] = [
+const DEFAULTS_IN_WORDS: [&str; 33] = [
+    "0 if a stage ramps `load`, otherwise 1",
     "needed without `braid`",
     "from `dna`, or by `distance`",
     "none",

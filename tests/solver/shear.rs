@@ -122,7 +122,9 @@ fn contact_of_sheared_rods_is_what_their_supports_carry() {
     let last = |text: &str| states_of(text).pop().unwrap();
     let seen = last(&crossing(30.0, 0.01, 32, [0.0, FRAC_PI_2, 0.2]));
     println!("contact force {}, resultant {}", seen.total_contact_force, seen.contact_resultants);
-    assert!((seen.total_contact_force / 7.947 - 1.0).abs() < 1e-3, "{}", seen.total_contact_force);
+    assert!((seen.contact_resultants / 7.947 - 1.0).abs() < 5e-4, "{}", seen.contact_resultants);
+    // the integral is more than the resultant, because the direction of the pressure varies along the bend
+    assert!((seen.total_contact_force / 7.947 - 1.0).abs() < 2e-3, "{}", seen.total_contact_force);
     for (shearing, radius, elements, at) in [
         (12.8, 0.01794, 24, [0.0, FRAC_PI_2, 0.1282]),
         (95.3, 0.009285, 40, [0.0, FRAC_PI_2, 0.21374]),

@@ -82,7 +82,9 @@ impl Resting {
         let (mut state, mut seen) = (self.state.clone(), self.seen.clone());
         change(&mut state, &mut seen);
         let mut engine = Engine::new(self.model.clone(), None).unwrap();
-        engine.set_state(state).unwrap();
+        engine.set_state(self.state.clone()).unwrap();
+        // past the engine, which would refuse or mend it
+        engine.state = state;
         let report = StepReport::settled();
         let given = Some(&self.given);
         let progress =

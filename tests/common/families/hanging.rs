@@ -59,11 +59,12 @@ pub fn hanging(draft: &mut Draft, random: &mut Random) {
             draft.clamp("\"peg\"", "\"end\"");
         }
         _ => {
-            draft.rod("a", (&line(&zero, &way, 1.0), 1.0), &material, &[weight, "elements = 12"]);
+            // joined where decimals are exact
+            draft.rod("a", (&line(&zero, &Vec3::x(), 1.0), 1.0), &material, &[weight, "elements = 12"]);
             draft.support("\"a\"", "\"start\"", "true", "false");
             for k in 0..1 + random.below(3) {
-                let node = [12, 24, 36][random.below(3) as usize];
-                let (name, start) = (format!("b{k}"), way * (f64::from(node) / 36.0));
+                let node = [9, 18, 36][random.below(3) as usize];
+                let (name, start) = (format!("b{k}"), Vec3::x() * (f64::from(node) / 36.0));
                 let length = short(random.between(0.2, 0.8));
                 draft.rod(&name, (&line(&start, &random.direction(), length), length), &material, &[weight]);
                 draft.line(&format!(

@@ -72,9 +72,6 @@ pub struct Refusal {
     pub message: &'static str,
 }
 
-const LOADS: &[&str] = &["force", "moment", "line_force", "line_moment"];
-const CONTACT: &[&str] = &["by_mesh", "augmented", "penalty"];
-const FREE: &str = "free to move as a rigid body";
 const VARYING: &[&str] = &["table", "shaped"];
 
 /// Every combination that scenes refuse, with the refusal.
@@ -103,16 +100,11 @@ pub const REFUSALS: &[Refusal] = &[
     },
     Refusal { together: &[&["full", "tapered", "sequence"], &["planar"]], message: "planar = true, but" },
     // supports
-    Refusal { together: &[&["unsupported"], &["joined"], &["no_plane"]], message: FREE },
-    Refusal { together: &[&["unsupported"], &["joined"], &["unloaded"]], message: FREE },
-    Refusal { together: &[&["unsupported"], &["open"], &["crossing"], &["no_plane"], CONTACT], message: FREE },
-    Refusal { together: &[&["unsupported"], &["open"], &["floor"], &["unloaded"]], message: "a plane may push it" },
-    Refusal { together: &[&["unsupported"], &["moment", "line_moment"]], message: "acts on it" },
+    Refusal { together: &[&["unsupported"], &["moment", "line_moment"]], message: "free to turn" },
     Refusal { together: &[&["unsupported"], &["force", "line_force"], &["no_plane"]], message: "acts on it" },
     Refusal { together: &[&["unsupported"], &["release"]], message: "changes nothing" },
-    Refusal { together: &[&["clamp"], &["release"], LOADS], message: FREE },
-    Refusal { together: &[&["clamp"], &["release"], &["open"], &["joined", "crossing"], CONTACT], message: FREE },
-    Refusal { together: &[&["clamp"], &["release"], &["open"], &["floor"]], message: FREE },
+    Refusal { together: &[&["clamp"], &["release"], &["force", "line_force"]], message: "would fall for ever" },
+    Refusal { together: &[&["clamp"], &["release"], &["moment", "line_moment"]], message: "free to turn" },
     // contact
     Refusal { together: &[&["floor"], &["no_contact"]], message: "no rod can touch it" },
     Refusal { together: &[&["charged"], &["no_contact"]], message: "charged rods need contact" },
