@@ -49,6 +49,11 @@ fn template(key: &Key) -> String {
         ("rods", "closed") => line() + "@\n",
         ("rods", "twist") => line() + "@\n",
         ("rods", _) => ring() + "@\n",
+        ("rods.shape", "fit") => {
+            let circle = "shape = { kind = \"circle\" }";
+            let points = "shape = { kind = \"points\", file = \"oval.csv\", @ }";
+            dna("base_pairs = 336, diameter = 1e-3, ").replace('@', "").replace(circle, points)
+        }
         ("rods.shape", name) => {
             let kind = key.kind.as_deref().unwrap();
             let others = match (kind, name) {

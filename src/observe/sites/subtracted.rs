@@ -1,8 +1,8 @@
 //! Pieces of farthest points, which the potential subtracts, as parts of zones.
 //!
 //! Where a strand is bent more tightly than within the contact distance, a point near its centre of curvature has two nearest
-//! points on it and a farthest one between them. The two and the one subtracted push together as one strand does. So half of
-//! the subtracted piece belongs to the zone on either side of it, whose feet are the next ones along the strand. Left out, one
+//! points on it and a farthest one between them. The two and the one subtracted push together as one strand does. So the
+//! subtracted piece belongs to the zones on either side of it, whose feet are the next ones along the strand. Left out, one
 //! contact counts as two: a rod kinked by a point force (shear F/GA) had its force reported twice.
 
 use super::{Composed, SiteZone, class, piece};
@@ -17,8 +17,13 @@ pub(super) fn take_from(set: &CurveSet, terms: &[ContactPair], all: &mut [Compos
     for link in subtracted(set, terms) {
         let piece = piece(set, &link);
         let beside = beside(set, &zones, &piece);
-        let share = 1.0 / beside.len() as f64;
-        beside.into_iter().for_each(|zone| all[zone].add(set, piece.times(share)));
+        // as their forces are, so that none is left with less than none
+        let force = |zone: usize| zones[zone].load.force.max(0.0);
+        let sum: f64 = beside.iter().map(|&zone| force(zone)).sum();
+        for &zone in &beside {
+            let share = if sum > 0.0 { force(zone) / sum } else { 1.0 / beside.len() as f64 };
+            all[zone].add(set, piece.times(share));
+        }
     }
 }
 
