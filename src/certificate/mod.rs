@@ -154,7 +154,7 @@ impl Worst {
     }
 
     fn add(&mut self, value: f64, place: impl FnOnce() -> String) {
-        if !(value <= self.value) {
+        if value > self.value || value.is_nan() {
             *self = Self { value, place: place() };
         }
     }

@@ -35,12 +35,12 @@ fn template(key: &Key) -> String {
     let charged = "elements = 12\nclosed = true\nshape = { kind = \"circle\", length = 600.0 }";
     let charged = format!("[[rods]]\n{charged}\nsection = {{ {} }}\n", SECTION.replace("1e-5", "1.0"));
     let planar = || "planar = true\n".to_owned() + &ring();
-    let heavy = |rod: &str| "gravity = [0, 0, -1]\n".to_owned() + rod + "@\n" + &held();
+    let heavy = |rod: &str| "gravity = [0, 0, -1]\n".to_owned() + rod + "@\n" + held();
     let bound = || ring() + &format!("natural = {{ table = \"{}\" }}\n@\n", natural());
     match (key.table.as_str(), key.name.as_str()) {
         ("scene", "temperature") => "@\nunits = { length = \"nm\", force = \"pN\" }\n".to_owned() + &ring(),
         ("scene", "rods") | ("rods.shape", "kind") => String::new(),
-        ("scene", "gravity") => "@\n".to_owned() + &ring() + "mass = 1.0\n" + &held(),
+        ("scene", "gravity") => "@\n".to_owned() + &ring() + "mass = 1.0\n" + held(),
         ("scene", _) => "@\n".to_owned() + &ring(),
         ("rods", "density") => heavy(&section("young = 1.0, poisson = 0.3, circle = 0.1, ").replace('@', "")),
         ("rods", "mass" | "weight") => heavy(&ring()),

@@ -19,7 +19,7 @@ pub(super) fn weight(scene: &SceneText, rod: &RodText, length: f64) -> Result<Op
         return Err(InputError::inconsistent(path, ONE_WAY));
     }
     InputError::positive(&format!("{path}.{key}"), value)?;
-    let Some(gravity) = scene.gravity.map(|gravity| Vec3::from(gravity)) else {
+    let Some(gravity) = scene.gravity.map(Vec3::from) else {
         let reason = "has no meaning without gravity: give the scene gravity = [x, y, z]";
         return Err(InputError::inconsistent(format!("{path}.{key}"), reason));
     };
@@ -45,7 +45,7 @@ fn area(path: &str, rod: &RodText) -> Result<f64, InputError> {
 
 /// Refuses a gravity that is none, or that pulls at nothing.
 pub(super) fn check(scene: &SceneText) -> Result<(), InputError> {
-    let Some(gravity) = scene.gravity.map(|gravity| Vec3::from(gravity)) else { return Ok(()) };
+    let Some(gravity) = scene.gravity.map(Vec3::from) else { return Ok(()) };
     let ok = gravity.iter().all(|x| x.is_finite()) && gravity != Vec3::zeros() && !(scene.planar && gravity.z != 0.0);
     if !ok {
         let allowed =

@@ -39,7 +39,7 @@ impl Model {
         let touches = |rod: &usize| self.is_touchable(&self.rods[*rod]);
         let others = (0..self.rods.len()).any(|other| !body.contains(&other) && touches(&other));
         // rods that are there may catch it: the search finds out
-        let may_be_caught = others && body.iter().any(|rod| touches(rod));
+        let may_be_caught = others && body.iter().any(touches);
         if let Some(way) = self.way_down(&body, factor).filter(|_| !may_be_caught) {
             let [x, y, z] = way.map(|x| (x * 1e3).round() / 1e3 + 0.0).into(); // + 0.0 turns −0 into 0
             return refuse(format!(
