@@ -121,7 +121,6 @@ impl<T: Averaged> Along<T> {
     }
 
     /// (1 − part) × this + part × other, exact where both are tables of the same arc lengths, or one is constant.
-    #[cfg(feature = "solver")]
     pub(crate) fn mixed(&self, other: &Self, part: f64) -> Self {
         let mix = move |a: T, b: T| a * (1.0 - part) + b * part;
         let with = |values: &[T], of: &dyn Fn(T) -> T| values.iter().map(|value| of(*value)).collect();
