@@ -30,36 +30,6 @@ fn finite_points_of(field: &str, array: &PyReadonlyArray2<f64>) -> PyResult<Vec<
     }
 }
 
-/// Radius of the tubes, over the extent of both curves, within which two curves cross, because rounding moves points by less.
-const CROSSING: f64 = 1e-12;
-
-/// Segments of two closed polygons that cross each other, the first such pair.
-fn crossing(a: &[Vec3], b: &[Vec3]) -> Result<Option<[usize; 2]>, InputError> {
-    let extent = a.iter().chain(b).map(|p| (p - a[0]).amax()).fold(0.0, f64::max);
-    // repeated points make no segment
-    let segments = |points: &[Vec3]| -> Vec<usize> {
-        (0..points.len()).filter(|&k| points[k] != points[(k + 1) % points.len()]).collect()
-    };
-    let kept = [a, b].map(segments);
-    if kept.iter().any(|kept| kept.len() < 3) {
-        return Ok(None);
-    }
-    let corners =
-        [(a, &kept[0]), (b, &kept[1])].map(|(points, kept)| kept.iter().map(|&k| points[k]).collect::<Vec<_>>());
-    let radius = [CROSSING * extent];
-    let curves = corners.each_ref().map(|points| curve_of(points, &radius, true));
-    let options = DetectorOptions { range: 0.0, zones: false, ..DetectorOptions::default() };
-    let sites = contact::detect(&curves, options)?.sites;
-    let between = sites.iter().find(|site| site.curve_a != site.curve_b);
-    Ok(between.map(|site| {
-        let [mut first, mut second] = [(site.curve_a, site.segment_a), (site.curve_b, site.segment_b)];
-        if first.0 > second.0 {
-            std::mem::swap(&mut first, &mut second);
-        }
-        [kept[0][first.1], kept[1][second.1]]
-    }))
-}
-
 fn curve_of<'a>(points: &'a [Vec3], radii: &'a [f64], closed: bool) -> Curve<'a> {
     let radius = if let [one] = radii { Radius::Constant(*one) } else { Radius::PerSegment(radii) };
     Curve { closed, ..Curve::polyline(points, radius) }
@@ -100,14 +70,10 @@ pub fn detect<'py>(
     Ok(out)
 }
 
-/// Linking number of two closed polygons, turns; polygons that cross each other are refused.
+/// Linking number of two closed polygons, turns.
 #[pyfunction]
 pub fn linking_number(py: Python, a: PyReadonlyArray2<f64>, b: PyReadonlyArray2<f64>) -> PyResult<f64> {
     let (a, b) = (finite_points_of("a", &a)?, finite_points_of("b", &b)?);
-    if let Some([i, j]) = py.detach(|| crossing(&a, &b)).map_err(refuse::input)? {
-        let reason = format!("crosses b: segment {i} of a meets segment {j} of b, so they have no linking number");
-        return Err(refuse::input(InputError::Inconsistent { field: "a".to_owned(), reason }));
-    }
     Ok(py.detach(|| link::linking_number(&a, &b)))
 }
 

@@ -42,8 +42,8 @@ def detect(curves: Sequence[Curve], range: float = 0.0) -> dict[str, NDArray[Any
 def link(a: ArrayLike, b: ArrayLike) -> float:
     """Linking number of two closed polygons (n, 3) and (m, 3), an integer up to rounding.
 
-    Raises :class:`supercoil.InputError` for points that are not finite, which it names, and for polygons that cross each
-    other, which have no linking number.
+    Raises :class:`supercoil.InputError` for points that are not finite, which it names. Where polygons cross each other the
+    number is the mean of those beside the crossing.
     """
     return _supercoil.linking_number(_points(a), _points(b))
 

@@ -62,6 +62,12 @@ class Rod:
     link: float | None = None
     twist: float | None = None
     sequence: str | Table | None = None
+    #: Weight under the scene's ``gravity``, by one of: mass per volume, mass, weight per length [F/L].
+    density: float | None = None
+    mass: float | None = None
+    weight: float | None = None
+    #: Part of the natural state of a table, or of the change of it by proteins, at the start: 0 to 1.
+    binding: float | None = None
     #: (n, 3) points [L] of the centreline at the start, in place of ``shape``.
     points: ArrayLike | None = None
     #: (n, 4, 3) base pairs [nm]: origin, d1, d2, d3; in place of ``shape``.
@@ -130,7 +136,8 @@ class Stage:
     [x, y, z], "quaternion": [w, x, y, z]}`` and what else the key takes in scene files. ``rotation``: ``{"at": …, "axis":
     […], "turns": …}``. ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``load``: the factor of all loads.
     ``section``: ``{"bending": …, "twisting": …, "contact_radius": …}`` and ``natural``: ``{"curvature": [k1, k2], "twist":
-    k3}`` [1/L]. Lists of tables move several nodes or rods.
+    k3}`` [1/L]. ``binding``: 0 to 1, the part of the natural state of a table or of bound proteins. Lists of tables move
+    several nodes or rods.
 
     ``hold`` and ``release``: supports that are there from this stage on, or no longer: :class:`Support` objects.
     ``follow``, of the last stage with one ramp: True or ``{"step": …, "max_step": …, "max_points": …}``: the path past limit
@@ -150,13 +157,14 @@ class Stage:
     section: Table | list[Table] | None = None
     length: float | Table | list[Table] | None = None
     natural: Table | list[Table] | None = None
+    binding: float | Table | list[Table] | None = None
     hold: Support | Sequence[Support] | None = None
     release: Support | Sequence[Support] | None = None
     follow: bool | Table | None = None
 
     def _table(self) -> Table:
         ramp = {key: getattr(self, key) for key in sorted(ramp_keys()) if getattr(self, key) is not None}
-        for key in ("excess_link", "sigma", "link", "pressure", "plane", "length"):
+        for key in ("excess_link", "sigma", "link", "pressure", "plane", "length", "binding"):
             if key in ramp and not isinstance(ramp[key], (dict, list)):
                 ramp[key] = {"to": ramp[key]}
         table: Table = {"ramp": ramp, "steps": self.steps}
@@ -197,6 +205,8 @@ class Scene:
         title: str = "",
         units: Table | None = None,
         temperature: float | None = None,
+        gravity: Vector | None = None,
+        load: float | None = None,
         output: Table | None = None,
         picture: Table | None = None,
     ) -> None:
@@ -206,6 +216,8 @@ class Scene:
             "fidelity": fidelity,
             "units": units,
             "temperature": temperature,
+            "gravity": gravity,
+            "load": load,
             "rods": [rods] if isinstance(rods, Rod) else list(rods),
             "supports": list(supports),
             "joints": list(joints),
@@ -696,6 +708,7 @@ class Solver:
         section: Table | list[Table] | None = None,
         length: float | Table | list[Table] | None = None,
         natural: Table | list[Table] | None = None,
+        binding: float | Table | list[Table] | None = None,
     ) -> StepReport:
         """Moves all that is given to its target in one step, without cut-back; targets as in :class:`Stage`.
 
@@ -714,6 +727,7 @@ class Solver:
             section=section,
             length=length,
             natural=natural,
+            binding=binding,
         )
         return StepReport(*self._native.step_to(_stage_text(stage)))
 

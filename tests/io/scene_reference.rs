@@ -32,7 +32,7 @@ fn template(key: &Key) -> String {
     let held = || "[[supports]]\nat = \"start\"\nposition = true\nrotation = true\n";
     let clamped = || line() + held() + &held().replace("start", "end");
     let ramp = |more: &str| format!("[[stages]]\nramp = {{ {more} }}\n");
-    let charged = "elements = 12\nclosed = true\nshape = { kind = \"circle\", length = 600.0 }";
+    let charged = "elements = 48\nclosed = true\nshape = { kind = \"circle\", length = 600.0 }";
     let charged = format!("[[rods]]\n{charged}\nsection = {{ {} }}\n", SECTION.replace("1e-5", "1.0"));
     let planar = || "planar = true\n".to_owned() + &ring();
     let heavy = |rod: &str| "gravity = [0, 0, -1]\n".to_owned() + rod + "@\n" + held();
