@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use supercoil::io::csv::{RodState, write_state};
 use supercoil::math::{Quat, Vec3};
@@ -149,23 +150,31 @@ fn template(key: &Key) -> String {
     }
 }
 
+/// Path of a file that is written once: tests run side by side, and one must not read what the other has begun to write.
+fn written(once: &OnceLock<String>, name: &str, write: impl FnOnce(&Path)) -> String {
+    let path = || {
+        let path = std::env::temp_dir().join(format!("supercoil_{name}_{}.csv", std::process::id()));
+        write(&path);
+        path.to_str().unwrap().to_owned()
+    };
+    once.get_or_init(path).clone()
+}
+
 /// A final state of a straight rod of 12 elements.
 fn state() -> String {
-    let path = std::env::temp_dir().join(format!("supercoil_reference_{}.csv", std::process::id()));
+    static STATE: OnceLock<String> = OnceLock::new();
     let rod = RodState {
         arc_lengths: (0..37).map(f64::from).collect(),
         positions: (0..37).map(|k| Vec3::new(0.0, 0.0, f64::from(k))).collect(),
         frames: vec![Quat::identity(); 37],
     };
-    write_state(&path, &[rod], &Units::default()).unwrap();
-    path.to_str().unwrap().to_owned()
+    written(&STATE, "reference", |path| write_state(path, &[rod], &Units::default()).unwrap())
 }
 
 /// A natural state along a rod of length 6.
 fn natural() -> String {
-    let path = std::env::temp_dir().join(format!("supercoil_natural_{}.csv", std::process::id()));
-    std::fs::write(&path, "s,kappa1\n0,0.5\n6,0.5\n").unwrap();
-    path.to_str().unwrap().to_owned()
+    static NATURAL: OnceLock<String> = OnceLock::new();
+    written(&NATURAL, "natural", |path| std::fs::write(path, "s,kappa1\n0,0.5\n6,0.5\n").unwrap())
 }
 
 fn scene(key: &Key, value: Option<&str>) -> Result<Scene, String> {
