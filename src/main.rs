@@ -18,7 +18,7 @@ use console::Term;
 use supercoil::dna::sequence::Sequence;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::{Formats, base_pairs};
-use supercoil::io::plot_run::RunTable;
+use supercoil::io::plot_run::{PLOTTED, RunTable};
 use supercoil::io::run::{Outcome, SceneRun, scene_of};
 use supercoil::io::schema::scene_schema;
 use supercoil::io::table::StepTable;
@@ -86,10 +86,13 @@ enum Command {
         choices: Choices,
     },
     /// Write view.html into the folder of a run, as the run itself does: a page for the browser, to turn and to step
-    /// through. Or write a glTF file, for Blender, slides and viewers.
+    /// through. Or write a glTF file, for Blender, slides and viewers, or an STL file of the final state, for printers.
     View {
         /// Folder of the run.
         dir: PathBuf,
+        /// Write the tubes of the final state as this binary STL file, in the scene's unit of length, instead of the page.
+        #[arg(long, value_name = "FILE", conflicts_with = "glb")]
+        stl: Option<PathBuf>,
         /// Write this binary glTF file instead of the page.
         #[arg(long, value_name = "FILE")]
         glb: Option<PathBuf>,
@@ -97,21 +100,8 @@ enum Command {
         #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
         color: String,
     },
-    /// Plot columns of a run's table (table.csv) as SVG or PDF. A dashed line joins the steps between which
-    /// the rods snapped.
-    Plot {
-        /// Folder of the run.
-        dir: PathBuf,
-        /// Column along the horizontal axis.
-        #[arg(long, value_name = "COLUMN")]
-        x: String,
-        /// Columns along the vertical axis, of one unit.
-        #[arg(long, value_name = "COLUMN", value_delimiter = ',', required = true)]
-        y: Vec<String>,
-        /// File to write, *.svg or *.pdf [default: DIR/Y.svg].
-        #[arg(long, value_name = "FILE")]
-        out: Option<PathBuf>,
-    },
+    /// Plot columns of a table of a run as SVG or PDF. A dashed line joins the steps between which the rods snapped.
+    Plot(PlotChoice),
     /// Check a scene file without running it.
     Check {
         /// Scene file (TOML).
@@ -136,6 +126,16 @@ enum Command {
         /// knot_8_19.toml.
         file: Option<PathBuf>,
     },
+    /// Print the completions of a shell; its manual says where they belong.
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual, a page of the program and one of each command, into a folder.
+    Man {
+        /// Folder; is created.
+        dir: PathBuf,
+    },
     /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command; `help schema` prints the JSON Schema
     /// of scene files, for editors.
     Help {
@@ -148,6 +148,29 @@ enum Command {
 
 fn kinds() -> clap::builder::PossibleValuesParser {
     TEMPLATES.map(|template| clap::builder::PossibleValue::new(template.name).help(template.about)).into()
+}
+
+/// Columns of a table to plot.
+#[derive(Args)]
+struct PlotChoice {
+    /// Folder of the run.
+    dir: PathBuf,
+    /// Table: of the steps (table), or of the final state: resultants (tension, shear, moments along the rods), lines,
+    /// sites.
+    #[arg(long, value_name = "TABLE", default_value = PLOTTED[0], value_parser = PLOTTED)]
+    of: String,
+    /// Only the rows of this rod.
+    #[arg(long, value_name = "NAME")]
+    rod: Option<String>,
+    /// Column along the horizontal axis.
+    #[arg(long, value_name = "COLUMN")]
+    x: String,
+    /// Columns along the vertical axis, of one unit.
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',', required = true)]
+    y: Vec<String>,
+    /// File to write, *.svg or *.pdf [default: DIR/Y.svg].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
 }
 
 /// Formats of a run's base pairs.
@@ -234,12 +257,15 @@ fn main() -> ExitCode {
 pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     let code = match Arguments::parse_from(arguments).command {
         Command::Check { file, set } => check(&file, &set.set),
-        Command::View { dir, glb, color } => view(&dir, glb, &color),
+        Command::View { dir, stl: Some(file), .. } => stl(&dir, &file),
+        Command::View { dir, glb, color, .. } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
         Command::Sweep { command } => command.go(),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
-        Command::Plot { dir, x, y, out } => plot(&dir, &x, &y, out),
+        Command::Plot(what) => plot(&what),
+        Command::Man { dir } => manual(&dir),
+        Command::Completions { shell } => completions(shell),
         Command::New { kind, file } => new(&kind, file),
         Command::Help { topic, key } => explain(topic.as_deref(), key.as_deref()),
     };
@@ -262,10 +288,39 @@ fn view(dir: &Path, glb: Option<PathBuf>, color: &str) -> Result<u8, InputError>
     Ok(CONVERGED)
 }
 
-fn plot(dir: &Path, x: &str, y: &[String], out: Option<PathBuf>) -> Result<u8, InputError> {
-    let file = out.unwrap_or_else(|| dir.join(format!("{}.svg", y.join("_"))));
-    RunTable::read(dir)?.plot(x, y, &file)?;
+fn stl(dir: &Path, file: &Path) -> Result<u8, InputError> {
+    view::of_run(dir, view::MAX_NODES)?.save_stl(file)?;
     say(format_args!("{}", file.display()));
+    Ok(CONVERGED)
+}
+
+fn plot(what: &PlotChoice) -> Result<u8, InputError> {
+    let whole = RunTable::read_named(&what.dir, &what.of)?;
+    let table = match &what.rod {
+        Some(rod) => whole.of_rod(rod)?,
+        None => whole,
+    };
+    let file = what.out.clone().unwrap_or_else(|| what.dir.join(format!("{}.svg", what.y.join("_"))));
+    table.plot(&what.x, &what.y, &file)?;
+    say(format_args!("{}", file.display()));
+    Ok(CONVERGED)
+}
+
+/// Prints the completions of a shell.
+fn completions(shell: clap_complete::Shell) -> Result<u8, InputError> {
+    // by way of a buffer: a closed pipe is not an error
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "supercoil", &mut text);
+    std::io::stdout().write_all(&text).ok();
+    Ok(CONVERGED)
+}
+
+/// Writes the manual: a page of the program, and one of each command.
+fn manual(dir: &Path) -> Result<u8, InputError> {
+    let refuse = |e: std::io::Error| InputError::Write { path: dir.to_owned(), reason: e.to_string() };
+    std::fs::create_dir_all(dir).map_err(refuse)?;
+    clap_mangen::generate_to(Arguments::command(), dir).map_err(refuse)?;
+    say(format_args!("{}; to read it: man {}", dir.display(), dir.join("supercoil.1").display()));
     Ok(CONVERGED)
 }
 

@@ -1,4 +1,4 @@
-//! Plots of columns of a run's table.
+//! Plots of columns of a run's tables.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +9,10 @@ use super::csv::legend_of;
 use super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use super::record::check_finished;
 
-/// The table of a finished run.
+/// Tables of a run: along its steps, or along the rods of its final state.
+pub const PLOTTED: [&str; 4] = ["table", "resultants", "lines", "sites"];
+
+/// A table of a finished run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunTable {
     /// Names of the columns.
@@ -25,12 +28,44 @@ impl RunTable {
     /// # Errors
     /// [`InputError::Parse`] for files that are missing or no tables.
     pub fn read(dir: &Path) -> Result<Self, InputError> {
+        Self::read_named(dir, PLOTTED[0])
+    }
+
+    /// Reads the table of that name, one of [`PLOTTED`], and the file that explains its columns.
+    ///
+    /// # Errors
+    /// [`InputError::Name`] for another name, [`InputError::Parse`] for files that are missing or no tables.
+    pub fn read_named(dir: &Path, name: &str) -> Result<Self, InputError> {
         check_finished(dir)?;
-        let (columns, rows) = read(&dir.join("table.csv"))?;
-        let (_, legend) = read(&legend_of(&dir.join("table.csv")))?;
+        if !PLOTTED.contains(&name) {
+            let (field, allowed) = ("table".to_owned(), format!("one of {}", PLOTTED.join(", ")));
+            return Err(InputError::Name { field, name: name.to_owned(), allowed });
+        }
+        let file = dir.join(format!("{name}.csv"));
+        if !file.exists() {
+            let reason = "is not there: the run has no such contact, or is of an earlier version".to_owned();
+            return Err(InputError::File { path: file, reason });
+        }
+        let (columns, rows) = read(&file)?;
+        let (_, legend) = read(&legend_of(&file))?;
         let unit = |row: &Vec<String>| Some((row.first()?.clone(), row.get(1)?.clone()));
         let units = legend.iter().filter_map(unit).filter(|(_, unit)| !unit.is_empty()).collect();
         Ok(Self { columns, units, rows })
+    }
+
+    /// The rows of one rod, by its name.
+    ///
+    /// # Errors
+    /// [`InputError::Name`] if the table has no column `rod`, or no row of that rod.
+    pub fn of_rod(mut self, rod: &str) -> Result<Self, InputError> {
+        let refuse = |allowed: String| InputError::Name { field: "rod".to_owned(), name: rod.to_owned(), allowed };
+        let Some(index) = self.columns.iter().position(|name| name == "rod") else {
+            return Err(refuse("none: this table has no column rod".to_owned()));
+        };
+        let mut names: Vec<String> = self.rows.iter().filter_map(|row| row.get(index).cloned()).collect();
+        names.dedup();
+        self.rows.retain(|row| row.get(index).is_some_and(|name| name == rod));
+        if self.rows.is_empty() { Err(refuse(format!("one of {}", names.join(", ")))) } else { Ok(self) }
     }
 
     /// Numbers of a column; blank cells are NaN.

@@ -21,7 +21,7 @@ use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
 use super::picture::DrawnPlane;
-use super::table::{Columns, Named, write_lines, write_sites};
+use super::table::{Columns, Named, ResultantsOf, write_lines, write_resultants, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
 pub(super) use files::{BASE_PAIRS, VIEW, check_finished, read_summary, step_of};
@@ -106,6 +106,11 @@ impl RodHead {
         self.length / (self.elements * self.order) as f64
     }
 
+    /// Reference arc lengths of its first `count` nodes.
+    fn arc_lengths(&self, count: usize) -> Vec<f64> {
+        (0..count).map(|node| self.spacing() * node as f64).collect()
+    }
+
     /// Largest radius it is drawn with; a rod without a contact radius is a thin line.
     pub fn radius(&self) -> f64 {
         if self.contact_radius > 0.0 { self.contact_radius } else { 2e-3 * self.length }
@@ -187,10 +192,11 @@ pub struct RecordState {
 /// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView: at the nodes frame, arc length, radius, curvature, twist rate, contact force, internal force and moment; as field data the numbers of the table's line, `TimeValue` (the first quantity that stages ramp), `units` |
 /// | `table.csv` | one line per accepted step |
 /// | `final_state.csv` | positions and quaternions of all nodes |
+/// | `resultants.csv` | internal forces and moments at the nodes of the final state, in their frames |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
 /// | `base_pairs.csv` | of rods with a sequence: the bases, their places on the rod and the steps between them at rest, for [`export`](super::export) |
-/// | `table_columns.csv`, `final_state_columns.csv`, `sites_columns.csv`, `lines_columns.csv` | name, unit and meaning of the columns of each table |
+/// | `table_columns.csv`, `final_state_columns.csv`, `resultants_columns.csv`, `sites_columns.csv`, `lines_columns.csv` | name, unit and meaning of the columns of each table |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
@@ -369,6 +375,7 @@ impl Record {
         self.write_base_pairs()?;
         let Some(last) = self.last.take() else { return Ok(()) };
         write_state(&self.dir.join(files::FINAL_STATE), &self.rod_states(&last), &self.units)?;
+        self.write_resultants(&last)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
         let on_planes = self.steps.get(last.step).map_or(&[][..], |step| &step.plane_sites);
         let planes: Vec<String> = self.planes.iter().map(|plane| plane.name.clone()).collect();
@@ -439,11 +446,27 @@ impl Record {
         state_text(&self.last.as_ref().map_or_else(Vec::new, |last| self.rod_states(last)))
     }
 
+    fn write_resultants(&self, last: &RecordedFrame) -> Result<(), InputError> {
+        let of = |(index, rod): (usize, &'_ RodSnapshot)| self.head(index, last.step).arc_lengths(rod.frames.len());
+        let arcs: Vec<Vec<f64>> = last.rods.iter().enumerate().map(of).collect();
+        let rods = last.rods.iter().zip(arcs).enumerate().filter(|(_, (rod, _))| !rod.fields.curvature.is_empty());
+        let rods: Vec<ResultantsOf> = rods
+            .map(|(index, (rod, arc_lengths))| ResultantsOf {
+                name: &self.rods[index].name,
+                arc_lengths,
+                frames: &rod.frames,
+                fields: &rod.fields,
+                contact_force: &rod.smoothed_contact_force,
+            })
+            .collect();
+        write_resultants(&self.dir.join(files::RESULTANTS), &rods, &self.units)
+    }
+
     fn rod_states(&self, last: &RecordedFrame) -> Vec<RodState> {
         let state = |(index, rod): (usize, &RodSnapshot)| {
             let head = self.head(index, last.step);
             RodState {
-                arc_lengths: (0..head.nodes).map(|i| head.spacing() * i as f64).collect(),
+                arc_lengths: head.arc_lengths(head.nodes),
                 positions: rod.positions.clone(),
                 frames: rod.frames.clone(),
             }

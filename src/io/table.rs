@@ -11,8 +11,10 @@ use crate::scene::Units;
 use super::csv::{Cell, columns_in, write_explained};
 
 mod columns;
+mod resultants;
 
 pub use columns::Columns;
+pub(super) use resultants::{ResultantsOf, write_resultants};
 
 /// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod, or of
 /// an open rod if it is the only one.

@@ -26,6 +26,7 @@ mod dna_examples;
 mod examples;
 mod export;
 mod fences;
+mod final_state;
 mod fuzz_scenes;
 mod gallery;
 mod long_output;

@@ -83,6 +83,8 @@ fn lines_of_contact_have_their_pressure() {
         ("sites", "force", "N"),
         ("lines", "pressure", "N/mm"),
         ("final_state", "arc_length", "mm"),
+        ("resultants", "tension", "N"),
+        ("resultants", "torque", "N mm"),
     ] {
         let (columns, _) = table(&dir.join(format!("out/{name}.csv")));
         let (_, legend) = table(&dir.join(format!("out/{name}_columns.csv")));

@@ -12,6 +12,7 @@ use crate::text::read_regular;
 pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
 pub(super) const FINAL_STATE: &str = "final_state.csv";
+pub(super) const RESULTANTS: &str = "resultants.csv";
 pub(super) const SITES: &str = "sites.csv";
 pub(super) const LINES: &str = "lines.csv";
 pub(in crate::io) const BASE_PAIRS: &str = "base_pairs.csv";
@@ -22,10 +23,23 @@ pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 
 /// All files except those of single steps and those that explain columns.
-const ALL: [&str; 12] =
-    [COLLECTION, TABLE, FINAL_STATE, SITES, LINES, BASE_PAIRS, SUMMARY, PICTURE, FILM_STRIP, WRITHE, VIEW, SCENE];
+const ALL: [&str; 13] = [
+    COLLECTION,
+    TABLE,
+    FINAL_STATE,
+    RESULTANTS,
+    SITES,
+    LINES,
+    BASE_PAIRS,
+    SUMMARY,
+    PICTURE,
+    FILM_STRIP,
+    WRITHE,
+    VIEW,
+    SCENE,
+];
 /// Tables whose columns are explained in files of their own.
-const EXPLAINED: [&str; 4] = [TABLE, FINAL_STATE, SITES, LINES];
+const EXPLAINED: [&str; 5] = [TABLE, FINAL_STATE, RESULTANTS, SITES, LINES];
 const STEP: [&str; 2] = ["step_", ".vtp"];
 
 /// A part of `summary.json` in the folder of a finished run.

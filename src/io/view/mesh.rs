@@ -56,9 +56,12 @@ fn sections(nodes: &[Node], look: &MeshStyle) -> Vec<Node> {
 
 /// The tube through the nodes; fewer than two make none.
 pub(super) fn tube(nodes: &[Node], look: &MeshStyle) -> Mesh {
+    tube_of(&sections(nodes, look), look)
+}
+
+fn tube_of(sections: &[Node], look: &MeshStyle) -> Mesh {
     let mut mesh = Mesh::default();
-    let sections = sections(nodes, look);
-    let (Some(first), Some(last), 2..) = (sections.first(), sections.last(), nodes.len()) else { return mesh };
+    let (Some(first), Some(last), 2..) = (sections.first(), sections.last(), sections.len()) else { return mesh };
     // angle of a ring of a cap from the cross-section, rad
     let tilt = |k: usize| FRAC_PI_2 * k as f64 / CAP_RINGS as f64;
     if !look.closed {
@@ -70,6 +73,43 @@ pub(super) fn tube(nodes: &[Node], look: &MeshStyle) -> Mesh {
     }
     mesh.join(look.sides);
     mesh
+}
+
+/// The tube through the nodes as a closed surface: triangles with area, counter-clockwise seen from outside. Each edge
+/// belongs to two of them.
+pub(super) fn solid(nodes: &[Node], look: &MeshStyle) -> Vec<[Vec3; 3]> {
+    let sections = sections(nodes, look);
+    let mesh = tube_of(&if look.closed { meeting(sections) } else { sections }, look);
+    let (per_ring, count) = (per_ring(look.sides), mesh.positions.len());
+    // vertices that stand for one point: beside the stripe, and all of a pole
+    let point_of = |vertex: u32| {
+        let (ring, place) = (vertex as usize / per_ring, vertex as usize % per_ring);
+        let is_pole = !look.closed && (ring == 0 || (ring + 1) * per_ring == count);
+        ring * per_ring
+            + match place {
+                _ if is_pole || place + 1 == per_ring => 0,
+                2 => 1,
+                _ => place,
+            }
+    };
+    let corners = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(point_of));
+    let has_area = |[a, b, c]: &[usize; 3]| a != b && b != c && c != a;
+    corners.filter(has_area).map(|triangle| triangle.map(|vertex| mesh.positions[vertex])).collect()
+}
+
+/// Sections of a closed tube whose last ring is the first one: the angle by which the stripe misses itself is spread evenly
+/// along the tube.
+fn meeting(mut sections: Vec<Node>) -> Vec<Node> {
+    let (Some(first), Some(last)) = (sections.first().copied(), sections.last().copied()) else { return sections };
+    let missed = first.tangent.dot(&last.stripe.cross(&first.stripe)).atan2(last.stripe.dot(&first.stripe));
+    let count = sections.len() - 1;
+    for (k, section) in sections.iter_mut().enumerate() {
+        let angle = missed * k as f64 / count as f64;
+        let across = section.tangent.cross(&section.stripe);
+        section.stripe = section.stripe * angle.cos() + across * angle.sin();
+    }
+    sections[count] = first;
+    sections
 }
 
 impl Mesh {
@@ -140,6 +180,32 @@ mod tests {
         let cone = tube(&nodes, &look(false));
         let exact = std::f64::consts::PI * (2.0 * (0.01 + 0.02 + 0.04) / 3.0 + 2.0 / 3.0 * (0.001 + 0.008));
         assert!((volume(&cone) / exact - 1.0).abs() < 0.03, "{} {exact}", volume(&cone));
+    }
+
+    /// Edges of a solid are met once in either direction, so nothing leaks, whatever the seam and the ends.
+    #[test]
+    fn solids_are_closed() {
+        let circle: Vec<Vec3> = (0..16)
+            .map(|i| TAU * i as f64 / 16.0)
+            .map(|t| Vec3::new(t.cos(), t.sin(), 0.1 * (2.0 * t).sin()))
+            .collect();
+        for (closed, seam_turns) in [(false, 0.0), (true, 0.0), (true, 1.25), (true, -0.4)] {
+            let look = MeshStyle { closed, seam_turns, sides: 24, stripe: Vec3::zeros() };
+            let triangles = solid(&nodes(&circle, closed), &look);
+            let bits = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x as f32).to_bits());
+            let mut edges = std::collections::HashMap::new();
+            for t in &triangles {
+                for k in 0..3 {
+                    let (a, b) = (bits(&t[k]), bits(&t[(k + 1) % 3]));
+                    assert!(a != b, "an edge without length");
+                    *edges.entry((a, b)).or_insert(0) += 1;
+                }
+            }
+            let is_met = |&(a, b): &([u32; 3], [u32; 3])| edges.get(&(b, a)) == Some(&1);
+            assert!(edges.iter().all(|(edge, count)| *count == 1 && is_met(edge)), "{closed} {seam_turns}");
+            let volume: f64 = triangles.iter().map(|t| t[0].dot(&t[1].cross(&t[2])) / 6.0).sum();
+            assert!(volume > 0.15, "outwards: {volume}");
+        }
     }
 
     /// A seam of 1¼ turns on a flat ring: the stripe arrives a quarter turn from where it has left.
