@@ -59,9 +59,19 @@ fn a_link_that_is_lost_without_contact_is_noted() {
 /// their pressure, and a snap that set 0.0000 free where nothing had moved. Mechanism: where the feet of a strand run forth and back
 /// on a thick rod, what is counted twice is subtracted, but was not in the report.
 #[test]
-fn what_is_subtracted_is_in_the_balance() {
-    for state in &of_file("site_without_force") {
-        assert!(state.certificate.holds(), "step {}: {}", state.step, state.certificate);
-        assert!(state.notes.is_empty(), "step {}: {:?}", state.step, state.notes);
+fn a_site_that_carries_nothing_is_none() {
+    for name in ["site_without_force", "site_without_force_longer"] {
+        let states = of_file(name);
+        for state in &states {
+            assert!(state.certificate.holds(), "{name}, step {}: {}", state.step, state.certificate);
+            assert!(state.notes.is_empty(), "{name}, step {}: {:?}", state.step, state.notes);
+            for site in &state.sites {
+                let resultant = site.force_on_a.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let at = format!("{name}, step {}: force {resultant} of {} at {}", state.step, site.force, site.gap);
+                assert!(site.force > 1e-3 && site.gap < 1e-6, "{at}");
+                assert!(resultant <= site.force * (1.0 + 1e-9), "{at}");
+            }
+        }
+        assert!(states.last().unwrap().sites.len() == 1, "{name}");
     }
 }

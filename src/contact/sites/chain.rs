@@ -23,6 +23,14 @@ pub(crate) struct ChainPiece<'a> {
     pub(crate) zone: &'a ZonePiece,
 }
 
+impl ChainPiece<'_> {
+    /// Whether it consists of farthest points, which the potential subtracts, or of a fold of which the farthest points carry
+    /// nearly as much as the nearest or more: then little is left of the force, and the resultant is larger than that.
+    fn is_subtracted(&self) -> bool {
+        self.zone.piece.branch.is_subtracted() || self.zone.half_push.norm() > 2.0 * self.zone.half_force
+    }
+}
+
 /// All contacts as seen from either strand, each a chain of pieces in the order of the slave's arc length, without
 /// subtracted pieces.
 pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec<ChainPiece<'a>>> {
@@ -51,13 +59,12 @@ pub(crate) fn chains<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> Vec<Vec
 
 /// The pieces of one pair, without subtracted ones.
 pub(crate) fn pieces<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {
-    placed(set, term).filter(|piece| !piece.zone.piece.branch.is_subtracted())
+    placed(set, term).filter(|piece| !piece.is_subtracted())
 }
 
-/// The pieces of farthest points, which the potential subtracts.
+/// The pieces that the potential subtracts.
 pub(crate) fn subtracted<'a>(set: &'a CurveSet, terms: &'a [ContactPair]) -> impl Iterator<Item = ChainPiece<'a>> {
-    let all = terms.iter().flat_map(|term| placed(set, term));
-    all.filter(|piece| piece.zone.piece.branch.is_subtracted())
+    terms.iter().flat_map(|term| placed(set, term)).filter(ChainPiece::is_subtracted)
 }
 
 fn placed<'a>(set: &'a CurveSet, term: &'a ContactPair) -> impl Iterator<Item = ChainPiece<'a>> {

@@ -18,16 +18,16 @@ pub(super) fn take_from(set: &CurveSet, terms: &[ContactPair], all: &mut [Compos
         let piece = piece(set, &link);
         let beside = beside(set, &zones, &piece);
         // as their forces are, so that none is left with less than none
-        let force = |zone: usize| zones[zone].load.force.max(0.0);
-        let sum: f64 = beside.iter().map(|&zone| force(zone)).sum();
+        let sum: f64 = beside.iter().map(|&zone| zones[zone].load.force).sum();
         for &zone in &beside {
-            let share = if sum > 0.0 { force(zone) / sum } else { 1.0 / beside.len() as f64 };
+            let share = if sum > 0.0 { zones[zone].load.force / sum } else { 1.0 / beside.len() as f64 };
             all[zone].add(set, piece.times(share));
         }
     }
 }
 
-/// The zones with the next feet before and after those of a piece; one of them where there is no other.
+/// The zones with the next feet before and after those of a piece; one of them where there is no other. A farthest point is
+/// pressed less than the nearest ones beside it, so a zone that carries less than the piece is not beside it, however near.
 fn beside(set: &CurveSet, zones: &[SiteZone], piece: &SiteZone) -> Vec<usize> {
     let [own, other] = [piece.curve_a, piece.curve_b].map(|curve| set.period(curve));
     let middle = |arc: [f64; 2]| 0.5 * (arc[0] + arc[1]);
@@ -41,8 +41,10 @@ fn beside(set: &CurveSet, zones: &[SiteZone], piece: &SiteZone) -> Vec<usize> {
         near(foot, middle(piece.arc_b), other) - middle(piece.arc_b)
     };
     let class = class(zones, piece.curve_a, piece.curve_b);
-    let nearest = class.clone().map(|k| distance(&k)).fold(f64::INFINITY, f64::min);
-    let over = || class.clone().filter(|k| distance(k) <= nearest);
+    let strongest = class.clone().map(|k| zones[k].load.force).fold(0.0, f64::max);
+    let carries = |k: &usize| zones[*k].load.force >= strongest.min(-piece.load.force);
+    let nearest = class.clone().filter(carries).map(|k| distance(&k)).fold(f64::INFINITY, f64::min);
+    let over = || class.clone().filter(carries).filter(|k| distance(k) <= nearest);
     let closer = |x: &usize, y: &usize| ahead(x).abs().total_cmp(&ahead(y).abs());
     let before = over().filter(|k| ahead(k) < 0.0).min_by(closer);
     let after = over().filter(|k| ahead(k) >= 0.0).min_by(closer);
