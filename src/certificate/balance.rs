@@ -4,6 +4,7 @@
 //! node       Σ_elements ∫ N_a′ n ds = f_a + s_a          Σ ∫ A_a′ᵀ m − A_aᵀ (r′ × n) ds = l_a + t_a
 //! contact    the same, summed over the nodes that a contact acts on, with the force and the moment reported for it
 //! body       Σ f + Σ s + Σ c = 0                          Σ x × f + l + x × s + t + x × c + d = 0
+//! energies   ½ ∫ σ·(ε − ε₀) ds by kind, the sum of which has the forces of nodes as its derivative
 //! ```
 //!
 //! n and m are the stress resultants in space, φ = Σ A_a θ_a the rotation of the interpolated frame, f and l loads, s and t
@@ -11,21 +12,33 @@
 //! balance needs no elements.
 //!
 //! Forces are compared with the largest sum of the sizes of all forces on a node, moments with that times the node spacing, or the
-//! extent of a contact or body. The solver ends when contact forces change by less than 1e-6 of themselves, or ten times its
-//! tolerance of increments where that is more, in an iteration that contracts: what is left is a few times that.
+//! extent of a contact or body. The sums are those of the weak form, node by node, by the rule that integrates the energy: no mesh
+//! leaves a rest in them. What is left is what the solver's search leaves: rounding without contact, up to 1e-4 with it.
 
 use super::strains::{MaterialMatrix, PlacedRod, element_length, rule};
 use super::{Check, ContactForce, Subject, Worst, first_nodes, node_name};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
+use crate::rod::Rod;
 use crate::scene::{Model, NodeRef};
 
-/// Force out of balance over the largest force that the solver's convergence explains, at least, and over its tolerance of
-/// increments: ten times what one of its iterations changes. The largest of a minicircle's is 1.3e-5.
-const CONVERGED: (f64, f64) = (1e-4, 100.0);
+/// Force out of balance over the largest one, without contact: Newton's method squares increments, and searches that end along
+/// neutral directions balance forces to 1e-8; ten times that. All scenes of the relations have 1e-13.
+const FREE: f64 = 1e-7;
+/// The same where contact bears a force: contact is so stiff that an increment below the tolerance changes it, so searches end
+/// when forces are in balance to 1e-4 of the largest contact force, the fifth part of what the most exact preset states.
+const IN_CONTACT: f64 = 1e-4;
+/// Where contact bears a force, over the tolerance of increments: searches end when an increment changes contact forces by ten
+/// times that, of which an iteration that contracts leaves less; ten times that.
+const OF_INCREMENTS: f64 = 100.0;
 /// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times the sum
 /// of |N_a′| over the elements at a node, up to eight.
 const LAST_PLACES: f64 = 80.0;
+
+/// Energies by kind, as they are reported.
+const KINDS: [&str; 4] = ["stretching", "shearing", "bending", "twisting"];
+/// Rounding of a sum over elements, over the sum.
+const TOL_SUM: f64 = 1e-12;
 
 /// Force and moment on each node, and the sum of the sizes of what is summed \[F\].
 struct NodalForces {
@@ -56,10 +69,11 @@ pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     add_reactions(subject, &first, &mut outer);
     let charged = subject.model.electrostatics.is_some();
     let mut all = NodalForces { force: outer.force.clone(), moment: outer.moment.clone(), size: outer.size.clone() };
-    subtract_inner(subject, &first, &mut all);
+    let stored = subtract_inner(subject, &first, &mut all);
     let scale = Scale::of(subject, &all, contact);
     let of_nodes = (!charged).then(|| nodes(subject, (&first, contact), all, &scale));
-    of_nodes.into_iter().chain([bodies(subject, (&first, contact), &outer, &scale)]).collect()
+    let of_bodies = bodies(subject, (&first, contact), &outer, &scale);
+    of_nodes.into_iter().chain([of_bodies, energies(subject, &stored)]).collect()
 }
 
 /// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so large a
@@ -73,21 +87,24 @@ impl Scale {
     fn of(subject: &Subject, all: &NodalForces, contact: &[ContactForce]) -> Self {
         let of_nodes = all.size.iter().copied().fold(0.0, f64::max);
         let force = contact.iter().map(|at| at.force.norm()).fold(of_nodes, f64::max);
-        let rounding = subject.model.rods.iter().map(|rod| {
+        let stiffest = subject.model.rods.iter().map(|rod| {
             let (s, h) = (&rod.section, rod.spacing());
             let stiffest = s.shearing.iter().chain([&s.stretching]).copied().fold(0.0, f64::max);
             let bending = s.bending.iter().chain([&s.twisting]).copied().fold(0.0, f64::max);
-            LAST_PLACES * f64::EPSILON * (stiffest + bending / (h * h))
+            stiffest + bending / (h * h)
         });
-        let rounding = rounding.fold(0.0, f64::max);
+        // force of a strain of 1, or of a radian between nodes
+        let stiffest = stiffest.fold(0.0, f64::max);
+        let rounding = LAST_PLACES * f64::EPSILON * stiffest;
         let tol_increment = subject.given.map_or(0.0, |(given, ..)| given.tol_increment);
-        let tolerance = CONVERGED.0.max(CONVERGED.1 * tol_increment);
-        // forces that are all rounding balance to rounding
-        Self { force: force + rounding / tolerance, tolerance }
+        let touches = contact.iter().any(|at| at.force != Vec3::zeros());
+        let tolerance = if touches { IN_CONTACT.max(OF_INCREMENTS * tol_increment) } else { FREE };
+        // forces that are all rounding balance to rounding; strains of increments are squared
+        Self { force: force + (rounding + tol_increment * tol_increment * stiffest) / tolerance, tolerance }
     }
 }
 
-/// Dead forces and moments, line loads ∫ N_a f ds and pressure ∫ N_a p ẑ × r′ ds.
+/// Dead forces and moments, line loads ∫ N_a f ds and pressure ±∫ N_a p ẑ × r′ ds, minus for shapes given clockwise.
 fn add_loads(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let (model, state) = (subject.model, subject.state);
     let factor = state.load_factor;
@@ -98,7 +115,7 @@ fn add_loads(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let exact = gauss(3);
     for (k, rod) in model.rods.iter().enumerate() {
         let along: Vec<_> = model.line_loads.iter().filter(|load| load.rod == k).collect();
-        let pressure = state.pressures[k];
+        let pressure = state.pressures[k] * sense(&rod.positions);
         if along.is_empty() && pressure == 0.0 {
             continue;
         }
@@ -120,6 +137,12 @@ fn add_loads(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     }
 }
 
+/// Sign of the area that a shape encloses: pressure pushes inwards whichever way a ring runs.
+fn sense(shape: &[Vec3]) -> f64 {
+    let next = shape.iter().cycle().skip(1);
+    shape.iter().zip(next).map(|(a, b)| (a - shape[0]).cross(&(b - a)).z).sum::<f64>().signum()
+}
+
 /// Reactions, once for nodes that are joined.
 fn add_reactions(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let mut told: Vec<NodeRef> = Vec::new();
@@ -132,18 +155,63 @@ fn add_reactions(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     }
 }
 
-/// Forces of the elements on their nodes: minus the derivative of their energy.
-fn subtract_inner(subject: &Subject, first: &[usize], out: &mut NodalForces) {
+/// Energy of elements by kind, and the rounding of it \[F·L\].
+#[derive(Debug, Clone, Copy, Default)]
+struct Stored {
+    /// Of stretching, shearing, bending, twisting.
+    kinds: [f64; 4],
+    rounding: f64,
+}
+
+/// Kind of the energy of each strain.
+const KIND: [usize; 6] = [1, 1, 0, 2, 2, 3];
+
+impl Stored {
+    /// Adds ½ σ·ε of a point; strains are rounded by some units in the last place, curvatures by that over the node spacing.
+    fn add(&mut self, stress: &[f64; 6], elastic: &[f64; 6], (weight, spacing): (f64, f64)) {
+        for k in 0..6 {
+            self.kinds[KIND[k]] += 0.5 * weight * stress[k] * elastic[k];
+            let unit = if k < 3 { 1.0 } else { spacing };
+            self.rounding += weight * stress[k].abs() * LAST_PLACES * f64::EPSILON / unit;
+        }
+    }
+
+    fn add_all(&mut self, other: &Self) {
+        self.kinds.iter_mut().zip(other.kinds).for_each(|(sum, kind)| *sum += kind);
+        self.rounding += other.rounding;
+    }
+}
+
+/// Energies as reported against the elements' own.
+fn energies(subject: &Subject, own: &Stored) -> Check {
+    let total: f64 = own.kinds.iter().sum();
+    let softest = |rod: &Rod| {
+        let strain = LAST_PLACES * f64::EPSILON;
+        rod.section.stretching * rod.length * strain * strain
+    };
+    let rounding = own.rounding + subject.model.rods.iter().map(softest).sum::<f64>();
+    let mut worst = Worst::none();
+    for (name, (own, reported)) in KINDS.iter().zip(own.kinds.iter().zip(subject.energies)) {
+        worst.add((own - reported).abs() / (total + rounding), || (*name).to_owned());
+    }
+    let tolerance = (TOL_SUM * total + rounding) / (total + rounding);
+    Check::new("energies", worst.value, tolerance, worst.detail("of the elastic energy"))
+}
+
+/// Forces of the elements on their nodes: minus the derivative of their energy, which is returned.
+fn subtract_inner(subject: &Subject, first: &[usize], out: &mut NodalForces) -> Stored {
+    let mut stored = Stored::default();
     for (k, rod) in subject.model.rods.iter().enumerate() {
         let (shape, law) = (PlacedRod::of(subject.state, (k, rod), first[k]), MaterialMatrix::of(rod));
         let rule = rule(rod);
         let of_element = |element: usize| {
             let nodes = shape.nodes(element);
             let mut forces = [(Vec3::zeros(), Vec3::zeros()); 4];
-            let mut sizes = [0.0; 4];
+            let (mut sizes, mut stored) = ([0.0; 4], Stored::default());
             for (g, (&xi, &w)) in rule.points.iter().zip(rule.weights).enumerate() {
                 let point = nodes.at(rod.order, element_length(rod), xi, w);
-                let s = law.stress(element, g, &point.strain());
+                let (s, elastic) = law.stress(element, g, &point.strain());
+                stored.add(&s, &elastic, (point.weight, rod.spacing()));
                 let frame = point.frame();
                 let (n, m) = (frame * Vec3::new(s[0], s[1], s[2]), frame * Vec3::new(s[3], s[4], s[5]));
                 for a in 0..=rod.order {
@@ -152,9 +220,10 @@ fn subtract_inner(subject: &Subject, first: &[usize], out: &mut NodalForces) {
                     sizes[a] += force.norm() + moment.norm() / rod.spacing();
                 }
             }
-            (nodes.index, forces, sizes)
+            (nodes.index, forces, sizes, stored)
         };
-        for (index, forces, sizes) in parallel::map(rod.num_elements, parallel::CHEAP, &of_element) {
+        for (index, forces, sizes, of_element) in parallel::map(rod.num_elements, parallel::CHEAP, &of_element) {
+            stored.add_all(&of_element);
             for a in 0..=rod.order {
                 let node = first[k] + index[a];
                 out.force[node] -= forces[a].0;
@@ -163,6 +232,7 @@ fn subtract_inner(subject: &Subject, first: &[usize], out: &mut NodalForces) {
             }
         }
     }
+    stored
 }
 
 /// Nodes that contacts act on, one mark for each stretch of them.

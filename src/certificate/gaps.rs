@@ -4,29 +4,22 @@
 //! gap = |r(s) − r(t)| − ε_a − ε_b      at its local minima over s and t; of a plane n·(r(s) − p) − height − ε
 //! ```
 //!
-//! r is the polynomial of the element, which carries the energy. Each part between two nodes is cut into arcs that turn by less
-//! than [`MAX_TURN`], so that two of them have one nearest pair of points. Pairs of arcs come from a grid; a bound of their distance
+//! r is the polynomial of the element, which carries the energy, in arcs that turn so little that two of them have one nearest
+//! pair of points. Pairs of arcs come from a grid; a bound of their distance
 //! by chords and sagittas leaves out those that cannot be the nearest, Newton's method finds the nearest points of the others.
 //! Points of one rod nearer along it than [`NEIGHBOURS`] of turning are no contact: a curve has to turn by π between two points
 //! whose connection is normal to it at both (Fenchel).
 //!
-//! Contact closes gaps between curves that are smooth through the nodes. Between elements r has kinks, of an angle j that goes to
-//! zero with the mesh, and lies beside any such curve by up to [`BESIDE`] j h, h the node spacing: this is the
-//! mesh's resolution, by which strands may overlap.
+//! Contact closes gaps between curves that are smooth through the nodes. What these may lie beside an arc is the mesh's
+//! resolution, by which strands may overlap.
 
 use std::collections::HashMap;
 
-use super::strains::{PlacedRod, element_length};
-use super::{Check, Subject, first_nodes};
-use crate::math::shape_functions::lagrange;
+use super::arcs::{Arc, Arcs};
+use super::{Check, Subject};
 use crate::math::{Vec3, parallel};
-use crate::scene::{ContactLaw, Model};
-use crate::solve::State;
+use crate::scene::ContactLaw;
 
-/// Turn of an arc, rad, at most, because two arcs that turn by less have one nearest pair of points.
-const MAX_TURN: f64 = 0.3;
-/// Arcs of a part between two nodes, at most.
-const MAX_ARCS: f64 = 8.0;
 /// Turning, rad, of a rod between two points that may touch, half of what Fenchel asks for, because turning is known by the arc
 /// only.
 const NEIGHBOURS: f64 = std::f64::consts::FRAC_PI_2;
@@ -40,9 +33,6 @@ const TOL_STEP: f64 = 1e-9;
 const LEVEL: f64 = 1e-7;
 /// Accuracy of gaps, in radii of the thinnest rod.
 const TOL_GAP: f64 = 1e-10;
-/// Distance of an element from smooth curves through its nodes, over node spacing × kink: an eighth for chords, a twelfth for
-/// cubics, whose error is 5.1e-4 r⁗H⁴ where kinks are 1.85e-2 r⁗H³; four times that, because meshes do not converge evenly.
-const BESIDE: f64 = 0.5;
 /// Overlap, in radii of the thinnest rod, that no mesh explains: drafts have .02.
 const MOST_BESIDE: f64 = 0.05;
 
@@ -58,163 +48,7 @@ pub(crate) struct OwnGap {
     pub(crate) arcs: [f64; 2],
 }
 
-/// A piece of the centreline of a rod: a cubic of the parameter t ∈ [0, 1], by its Taylor coefficients about `from`.
-#[derive(Debug, Clone, Copy)]
-struct Arc {
-    rod: usize,
-    /// Place along the rod.
-    index: usize,
-    from: Vec3,
-    c: [Vec3; 3],
-    radius: f64,
-    /// Largest distance from the chord \[L\].
-    sagitta: f64,
-    /// Reference arc length at t = 0, and of the whole \[L\].
-    arc: [f64; 2],
-    /// By how much smooth curves may lie beside it \[L\].
-    beside: f64,
-}
-
-impl Arc {
-    fn point(&self, t: f64) -> Vec3 {
-        self.from + (self.c[0] + (self.c[1] + self.c[2] * t) * t) * t
-    }
-
-    fn slope(&self, t: f64) -> Vec3 {
-        self.c[0] + (self.c[1] * 2.0 + self.c[2] * (3.0 * t)) * t
-    }
-
-    fn bend(&self, t: f64) -> Vec3 {
-        self.c[1] * 2.0 + self.c[2] * (6.0 * t)
-    }
-
-    fn end(&self) -> Vec3 {
-        self.point(1.0)
-    }
-
-    /// The part between two parameters.
-    fn part(&self, low: f64, high: f64) -> Self {
-        let h = high - low;
-        let c = [self.slope(low) * h, self.bend(low) * (0.5 * h * h), self.c[2] * (h * h * h)];
-        let arc = [self.arc[0] + low * self.arc[1], h * self.arc[1]];
-        let mut part = Self { from: self.point(low), c, arc, ..*self };
-        // |r″|/8 bounds the distance from the chord
-        part.sagitta = 0.125 * part.bend(0.0).norm().max(part.bend(1.0).norm());
-        part
-    }
-
-    /// A ball about it: centre, radius.
-    fn ball(&self) -> (Vec3, f64) {
-        let end = self.end();
-        ((self.from + end) * 0.5, 0.5 * (end - self.from).norm() + self.sagitta)
-    }
-}
-
-/// The arcs of one rod, in order, with the turning up to each.
-struct StrandArcs {
-    first: usize,
-    count: usize,
-    closed: bool,
-    /// Turning from the start to the start of each arc, and to the end, rad.
-    turning: Vec<f64>,
-}
-
-impl StrandArcs {
-    /// Turning between two arcs, both included; on a closed rod the smaller of both ways.
-    fn between(&self, a: usize, b: usize) -> f64 {
-        let (low, high) = (a.min(b), a.max(b));
-        let inside = self.turning[high + 1] - self.turning[low];
-        if !self.closed {
-            return inside;
-        }
-        let outside = self.turning[self.count] - self.turning[high] + self.turning[low + 1];
-        inside.min(outside)
-    }
-}
-
-/// Arcs of all rods that take part in contact.
-struct Arcs {
-    all: Vec<Arc>,
-    strands: Vec<Option<StrandArcs>>,
-}
-
 impl Arcs {
-    fn of(model: &Model, state: &State) -> Self {
-        let first = first_nodes(model);
-        let (mut all, mut strands): (Vec<Arc>, _) = (Vec::new(), Vec::new());
-        for (k, rod) in model.rods.iter().enumerate() {
-            if rod.section.contact_radius <= 0.0 {
-                strands.push(None);
-                continue;
-            }
-            let start = all.len();
-            let shape = PlacedRod::of(state, (k, rod), first[k]);
-            let of_element = |element: usize| arcs_of(&shape, k, element);
-            all.extend(parallel::map(rod.num_elements, parallel::CHEAP, &of_element).into_iter().flatten());
-            let arcs = &mut all[start..];
-            let count = arcs.len();
-            let kink = |arcs: &[Arc], i: usize| {
-                let next = if i + 1 < count { i + 1 } else { 0 };
-                let ends = !rod.closed && i + 1 == count;
-                if ends { 0.0 } else { arcs[i].slope(1.0).angle(&arcs[next].slope(0.0)) }
-            };
-            let mut turning = vec![0.0];
-            for i in 0..count {
-                let turned = arcs[i].slope(0.0).angle(&arcs[i].slope(1.0)) + kink(arcs, i);
-                turning.push(turning[i] + turned);
-            }
-            let kinks: Vec<f64> = (0..count).map(|i| kink(arcs, i)).collect();
-            for (i, arc) in arcs.iter_mut().enumerate() {
-                let before = if i > 0 {
-                    kinks[i - 1]
-                } else if rod.closed {
-                    kinks[count - 1]
-                } else {
-                    0.0
-                };
-                (arc.index, arc.beside) = (i, BESIDE * rod.spacing() * kinks[i].max(before));
-            }
-            // kinks are at the ends of elements only; all arcs of an element lie beside smooth curves
-            let per_node: Vec<f64> = arcs.iter().map(|arc| arc.beside).collect();
-            let length = element_length(rod);
-            let mut at = 0;
-            while at < count {
-                let element = ((arcs[at].arc[0] + 0.5 * arcs[at].arc[1]) / length) as usize;
-                let mut to = at;
-                while to < count && ((arcs[to].arc[0] + 0.5 * arcs[to].arc[1]) / length) as usize == element {
-                    to += 1;
-                }
-                let most = per_node[at..to].iter().copied().fold(0.0, f64::max);
-                arcs[at..to].iter_mut().for_each(|arc| arc.beside = most);
-                at = to;
-            }
-            strands.push(Some(StrandArcs { first: start, count, closed: rod.closed, turning }));
-        }
-        Self { all, strands }
-    }
-
-    /// The arcs before and after one along its rod.
-    fn beyond(&self, arc: &Arc) -> [Option<&Arc>; 2] {
-        let Some(strand) = &self.strands[arc.rod] else { return [None; 2] };
-        let at = |index: usize| self.all.get(strand.first + index);
-        let (last, wraps) = (strand.count - 1, strand.closed);
-        let before = if arc.index > 0 {
-            at(arc.index - 1)
-        } else if wraps {
-            at(last)
-        } else {
-            None
-        };
-        let after = if arc.index < last {
-            at(arc.index + 1)
-        } else if wraps {
-            at(0)
-        } else {
-            None
-        };
-        [before, after]
-    }
-
     fn are_neighbours(&self, a: &Arc, b: &Arc) -> bool {
         a.rod == b.rod && self.strands[a.rod].as_ref().is_none_or(|s| s.between(a.index, b.index) < NEIGHBOURS)
     }
@@ -256,32 +90,6 @@ impl Arcs {
         };
         (!slopes(a, u, 1.0) && !slopes(b, v, -1.0)).then(|| (w.norm() - a.radius - b.radius, [u, v]))
     }
-}
-
-/// The arcs of an element.
-fn arcs_of(shape: &PlacedRod, rod: usize, element: usize) -> Vec<Arc> {
-    let (of, nodes) = (shape.rod, shape.nodes(element));
-    let (order, length) = (of.order, element_length(of));
-    let start = shape.positions[nodes.index[0]] + shape.remainders.get(nodes.index[0]).copied().unwrap_or_default();
-    let at = |xi: f64| (0..=order).map(|a| nodes.r[a] * lagrange(order, xi).0[a]).sum::<Vec3>();
-    let slope = |xi: f64| (0..=order).map(|a| nodes.r[a] * lagrange(order, xi).1[a]).sum::<Vec3>();
-    // the polynomial by its values and slopes at both ends, exact up to order three
-    let (p0, p1, d0, d1) = (at(0.0), at(1.0), slope(0.0), slope(1.0));
-    let c = [d0, (p1 - p0) * 3.0 - d0 * 2.0 - d1, d0 + d1 - (p1 - p0) * 2.0];
-    let arc = [element as f64 * length, length];
-    let whole = Arc { rod, index: 0, from: start, c, radius: 0.0, sagitta: 0.0, arc, beside: 0.0 };
-    let mut arcs = Vec::with_capacity(2 * order);
-    for k in 0..order {
-        let [low, high] = [k, k + 1].map(|n| n as f64 / order as f64);
-        let turn = whole.slope(low).angle(&whole.slope(high));
-        let count = (turn / MAX_TURN).ceil().clamp(1.0, MAX_ARCS);
-        let radius = of.contact_radius_of(element * order + k);
-        for i in 0..count as usize {
-            let [t0, t1] = [i, i + 1].map(|i| low + (high - low) * (i as f64 / count));
-            arcs.push(Arc { radius, ..whole.part(t0, t1) });
-        }
-    }
-    arcs
 }
 
 /// Parameters of the nearest points of two chords (Ericson 2004, 5.1.9).
@@ -382,18 +190,14 @@ fn pairs(arcs: &Arcs, reach: f64) -> Vec<[u32; 2]> {
 }
 
 /// The smallest gap between strands, if it is below two diameters, and the check of all gaps.
-pub(crate) fn gaps(subject: &Subject) -> (Option<OwnGap>, Option<Check>) {
+pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Check>) {
     let (model, state) = (subject.model, subject.state);
-    if !model.contact.law.is_on() {
-        return (None, None);
-    }
-    let arcs = Arcs::of(model, state);
     let least = arcs.all.iter().map(|arc| arc.radius).fold(f64::INFINITY, f64::min);
     if !least.is_finite() {
         return (None, None);
     }
     let mut bounded: Vec<(f64, [u32; 2])> = {
-        let pairs = pairs(&arcs, MAX_GAP * least);
+        let pairs = pairs(arcs, MAX_GAP * least);
         let bound = |k: usize| (arcs.bound(pairs[k]), pairs[k]);
         parallel::map(pairs.len(), parallel::CHEAP, &bound)
     };

@@ -7,17 +7,22 @@
 //! | | |
 //! |---|---|
 //! | `supports` | supports hold what is prescribed, joined nodes coincide, frames are unit and turn by less than half a turn |
-//! | `balance` | forces and moments sum to zero, node by node, contact by contact, body by body |
+//! | `balance` | forces and moments sum to zero, node by node, contact by contact, body by body; energies are those of the strains |
+//! | `normals` | contact forces push along the normals of the sites |
 //! | `gaps` | the elements' own centrelines do not overlap |
 
+mod arcs;
 mod balance;
 mod gaps;
+mod normals;
 mod strains;
 mod supports;
 
 use std::fmt;
 
 pub(crate) use gaps::OwnGap;
+
+use arcs::Arcs;
 
 use crate::math::Vec3;
 use crate::scene::{Model, NodeRef};
@@ -27,7 +32,7 @@ use crate::solve::{Given, State};
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Check {
-    /// Name: "supports", "joints", "frames", "turning", "balance of nodes", "balance of bodies", …
+    /// Name: "supports", "joints", "frames", "turning", "balance of nodes", "balance of bodies", "energies", …
     pub name: String,
     /// Deviation, in the unit that `detail` says.
     pub value: f64,
@@ -59,6 +64,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) contact: Option<&'a [ContactForce]>,
     /// Reactions, as reported.
     pub(crate) reactions: &'a [SupportForce],
+    /// Energies of stretching, shearing, bending and twisting, as reported \[F·L\].
+    pub(crate) energies: [f64; 4],
     /// Penetration over the smallest contact radius, as reported: a penalty leaves it.
     pub(crate) penetration: f64,
 }
@@ -75,6 +82,20 @@ pub(crate) struct ContactForce {
     pub(crate) moment: Vec3,
     /// \[L\]
     pub(crate) at: Vec3,
+    pub(crate) partner: Counterpart,
+    /// ∫p ds \[F\].
+    pub(crate) carried: f64,
+}
+
+/// What a strand presses on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Counterpart {
+    /// A strand: rod and arc lengths.
+    Strand { rod: usize, arc: [f64; 2] },
+    /// The strand of the entry before.
+    Opposite,
+    /// A plane: its index.
+    Plane(usize),
 }
 
 /// Force and moment of a support on a node, as reported.
@@ -106,7 +127,12 @@ impl Certificate {
     pub(crate) fn of(subject: &Subject) -> (Self, Option<OwnGap>) {
         let mut checks = supports::checks(subject);
         checks.extend(balance::checks(subject));
-        let (gap, check) = gaps::gaps(subject);
+        if !subject.model.contact.law.is_on() {
+            return (Self { checks }, None);
+        }
+        let arcs = Arcs::of(subject.model, subject.state);
+        checks.extend(normals::check(subject, &arcs));
+        let (gap, check) = gaps::gaps(subject, &arcs);
         checks.extend(check);
         (Self { checks }, gap)
     }

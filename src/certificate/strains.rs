@@ -154,11 +154,11 @@ impl<'a> MaterialMatrix<'a> {
         Self { rod, start }
     }
 
-    /// n and m of a strain at a point of an element in the rod's own axes.
-    pub(super) fn stress(&self, element: usize, g: usize, strain: &[f64; 6]) -> [f64; 6] {
+    /// n and m of a strain at a point of an element in the rod's own axes, and the elastic part ε − ε₀ of the strain.
+    pub(super) fn stress(&self, element: usize, g: usize, strain: &[f64; 6]) -> ([f64; 6], [f64; 6]) {
         let natural = self.natural(element, g);
         let e: [f64; 6] = std::array::from_fn(|k| strain[k] - natural[k]);
-        match &self.rod.stiffness {
+        let stress = match &self.rod.stiffness {
             None => {
                 let s = &self.rod.section;
                 let c = [s.shearing[0], s.shearing[1], s.stretching, s.bending[0], s.bending[1], s.twisting];
@@ -168,7 +168,8 @@ impl<'a> MaterialMatrix<'a> {
                 let c = self.rod.on_element(along, if along.is_constant() { 0 } else { element })[g];
                 std::array::from_fn(|i| (0..6).map(|j| 0.5 * (c[(i, j)] + c[(j, i)]) * e[j]).sum())
             }
-        }
+        };
+        (stress, e)
     }
 
     fn natural(&self, element: usize, g: usize) -> [f64; 6] {
@@ -176,7 +177,7 @@ impl<'a> MaterialMatrix<'a> {
         match (&self.rod.natural, &self.start) {
             (Natural::Straight, _) => curved([0.0; 3]),
             (Natural::Uniform { kappa }, _) => curved(*kappa),
-            (Natural::Varying(along), _) => self.rod.on_element(along, element)[g].into(),
+            (Natural::Varying(along), _) => self.rod.natural_on_element(along, element)[g],
             (Natural::AsShaped, Some((frames, seam))) => {
                 let shape =
                     PlacedRod { rod: self.rod, positions: &self.rod.positions, remainders: &[], frames, seam: *seam };

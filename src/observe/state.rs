@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use crate::certificate::{Certificate, Check, ContactForce, OwnGap, Subject, SupportForce};
+use crate::certificate::{Certificate, Check, ContactForce, Counterpart, OwnGap, Subject, SupportForce};
 use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
 use crate::math::Vec3;
@@ -81,7 +81,7 @@ pub fn observe(progress: &Progress) -> Observation {
     let least = TOL_ENERGY * energies.total + rounding_of_energy(engine);
     let energy_released = if released > least { released } else { 0.0 };
     let reactions = reactions(engine, &residual);
-    let (mut certificate, gap) = certificate(progress, (&sites, &plane_sites), &reactions);
+    let (mut certificate, gap) = certificate(progress, (&sites, &plane_sites), &reactions, &energies);
     let (min_gap, contact_gap) = (gap.map(gap_report), contact_gap(engine));
     let (links, linking, knots) =
         (links(engine, &residual), knots::linking(engine), knots::knots(engine, contact_gap.as_ref()));
@@ -134,15 +134,21 @@ fn certificate(
     progress: &Progress,
     (sites, plane_sites): (&[SiteReport], &[PlaneSite]),
     reactions: &[Reaction],
+    energies: &Energies,
 ) -> (Certificate, Option<OwnGap>) {
     let strands = sites.iter().flat_map(|site| {
         let [force, moment, at] = [site.force_on_a, site.moment_on_a, site.feet[0]].map(Vec3::from);
-        let strand = |rod, arc, sign: f64| ContactForce { rod, arc, force: force * sign, moment: moment * sign, at };
-        [strand(site.rod_a, site.arc_a, 1.0), strand(site.rod_b, site.arc_b, -1.0)]
+        let strand = |rod, arc, sign: f64, partner| {
+            let (force, moment) = (force * sign, moment * sign);
+            ContactForce { rod, arc, force, moment, at, partner, carried: site.force }
+        };
+        let partner = Counterpart::Strand { rod: site.rod_b, arc: site.arc_b };
+        [strand(site.rod_a, site.arc_a, 1.0, partner), strand(site.rod_b, site.arc_b, -1.0, Counterpart::Opposite)]
     });
     let on_planes = plane_sites.iter().map(|site| {
         let [force, moment, at] = [site.force_on_rod, site.moment_on_rod, site.nearest].map(Vec3::from);
-        ContactForce { rod: site.rod, arc: site.arc, force, moment, at }
+        let partner = Counterpart::Plane(site.plane);
+        ContactForce { rod: site.rod, arc: site.arc, force, moment, at, partner, carried: site.force }
     });
     let contact: Vec<ContactForce> = strands.chain(on_planes).collect();
     let of_support = |at: &Reaction| SupportForce {
@@ -157,6 +163,7 @@ fn certificate(
         given: progress.given.map(|given| (given, progress.stage, progress.fraction)),
         contact: Some(&contact),
         reactions: &reactions,
+        energies: [energies.stretching, energies.shearing, energies.bending, energies.twisting],
         penetration: progress.report.penetration,
     };
     progress.engine.install(|| Certificate::of(&subject))

@@ -85,12 +85,14 @@ impl Resting {
         engine.set_state(self.state.clone()).unwrap();
         // past the engine, which would refuse or mend it
         engine.state = state;
-        let report = StepReport::settled();
+        let report = StepReport { num_unstable: seen.num_unstable, ..StepReport::settled() };
         let given = Some(&self.given);
         let progress =
             Progress { given, engine: &engine, stage: 0, step: 3, fraction: 1.0, report: &report, seconds: 0.0 };
-        let (mut certificate, _) = certificate(&progress, (&seen.sites, &seen.plane_sites), &seen.reactions);
+        let sites = (&seen.sites[..], &seen.plane_sites[..]);
+        let (mut certificate, _) = certificate(&progress, sites, &seen.reactions, &seen.energies);
         certificate.checks.extend(topology::kept(&progress, &seen.links, &seen.linking, &seen.knots).0);
+        certificate.checks.extend(stability(&progress));
         certificate.failures().map(|check| check.name.clone()).collect()
     }
 
@@ -134,18 +136,33 @@ fn each_broken_promise_fails_its_check_and_no_other() {
     });
     assert_eq!(long, ["frames"]);
     let turned = rest.failing(|state, _| state.frames[rest.first(HAND) + 18] *= exp(&(Vec3::z() * 2.9)));
-    assert_eq!(turned, ["turning", "balance of nodes"], "a twisted rod bears a moment");
+    assert_eq!(turned, ["turning", "balance of nodes", "energies"], "a twisted rod bears a moment");
 
     // a node out of balance, whose body is in balance; reports that are wrong
     let moved = rest.failing(|state, _| state.positions[rest.first(LOWER) + 4].x += 1e-6);
-    assert_eq!(moved, ["balance of nodes"]);
+    assert_eq!(moved, ["balance of nodes", "energies"]);
     let both = ["balance of nodes", "balance of bodies"];
     let twice = rest.failing(|_, seen| {
         let site = &mut seen.sites[0];
         site.force_on_a = site.force_on_a.map(|x| 2.0 * x);
         site.moment_on_a = site.moment_on_a.map(|x| 2.0 * x);
     });
-    assert_eq!(twice, both);
+    assert_eq!(twice, ["balance of nodes", "balance of bodies", "normals"]);
+    // along the rod, which slides, and in the direction of a force that pulls
+    for (axis, turns) in [(Vec3::y(), 0.1), (Vec3::x(), 0.5)] {
+        let tilted = rest.failing(|_, seen| {
+            let site = &mut seen.sites[0];
+            site.force_on_a = (exp(&(axis * (TAU * turns))) * Vec3::from(site.force_on_a)).into();
+        });
+        assert_eq!(tilted, ["balance of nodes", "balance of bodies", "normals"]);
+    }
+    assert_eq!(
+        rest.failing(|_, seen| seen.sites[0].force *= 0.99),
+        ["normals"],
+        "pressure carries less than the force"
+    );
+    assert_eq!(rest.failing(|_, seen| seen.energies.bending *= 1.0 + 1e-9), ["energies"]);
+    assert_eq!(rest.failing(|_, seen| seen.energies.stretching = 0.0), ["energies"]);
     assert_eq!(rest.failing(|_, seen| seen.sites[0].feet[0][0] += 2e-2), both, "a force on another line");
     assert_eq!(rest.failing(|_, seen| seen.sites.clear()), both);
     assert_eq!(rest.failing(|_, seen| seen.reactions[0].moment[1] += 1.0), both);
@@ -156,10 +173,24 @@ fn each_broken_promise_fails_its_check_and_no_other() {
     let near = rest.failing(|state, _| rest.carried(state, OTHER, &none, &(Vec3::z() * -0.0598)));
     assert_eq!(near, Vec::<String>::new());
 
+    assert_eq!(rest.failing(|_, seen| seen.num_unstable = 1), ["stability"]);
+
     // another link, linking number or knot
     assert_eq!(rest.failing(|_, seen| seen.links[0].link += 1.0), ["topology"]);
     assert_eq!(rest.failing(|_, seen| seen.linking[0].link += 1.0), ["topology"]);
     assert_eq!(rest.failing(|_, seen| seen.knots.iter_mut().for_each(|k| k.name = "3_1".to_owned())), ["topology"]);
+}
+
+/// Without contact what a search leaves is rounding, and a hundred-thousandth of a force is seen.
+#[test]
+fn without_contact_balance_is_sharp() {
+    let rods = vec![line("arm", [0.0; 3], Vec3::x(), RADIUS)];
+    let [start, end] = [0, 18].map(|node| NodeRef { rod: 0, node });
+    let loads = vec![NodeLoad { node: end, force: Vec3::new(0.3, 2.0, -1.0), moment: Vec3::x() * 0.1 }];
+    let model = Model { rods, supports: vec![Support::clamp(start)], loads, ..Model::default() };
+    let rest = at_rest(model, &[Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps: 3 }]);
+    let broken = rest.failing(|_, seen| seen.reactions[0].force[1] *= 1.0 + 1e-5);
+    assert_eq!(broken, ["balance of nodes", "balance of bodies"]);
 }
 
 /// Without contact strands may pass through each other, and a knot may slip off an open rod: that is noted, and no check
