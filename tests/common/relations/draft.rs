@@ -59,13 +59,20 @@ impl Draft {
         let folder = dir.join(&self.name);
         let refuse = |error: std::io::Error| InputError::File { path: folder.clone(), reason: error.to_string() };
         std::fs::create_dir_all(&folder).map_err(refuse)?;
-        let mut writer = Writer::new(self, mesh);
-        if self.has("shaped") {
-            writer.measure(&folder)?;
-        }
-        writer.first_rod();
-        // where the others begin depends on the nodes of the first
-        writer.place(&writer.read(&folder)?);
+        let begun = |mesh: Mesh| {
+            let mut writer = Writer::new(self, mesh);
+            if self.has("shaped") {
+                writer.measure(&folder)?;
+            }
+            writer.first_rod();
+            let scene = writer.read(&folder)?;
+            Ok::<_, InputError>((writer, scene))
+        };
+        // where other rods and the floor begin follows from one mesh, so that scenes on any mesh are the same
+        let (_, plain) = begun(Mesh::Times(1))?;
+        let (mut writer, own) = begun(mesh)?;
+        writer.place(&plain);
+        writer.nodes.clone_from(&own.model.rods[0].positions);
         writer.other_rods();
         writer.supports();
         writer.loads();
@@ -188,10 +195,20 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
+    /// An element for each step of the sequence of an open rod, because natural strains jump from step to step.
+    fn element_each(&self) -> String {
+        let Mesh::Times(times) = self.mesh else { return String::new() };
+        format!("elements = {}\norder = {}", times * (self.letters.len() - 1), self.order())
+    }
+
+    fn order(&self) -> usize {
+        ["linear", "quadratic", "cubic"].iter().position(|order| self.has(order)).unwrap_or(2) + 1
+    }
+
     /// Elements for so many of them in a cubic mesh.
     fn elements(&self, cubic: usize) -> String {
         let Mesh::Times(times) = self.mesh else { return String::new() };
-        let order = ["linear", "quadratic", "cubic"].iter().position(|order| self.has(order)).unwrap_or(2) + 1;
+        let order = self.order();
         // as many nodes for any order
         let elements = times * 3 * cubic / order;
         format!("elements = {elements}\norder = {order}")
@@ -215,7 +232,8 @@ impl<'a> Writer<'a> {
         self.line(&section);
         let natural = self.natural();
         self.line(&natural);
-        let elements = self.elements(8);
+        let each = self.has("sequence") && !self.has("closed");
+        let elements = if each { self.element_each() } else { self.elements(8) };
         self.line(&elements);
     }
 
@@ -342,15 +360,14 @@ impl<'a> Writer<'a> {
 
     /// Takes from the first rod what others are placed by.
     fn place(&mut self, scene: &Scene) {
-        let rod = &scene.model.rods[0];
-        self.nodes.clone_from(&rod.positions);
-        let count = self.nodes.len();
+        let nodes = &scene.model.rods[0].positions;
+        let count = nodes.len();
         let middle = if self.has("closed") { 3 * count / 4 } else { count / 2 };
-        let tangent = (self.nodes[(middle + 1) % count] - self.nodes[middle - 1]).normalize();
+        let tangent = (nodes[(middle + 1) % count] - nodes[middle - 1]).normalize();
         let away = if self.has("planar") { tangent.cross(&Vec3::z()) } else { -Vec3::z() };
-        self.crossing = [self.nodes[middle], tangent, away];
+        self.crossing = [nodes[middle], tangent, away];
         let height = |p: &Vec3| -p.dot(&self.down);
-        self.lowest = self.nodes.iter().map(height).fold(f64::INFINITY, f64::min) - 1.3 * self.radius;
+        self.lowest = nodes.iter().map(height).fold(f64::INFINITY, f64::min) - 1.3 * self.radius;
     }
 
     fn other_rods(&mut self) {

@@ -11,7 +11,42 @@ pub struct Known {
     pub reason: &'static str,
 }
 
-pub const KNOWN: &[Known] = &[];
+pub const KNOWN: &[Known] = &[
+    Known {
+        relation: Relation::Converges,
+        scenes: &["030"],
+        reason: "an open rod falls across a clamped one onto a floor, tips and slides off: the search leaves the floor behind",
+    },
+    Known {
+        relation: Relation::Steps,
+        scenes: &["021", "126"],
+        reason: "a closed sequence of four turns has several stable states that differ in the register of its bends: \
+                 which of them is found depends on the steps",
+    },
+    Known {
+        relation: Relation::Converges,
+        scenes: &["127"],
+        reason: "24 linear elements overlap by 6.5e-2 contact radii between nodes, beyond what the certificate lets pass as the \
+                 mesh's resolution",
+    },
+    Known {
+        relation: Relation::File,
+        scenes: &["058"],
+        reason: "a ring falls onto a clamped rod and a floor: 546 iterations, or with other last bits the search runs away",
+    },
+    Known {
+        relation: Relation::FinerLinear,
+        scenes: &["023", "142"],
+        reason: "the tension of a rod between clamps is EA times a strain, and linear elements have that to second order: it \
+                 falls to a quarter with each doubling",
+    },
+    Known { relation: Relation::Finer, scenes: &["093"], reason: "the same for quadratic elements" },
+    Known {
+        relation: Relation::Presets,
+        scenes: &["140"],
+        reason: "a table of natural curvature has a kink inside an element: positions are 6 times as far off as stated",
+    },
+];
 
 /// Whether the failure is listed.
 pub fn is_known(relation: Relation, scene: &str) -> bool {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
-use supercoil::observe::report::Observation;
+use supercoil::observe::report::{Observation, Reaction};
 use supercoil::scene::NodeRef;
 use supercoil::solve::{Options, Status, run};
 
@@ -38,17 +38,12 @@ impl Run {
     }
 }
 
-/// Most Newton iterations of a step, so that a scene that does not converge does not take all the time.
-const MAX_ITERATIONS: usize = 80;
-
-/// Smallest step, for the same reason.
+/// Smallest step, so that a scene that does not converge does not take all the time.
 const MIN_STEP: f64 = 0.25;
 
 /// Options of all runs.
 pub fn options() -> Options {
-    let mut options = Options { threads: Some(1), min_step: MIN_STEP, ..Options::default() };
-    options.newton.max_iterations = MAX_ITERATIONS;
-    options
+    Options { threads: Some(1), min_step: MIN_STEP, ..Options::default() }
 }
 
 pub fn play(problem: &Problem) -> Run {
@@ -69,8 +64,12 @@ pub fn play_with(problem: &Problem, options: &Options) -> Run {
     match run(problem.model.clone(), &problem.stages, options, &mut watch) {
         Err(error) => Run::failed(error.to_string()),
         Ok(solution) => {
-            let ending = solution.failure.as_ref().map_or_else(|| solution.status.to_string(), ToString::to_string);
-            let converged = solution.status == Status::Converged && states.len() == problem.stages.len() + 1;
+            let failing = states.iter().find(|state: &&State| state.seen.status != "converged");
+            let certified =
+                failing.map_or_else(|| solution.status.to_string(), |state| state.seen.certificate.to_string());
+            let ending = solution.failure.as_ref().map_or(certified, ToString::to_string);
+            let all = states.len() == problem.stages.len() + 1;
+            let converged = solution.status == Status::Converged && failing.is_none() && all;
             Run { states, ending, converged, released }
         }
     }
@@ -125,7 +124,8 @@ impl Scales {
         let rod = &problem.model.rods[0];
         let (length, [a, b]) = (rod.length, rod.section.bending);
         let seen = &state.seen;
-        let forces = seen.reactions.iter().map(|it| Vec3::from(it.force).norm());
+        let size = |it: &Reaction| Vec3::from(it.force).norm().max(Vec3::from(it.moment).norm() / length);
+        let forces = seen.reactions.iter().map(size);
         let force = forces.fold(seen.total_contact_force, f64::max);
         let least = LEAST * a.min(b) / length;
         Self { length, force: force.max(least / length), energy: seen.energies.total.abs().max(least) }
@@ -157,6 +157,25 @@ fn energies(first: &State, second: &State, variant: &Variant) -> f64 {
         [e.stretching, e.shearing, e.bending, e.twisting, e.contact, e.electrostatic, e.total]
     };
     largest(all(first).iter().zip(all(second)).map(|(a, b)| a - b / unit))
+}
+
+/// A quantity of two states that differ, each in its own terms.
+pub fn shown(quantity: Quantity, first: &State, second: &State) -> String {
+    let of = |state: &State| {
+        let seen = &state.seen;
+        match quantity {
+            Quantity::Energy => format!("{:?}", seen.energies),
+            Quantity::Reaction => {
+                let all =
+                    seen.reactions.iter().map(|it| format!("{} {}: {:?}", it.rod, it.node, (it.force, it.moment)));
+                all.collect::<Vec<_>>().join("; ")
+            }
+            Quantity::Contact => format!("{} and {}", seen.total_contact_force, seen.contact_resultants),
+            Quantity::Link => format!("{:?}", seen.links),
+            Quantity::Position | Quantity::Ending => format!("{} unstable, {:?}", seen.num_unstable, seen.notes),
+        }
+    };
+    format!("{}\n        {}\n        {}", quantity.name(), of(first), of(second))
 }
 
 fn positions(first: &State, second: &State, variant: &Variant) -> f64 {

@@ -223,18 +223,24 @@ const FAR: f64 = 40.0;
 /// Thickness of the idle rod over that of the thickest, so that it stays thicker where a radius is ramped.
 const THICKER: f64 = 1.5;
 
-/// With a clamped, straight, unloaded rod far away, before all others. It is thicker and as stiff as the thickest and
-/// stiffest, and meshed as finely, so that the contact law is the same.
+/// Bending stiffness of the idle rod over that of the stiffest, so that it stays stiffer where stiffness is ramped.
+const STIFFER: f64 = 2.0;
+
+/// With a clamped, straight, unloaded rod far away and above all planes, before all others. It is thicker and stiffer than the
+/// thickest and stiffest, and meshed as finely, so that the contact law is the same.
 pub fn with_idle_rod(problem: &Problem) -> Variant {
     let rods = &problem.model.rods;
     let most = |of: &dyn Fn(&Rod) -> f64| rods.iter().map(of).fold(0.0, f64::max);
     let bending = most(&|rod| rod.section.bending[0].max(rod.section.bending[1]));
     let stretching = most(&|rod| rod.section.stretching);
     let radius = THICKER * most(&|rod| rod.section.contact_radius);
+    let bending = STIFFER * bending;
     let section = Section::isotropic(bending, bending, stretching, stretching, radius);
     let spacing = rods.iter().map(Rod::spacing).fold(f64::INFINITY, f64::min);
     let length = rods[0].length;
-    let line = Shape::Line { start: rods[0].positions[0] + Vec3::x() * (FAR * length), direction: Vec3::x(), length };
+    let up: Vec3 = problem.model.planes.iter().map(|plane| plane.normal).sum();
+    let start = rods[0].positions[0] + (Vec3::x() * FAR + up) * length;
+    let line = Shape::Line { start, direction: Vec3::x(), length };
     let elements = (length / spacing / 3.0).ceil() as usize + 1;
     let idle = Rod::new("idle", &line, RodMesh::open(elements, 3), section, Natural::Straight);
     let idle = idle.unwrap_or_else(|error| panic!("{error}"));
