@@ -557,7 +557,7 @@ fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, 
         say(format_args!("energy {total:.4} pN nm, {in_kt:.4} kT at {temperature} K{stiff}"));
     }
     if let Some(estimate) = &outcome.error_estimate {
-        say(format_args!("{estimate}"));
+        say(format_args!("{}", estimate.in_units(units)));
     }
     if let Some(last) = outcome.steps.last().filter(|_| outcome.status == Status::Converged) {
         say(format_args!("{}", last.certificate));

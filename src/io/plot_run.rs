@@ -8,6 +8,7 @@ use crate::error::InputError;
 use super::csv::legend_of;
 use super::picture::{PlotSpec, Series, SeriesStyle, plot_lines};
 use super::record::check_finished;
+use super::table::PRESCRIBED;
 
 /// Tables of a run: along its steps, or along the rods of its final state.
 pub const PLOTTED: [&str; 4] = ["table", "resultants", "lines", "sites"];
@@ -19,6 +20,8 @@ pub struct RunTable {
     pub columns: Vec<String>,
     /// Units of the columns that have one.
     pub units: BTreeMap<String, String>,
+    /// Columns that stages prescribe.
+    prescribed: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
@@ -50,7 +53,19 @@ impl RunTable {
         let (_, legend) = read(&legend_of(&file))?;
         let unit = |row: &Vec<String>| Some((row.first()?.clone(), row.get(1)?.clone()));
         let units = legend.iter().filter_map(unit).filter(|(_, unit)| !unit.is_empty()).collect();
-        Ok(Self { columns, units, rows })
+        let is_prescribed = |row: &&Vec<String>| row.get(2).is_some_and(|meaning| meaning == PRESCRIBED);
+        let prescribed = legend.iter().filter(is_prescribed).filter_map(|row| row.first().cloned()).collect();
+        Ok(Self { columns, units, prescribed, rows })
+    }
+
+    /// Number of rows.
+    pub(super) fn num_rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether stages prescribe a column; excess link has one whether they do or not.
+    pub(super) fn is_prescribed(&self, column: &str) -> bool {
+        self.prescribed.iter().any(|name| name == column) || column.ends_with("excess_link")
     }
 
     /// The rows of one rod, by its name.

@@ -14,6 +14,8 @@ mod columns;
 mod resultants;
 
 pub use columns::Columns;
+#[cfg(feature = "runs")]
+pub(super) use columns::PRESCRIBED;
 pub(super) use resultants::{ResultantsOf, write_resultants};
 
 /// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod, or of

@@ -1,6 +1,7 @@
 //! A-posteriori error estimates of states, from further equilibria on a finer mesh and with a stiffer contact law.
 
 use crate::error::InputError;
+use crate::scene::Units;
 use crate::solve::{Progress, Solver, Status, StepReport};
 
 use super::report::Observation;
@@ -91,6 +92,17 @@ pub struct ErrorEstimate {
 /// One of the compared quantities.
 type DifferenceOf = fn(&Differences) -> Option<f64>;
 
+/// What is compared: name, dimension, value.
+const QUANTITIES: [(&str, &str, DifferenceOf); 7] = [
+    ("energy", "F L", |d| Some(d.energy)),
+    ("positions", "L", |d| d.position),
+    ("writhe", "turns", |d| d.writhe),
+    ("twisting moment", "F L", |d| d.twisting_moment),
+    ("contact force", "F", |d| d.contact_force),
+    ("reaction forces", "F", |d| d.reaction_force),
+    ("reaction moments", "F L", |d| d.reaction_moment),
+];
+
 impl ErrorEstimate {
     /// Both parts of one quantity together; `None` if a part is missing or the model has no such quantity.
     pub fn total(&self, of: impl Fn(&Differences) -> Option<f64>) -> Option<f64> {
@@ -104,38 +116,36 @@ impl ErrorEstimate {
 
 impl std::fmt::Display for ErrorEstimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(f, "error estimate            mesh      contact law")?;
-        let quantities: [(&str, DifferenceOf); 7] = [
-            ("energy", |d| Some(d.energy)),
-            ("positions", |d| d.position),
-            ("writhe", |d| d.writhe),
-            ("twisting moment", |d| d.twisting_moment),
-            ("contact force", |d| d.contact_force),
-            ("reaction forces", |d| d.reaction_force),
-            ("reaction moments", |d| d.reaction_moment),
-        ];
+        f.write_str(&self.in_units(&Units::default()))
+    }
+}
+
+impl ErrorEstimate {
+    /// The estimate as a table for reading, each line with its unit.
+    pub fn in_units(&self, units: &Units) -> String {
+        let (law, mut lines) =
+            (self.contact_law.as_ref(), vec!["error estimate            mesh  contact law".to_owned()]);
         let part = |comparison: Option<&Comparison>, of: DifferenceOf| {
             let value = comparison.and_then(|c| c.error.as_ref()).and_then(of);
             value.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
         };
-        for (name, of) in quantities {
-            let (mesh, law) = (part(Some(&self.mesh), of), part(self.contact_law.as_ref(), of));
+        for (name, dimension, of) in QUANTITIES {
+            let [mesh, law] = [Some(&self.mesh), law].map(|comparison| part(comparison, of));
             if mesh != "-" || law != "-" {
-                writeln!(f, "  {name:<18}{mesh:>12}{law:>14}")?;
+                lines.push(format!("  {name:<18}{mesh:>10}{law:>13}  {}", units.of(dimension)));
             }
         }
-        for (name, comparison) in [("finer mesh", Some(&self.mesh)), ("harder law", self.contact_law.as_ref())] {
+        for (name, comparison) in [("finer mesh", Some(&self.mesh)), ("harder law", law)] {
             if let Some(Comparison { status, error: None, .. }) = comparison {
-                writeln!(f, "  no state on the {name}: {status}")?;
+                lines.push(format!("  no state on the {name}: {status}"));
             }
         }
-        if let Some(penetration) = self.penetration {
-            writeln!(f, "  penetration over the contact radius {penetration:.1e}")?;
-        }
-        if self.contact_law.is_some() {
-            writeln!(f, "  in contact: an estimate; the error may be up to {COVERS} times the sum of both")?;
-        }
-        write!(f, "  relative residual {:.1e}", self.residual)
+        lines.extend(self.penetration.map(|depth| format!("  penetration over the contact radius {depth:.1e}")));
+        lines.extend(
+            law.map(|_| format!("  in contact: an estimate; the error may be up to {COVERS} times the sum of both")),
+        );
+        lines.push(format!("  relative residual {:.1e}", self.residual));
+        lines.join("\n")
     }
 }
 

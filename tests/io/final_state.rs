@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use supercoil::io::view::{MAX_NODES, of_run};
 use supercoil::math::{Quat, Vec3};
 
 use crate::program::{folder, number, run, supercoil, table};
@@ -72,6 +73,7 @@ fn resultants_balance_the_load() {
         assert!((force - n).norm() < 1e-3 && (moment - m).norm() < 1e-3, "node {k}: {force:?} {n:?}, {moment:?} {m:?}");
     }
     plots_and_surface(&out);
+    page_of_open_rods(&out);
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
@@ -106,6 +108,23 @@ fn plots_and_surface(out: &Path) {
     let exact = std::f64::consts::PI * (0.0025 * 3.0 + 2.0 * 4.0 / 3.0 * 0.000_125);
     let volume: f64 = (0..count).map(volume).sum();
     assert!((volume / exact - 1.0).abs() < 0.03, "{volume} {exact}");
+}
+
+/// The page has the numbers of the table that change, and plots them against what the stages ramp.
+fn page_of_open_rods(out: &Path) {
+    let film = of_run(out, MAX_NODES).unwrap();
+    let names: Vec<&str> = film.table.columns.iter().map(|(name, _)| name.as_str()).collect();
+    let (columns, rows) = table(&out.join("table.csv"));
+    for (k, name) in names.iter().enumerate() {
+        let values: Vec<f64> = rows.iter().map(|row| row[*name].parse().unwrap_or(f64::NAN)).collect();
+        let shown: Vec<f64> = film.table.rows.iter().map(|row| row[k]).collect();
+        assert_eq!(format!("{values:?}"), format!("{shown:?}"), "{name}");
+        assert!(*name == "step" || values.windows(2).any(|pair| pair[0] != pair[1]), "{name} never changes");
+    }
+    assert!(names.contains(&"a_extension") && !names.contains(&"b_extension"), "{names:?} of {columns:?}");
+    let plotted: Vec<Vec<&str>> = film.plots.iter().map(|plot| plot.y.iter().map(|&y| names[y]).collect()).collect();
+    assert!(film.plots.iter().all(|plot| names[plot.x] == "load"), "{names:?}");
+    assert!(plotted.contains(&vec!["a_extension"]), "{plotted:?}");
 }
 
 /// Completions and manual know the commands.

@@ -11,6 +11,9 @@ use crate::scene::Scene;
 use crate::scene::ramped::{axis_of, place_name, prescribed, ramped_name};
 use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
 
+/// Meaning of columns that stages prescribe.
+pub(in crate::io) const PRESCRIBED: &str = "prescribed by the stages";
+
 type CellOfStep = Box<dyn Fn(&Observation) -> Cell + Send + Sync>;
 
 struct RunColumn {
@@ -106,9 +109,7 @@ impl Columns {
     fn prescribed(&mut self, model: &Model, stages: &[Stage]) {
         for quantity in prescribed(model, stages) {
             let name = quantity.name.clone();
-            self.add(&name, quantity.unit, "prescribed by the stages", move |step| {
-                requested(quantity.at(step.stage, step.fraction))
-            });
+            self.add(&name, quantity.unit, PRESCRIBED, move |step| requested(quantity.at(step.stage, step.fraction)));
         }
     }
 

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use crate::error::InputError;
 use crate::io::detail::{BLOCK, within};
 use crate::io::picture::DrawnPlane;
+use crate::io::plot_run::RunTable;
 use crate::io::record::{RodHead, VIEW, plane_heights, read_summary, step_of};
 use crate::io::vtk::{VtkData, read_vtp};
 use crate::math::Vec3;
@@ -34,7 +35,7 @@ struct FilmSummary {
     steps: Vec<Observation>,
 }
 
-/// The film of the run in the folder `dir`: all steps with a VTK file, and the numbers of `summary.json`.
+/// The film of the run in the folder `dir`: all steps with a VTK file, and the numbers of `table.csv` that change.
 ///
 /// More than `max_nodes` nodes (all frames together) are reduced. First every other step is left out until 12 are left,
 /// the last one always included. Then nodes within a tolerance of the line through the others are left out: a hundredth
@@ -69,7 +70,7 @@ pub(in crate::io) struct Parts<'a> {
     pub steps: &'a [Observation],
 }
 
-/// [`of_run`] with a given summary.
+/// [`of_run`] with a given summary; `table.csv` must be written.
 pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<Film, InputError> {
     let files = step_files(dir, run.steps.len())?;
     let Some((_, first)) = files.first() else {
@@ -97,7 +98,7 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
     let reduced = note(&frames, files.len(), num_nodes, tolerance, run.units);
     let note = [certificate, reduced].join(" ").trim().to_owned();
     let head = |head: &RodHead| FilmRod { name: head.name.clone(), closed: head.closed };
-    let (table, plots) = table(run.steps, run.units);
+    let (table, plots) = table(dir)?;
     let (title, units, planes) = (run.title.to_owned(), run.units.clone(), run.planes.to_vec());
     Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), planes, frames, table, plots, note })
 }
@@ -201,49 +202,66 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
     notes.join(" ")
 }
 
-/// The columns that are looked at, named as in `table.csv`, and their plots.
-fn table(steps: &[Observation], units: &Units) -> (FilmTable, Vec<Plot>) {
-    let energy = format!("{} {}", units.force, units.length);
-    let (turns, none) = ("turns".to_owned(), String::new());
-    let linked = steps.iter().flat_map(|step| &step.links).any(|link| link.excess_link != 0.0);
-    let mut columns = vec![("step", none.clone())];
-    if linked {
-        columns.extend([("excess_link", turns.clone()), ("writhe", turns.clone()), ("twist", turns)]);
-    }
-    let first = columns.len();
-    columns.extend(
-        ["bending_energy", "twisting_energy", "stretching_energy", "shearing_energy"]
-            .map(|name| (name, energy.clone())),
-    );
-    columns.extend([
-        ("min_gap", units.length.clone()),
-        ("num_sites", none.clone()),
-        ("contact_force", units.force.clone()),
-    ]);
-    columns.extend([("num_unstable", none.clone()), ("iterations", none)]);
-    let row = |step: &Observation| {
-        let (e, link) = (&step.energies, step.links.first());
-        let mut row = vec![step.step as f64];
-        if linked {
-            row.extend(
-                [link.map(|l| l.excess_link), link.map(|l| l.writhe), link.map(|l| l.twist)]
-                    .map(|x| x.unwrap_or(f64::NAN)),
-            );
-        }
-        row.extend([e.bending, e.twisting, e.stretching, e.shearing]);
-        row.push(step.min_gap.map_or(f64::NAN, |gap| gap.lower));
-        row.extend([step.num_sites as f64, step.total_contact_force, step.num_unstable as f64, step.iterations as f64]);
-        row
+/// Columns of `table.csv` that tell a reader of the page nothing beside the others.
+const NOT_SHOWN: [&str; 6] =
+    ["stage", "fraction", "penetration", "contact_resultants", "iterations_on_other_meshes", "seconds"];
+/// What is plotted, by the endings of the columns' names, each group in a plot of its own: what DNA, tweezers, cables and
+/// beams are looked at for.
+const PLOTS: [&[&str]; 6] = [
+    &["writhe", "twist"],
+    &["extension"],
+    &["torque", "seam_moment"],
+    &["bending_energy", "twisting_energy"],
+    &["contact_force"],
+    &["force_x", "force_y", "force_z"],
+];
+/// Most plots beside the table.
+const MOST_PLOTS: usize = 5;
+
+/// The numbers of `table.csv` that change from step to step (of a single step, those that are not zero), and plots of them
+/// against what the last stage changes.
+fn table(dir: &Path) -> Result<(FilmTable, Vec<Plot>), InputError> {
+    let run = RunTable::read(dir)?;
+    let is_told = |name: &str, values: &[f64]| match values {
+        [only] => *only != 0.0 && only.is_finite(),
+        _ => varies(values) || name == "step",
     };
-    let rows: Vec<Vec<f64>> = steps.iter().map(row).collect();
-    // against what changes
-    let varies = |column: usize| rows.windows(2).any(|pair| pair[0][column] != pair[1][column]);
-    let x = usize::from(linked && varies(1));
-    let mut plots = vec![Plot { x, y: (first..first + 2).collect() }, Plot { x, y: vec![first + 6] }];
-    if linked {
-        plots.insert(0, Plot { x, y: vec![2, 3] });
-    }
-    plots.iter_mut().for_each(|plot| plot.y.retain(|&y| rows.iter().any(|row| row[y] != 0.0)));
-    plots.retain(|plot| !plot.y.is_empty());
-    (FilmTable { columns: columns.into_iter().map(|(name, unit)| (name.to_owned(), unit)).collect(), rows }, plots)
+    let shown = run.columns.iter().filter(|name| !NOT_SHOWN.contains(&name.as_str()));
+    let shown: Vec<(&String, Vec<f64>)> = shown
+        .filter_map(|name| Some((name, run.numbers(name).ok()?)))
+        .filter(|(name, values)| is_told(name, values))
+        .collect();
+    let last_stage = last_stage(&run);
+    let is_prescribed =
+        |(name, values): &(&String, Vec<f64>)| run.is_prescribed(name) && varies(&values[last_stage.clone()]);
+    let x = shown.iter().position(is_prescribed).unwrap_or(0);
+    let ends_in = |endings: &[&str]| -> Vec<usize> {
+        let is_of = |name: &str| endings.iter().any(|ending| name == *ending || name.ends_with(&format!("_{ending}")));
+        let is_excess = |name: &str| name.contains("excess");
+        (0..shown.len()).filter(|&k| k != x && is_of(shown[k].0) && !is_excess(shown[k].0)).collect()
+    };
+    let plots = PLOTS.iter().map(|endings| Plot { x, y: ends_in(endings) }).filter(|plot| !plot.y.is_empty());
+    let plots = plots.take(MOST_PLOTS).collect();
+    let unit = |name: &String| run.units.get(name).cloned().unwrap_or_default();
+    let rows = (0..run.num_rows()).map(|row| shown.iter().map(|(_, values)| values[row]).collect()).collect();
+    let columns = shown.iter().map(|(name, _)| ((*name).clone(), unit(name))).collect();
+    Ok((FilmTable { columns, rows }, plots))
+}
+
+/// Change of a column, over its largest number, that is more than rounding.
+const CHANGE: f64 = 1e-9;
+
+/// Whether a column's numbers change; becoming blank is a change, too.
+fn varies(values: &[f64]) -> bool {
+    let largest = values.iter().filter(|x| x.is_finite()).fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let differ = |a: f64, b: f64| (a - b).abs() > CHANGE * largest || a.is_finite() != b.is_finite();
+    values.windows(2).any(|pair| differ(pair[0], pair[1]))
+}
+
+/// Rows of the last stage, with the state that it begins at.
+fn last_stage(run: &RunTable) -> std::ops::Range<usize> {
+    let stages = run.numbers("stage").unwrap_or_default();
+    let last = stages.last().copied().unwrap_or(0.0);
+    let first = stages.iter().position(|stage| *stage == last).unwrap_or(0);
+    first.saturating_sub(1)..run.num_rows()
 }
